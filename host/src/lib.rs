@@ -1,0 +1,1 @@
+//! From recordings to a model file: reading, training, distilling, quantizing, measuring.

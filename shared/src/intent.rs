@@ -1,0 +1,134 @@
+//! What a hand can want to do: the vocabulary that recordings, models and the device share.
+
+/// Most classes that a model may tell apart.
+pub const MAX_CLASSES: usize = 6;
+
+/// One intent. The numbers are those of the paper's data sets, in the three-class and in the
+/// six-class vocabulary alike.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[repr(u8)]
+pub enum Intent {
+    /// The hand rests. Also the device's safe state.
+    Relax = 0,
+    /// The hand opens.
+    Open = 1,
+    /// The hand closes to a fist.
+    Close = 2,
+    /// The wrist flexes.
+    WaveIn = 3,
+    /// The wrist extends.
+    WaveOut = 4,
+    /// Thumb and finger meet.
+    Pinch = 5,
+}
+
+impl Intent {
+    /// Every intent, in the order of the class numbers.
+    pub const ALL: [Self; MAX_CLASSES] = [
+        Self::Relax,
+        Self::Open,
+        Self::Close,
+        Self::WaveIn,
+        Self::WaveOut,
+        Self::Pinch,
+    ];
+
+    /// The class number, 0..=5.
+    #[must_use]
+    pub const fn class(self) -> usize {
+        self as usize
+    }
+
+    /// The intent of a class number; none from 6 on.
+    #[must_use]
+    pub const fn from_class(class: usize) -> Option<Self> {
+        if class < MAX_CLASSES {
+            Some(Self::ALL[class])
+        } else {
+            None
+        }
+    }
+
+    /// Name on the UART line and in every table.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Relax => "relax",
+            Self::Open => "open",
+            Self::Close => "close",
+            Self::WaveIn => "wave-in",
+            Self::WaveOut => "wave-out",
+            Self::Pinch => "pinch",
+        }
+    }
+
+    /// The intent of a name as [`Intent::name`] writes it.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|intent| intent.name() == name)
+    }
+}
+
+/// The intents that a model tells apart: the first three, or all six.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Vocabulary {
+    /// relax, open, close.
+    Three,
+    /// The three, wave-in, wave-out and pinch.
+    Six,
+}
+
+impl Vocabulary {
+    /// Number of classes: 3 or 6.
+    #[must_use]
+    pub const fn classes(self) -> usize {
+        match self {
+            Self::Three => 3,
+            Self::Six => 6,
+        }
+    }
+
+    /// The vocabulary of that many classes.
+    #[must_use]
+    pub const fn with_classes(classes: usize) -> Option<Self> {
+        match classes {
+            3 => Some(Self::Three),
+            6 => Some(Self::Six),
+            _ => None,
+        }
+    }
+
+    /// The intents in class order.
+    #[must_use]
+    pub fn intents(self) -> &'static [Intent] {
+        &Intent::ALL[..self.classes()]
+    }
+
+    /// Whether the intent is one of the vocabulary.
+    #[must_use]
+    pub const fn contains(self, intent: Intent) -> bool {
+        intent.class() < self.classes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_classes_lead_back_to_their_intent() {
+        for intent in Intent::ALL {
+            assert_eq!(Intent::from_name(intent.name()), Some(intent));
+            assert_eq!(Intent::from_class(intent.class()), Some(intent));
+        }
+        assert_eq!(Intent::from_class(6), None);
+        assert_eq!(Intent::from_name("fist"), None);
+    }
+
+    #[test]
+    fn three_classes_hold_neither_wave_nor_pinch() {
+        assert!(Vocabulary::Three.contains(Intent::Close));
+        assert!(!Vocabulary::Three.contains(Intent::WaveIn));
+        assert_eq!(Vocabulary::with_classes(4), None);
+    }
+}

@@ -1,0 +1,11 @@
+//! Everything between an armband's notification and a steady label.
+//!
+//! No heap, no clock, no hardware: the same code runs in the tests, in `myointent replay`, in the
+//! emulated Cortex-M4F and on the board.
+#![no_std]
+#![deny(missing_docs)]
+#![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
+#![deny(unsafe_code)]
+
+pub mod intent;
+pub mod units;

@@ -1,0 +1,78 @@
+//! The quantities of the stream: what a sample is, how long a window is, how time is counted.
+
+/// Electrodes of the armband, in ring order.
+pub const CHANNELS: usize = 8;
+/// Samples per second and channel (`EMG data 0..3` together).
+pub const SAMPLE_RATE_HZ: u32 = 200;
+/// Milliseconds between two samples.
+pub const SAMPLE_PERIOD_MS: u32 = 1000 / SAMPLE_RATE_HZ;
+/// Samples that the model looks at: 3 s.
+pub const WINDOW: usize = 600;
+/// Samples that the encoder takes at once: 50 ms.
+pub const PATCH: usize = 10;
+/// Patches in a window.
+pub const WINDOW_PATCHES: usize = WINDOW / PATCH;
+/// Patches that every encoder step speaks about: the newest and the five before it.
+pub const LOOK_BACK: usize = 6;
+/// Default look-ahead of the smoother, in samples (paper: 0.25 s).
+pub const LOOK_AHEAD: usize = 50;
+/// Default hold of the smoother, in samples (paper: 0.1 s).
+pub const HOLD: usize = 20;
+
+const _: () = assert!(WINDOW.is_multiple_of(PATCH));
+const _: () = assert!(LOOK_AHEAD == (LOOK_BACK - 1) * PATCH);
+
+/// One instant of raw EMG as the armband sends it, channel 1 first, -128..=127.
+pub type Sample = [i8; CHANNELS];
+
+/// One instant after median and rectification, 0..=128; the model's input is this over 128.
+pub type CleanSample = [u8; CHANNELS];
+
+/// Position of a sample in its stream, 0 first; wraps after 248 days.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
+pub struct SampleIndex(pub u32);
+
+impl SampleIndex {
+    /// The index `samples` later.
+    #[must_use]
+    pub const fn plus(self, samples: u32) -> Self {
+        Self(self.0.wrapping_add(samples))
+    }
+
+    /// Samples from `earlier` to `self`, right across a wrap.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> u32 {
+        self.0.wrapping_sub(earlier.0)
+    }
+}
+
+/// Milliseconds of the caller's clock; wraps after 49 days.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Millis(pub u32);
+
+impl Millis {
+    /// The instant `milliseconds` later.
+    #[must_use]
+    pub const fn plus(self, milliseconds: u32) -> Self {
+        Self(self.0.wrapping_add(milliseconds))
+    }
+
+    /// Milliseconds from `earlier` to `self`, right across a wrap.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> u32 {
+        self.0.wrapping_sub(earlier.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_survive_the_wrap() {
+        assert_eq!(SampleIndex(3).since(SampleIndex(u32::MAX - 1)), 5);
+        assert_eq!(SampleIndex(u32::MAX).plus(2), SampleIndex(1));
+        assert_eq!(Millis(10).since(Millis(u32::MAX - 9)), 20);
+        assert_eq!(Millis(u32::MAX).plus(1), Millis(0));
+    }
+}

@@ -1,0 +1,1 @@
+//! Where the tests find their reference numbers and recordings.
