@@ -1,1 +1,12 @@
 //! From recordings to a model file: reading, training, distilling, quantizing, measuring.
+
+pub mod corpus;
+pub mod estimate;
+pub mod fit;
+pub mod interrupt;
+pub mod preset;
+pub mod progress;
+pub mod run_folder;
+pub mod schedule;
+pub mod student;
+pub mod teacher;

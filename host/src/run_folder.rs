@@ -1,0 +1,267 @@
+//! A run's folder: the preset as it ran, metrics as JSON lines, checkpoints.
+//!
+//! Everything is written under a temporary name and renamed when whole, so that an interrupted run
+//! leaves the last complete checkpoint.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{BufReader, Write as _};
+use std::path::{Path, PathBuf};
+
+use burn::module::Module;
+use burn::optim::ModuleOptimizer;
+use burn::store::ModuleRecord;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use thiserror::Error;
+
+/// What can go wrong in a run's folder.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// A file cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// A file does not hold what it should.
+    #[error(
+        "{path}: {reason}; it was written by another version or is damaged, run the step again"
+    )]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        reason: String,
+    },
+    /// The run was interrupted; checkpoints up to the last complete epoch are kept.
+    #[error("interrupted; continue with the same command and --resume (run folder {path})")]
+    Interrupted {
+        /// The run's folder.
+        path: PathBuf,
+    },
+}
+
+/// The folder of one run.
+#[derive(Clone, Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// Opens the folder, making it if it is not there.
+    ///
+    /// # Errors
+    /// When the folder cannot be made.
+    pub fn open(path: impl Into<PathBuf>) -> Result<Self, RunError> {
+        let path = path.into();
+        fs::create_dir_all(&path).map_err(|source| RunError::Io {
+            path: path.clone(),
+            source,
+        })?;
+        Ok(Self { path })
+    }
+
+    /// Path of a file in the folder.
+    #[must_use]
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// The folder itself.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The error that ends an interrupted run.
+    #[must_use]
+    pub fn interrupted(&self) -> RunError {
+        RunError::Interrupted {
+            path: self.path.clone(),
+        }
+    }
+
+    /// Appends one JSON line to a metrics file.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn append(&self, name: &str, line: &impl Serialize) -> Result<(), RunError> {
+        let path = self.file(name);
+        let io = |source| RunError::Io {
+            path: path.clone(),
+            source,
+        };
+        let json = serde_json::to_string(line).map_err(|error| RunError::Content {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        let mut file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&path)
+            .map_err(io)?;
+        writeln!(file, "{json}").map_err(io)
+    }
+
+    /// Keeps the metrics lines that `keep` accepts: a resumed run repeats what came after its checkpoint.
+    ///
+    /// # Errors
+    /// When the file cannot be read or written.
+    pub fn retain_lines(
+        &self,
+        name: &str,
+        keep: impl Fn(&serde_json::Value) -> bool,
+    ) -> Result<(), RunError> {
+        let path = self.file(name);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+            Err(source) => return Err(RunError::Io { path, source }),
+        };
+        let kept: String = text
+            .lines()
+            .filter(|line| serde_json::from_str(line).is_ok_and(|value| keep(&value)))
+            .flat_map(|line| [line, "\n"])
+            .collect();
+        write_whole(&path, kept.as_bytes())
+    }
+
+    /// Lines of a metrics file; none if there is no such file.
+    ///
+    /// # Errors
+    /// When a line is not what it should be.
+    pub fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
+        let path = self.file(name);
+        let Ok(text) = fs::read_to_string(&path) else {
+            return Ok(Vec::new());
+        };
+        text.lines()
+            .map(|line| {
+                serde_json::from_str(line).map_err(|error| RunError::Content {
+                    path: path.clone(),
+                    reason: error.to_string(),
+                })
+            })
+            .collect()
+    }
+
+    /// Writes a JSON file.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save_json(&self, name: &str, value: &impl Serialize) -> Result<(), RunError> {
+        let path = self.file(name);
+        let json = serde_json::to_string_pretty(value).map_err(|error| RunError::Content {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        write_whole(&path, json.as_bytes())
+    }
+
+    /// Reads a JSON file.
+    ///
+    /// # Errors
+    /// When the file is missing or not what it should be.
+    pub fn load_json<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
+        let path = self.file(name);
+        let file = File::open(&path).map_err(|source| RunError::Io {
+            path: path.clone(),
+            source,
+        })?;
+        serde_json::from_reader(BufReader::new(file)).map_err(|error| RunError::Content {
+            path,
+            reason: error.to_string(),
+        })
+    }
+
+    /// Writes a model's weights as `NAME.bpk`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save_model(&self, name: &str, model: &impl Module) -> Result<(), RunError> {
+        let path = self.file(&format!("{name}.bpk"));
+        let bytes =
+            model
+                .clone()
+                .into_record()
+                .into_bytes()
+                .map_err(|error| RunError::Content {
+                    path: path.clone(),
+                    reason: error.to_string(),
+                })?;
+        write_whole(&path, &bytes)
+    }
+
+    /// Reads weights into a model of the same shape.
+    ///
+    /// # Errors
+    /// When the file is missing, damaged or of another shape.
+    pub fn load_model<M: Module>(&self, name: &str, model: M) -> Result<M, RunError> {
+        load_model(&self.file(&format!("{name}.bpk")), model)
+    }
+
+    /// Writes an optimizer's state.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save_optimizer(&self, name: &str, optimizer: &ModuleOptimizer) -> Result<(), RunError> {
+        let path = self.file(&format!("{name}.bpk"));
+        let bytes = optimizer.into_bytes().map_err(|error| RunError::Content {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        write_whole(&path, &bytes)
+    }
+
+    /// Reads an optimizer's state.
+    ///
+    /// # Errors
+    /// When the file is missing or damaged.
+    pub fn load_optimizer(
+        &self,
+        name: &str,
+        optimizer: ModuleOptimizer,
+    ) -> Result<ModuleOptimizer, RunError> {
+        let path = self.file(&format!("{name}.bpk"));
+        optimizer.load(&path).map_err(|error| RunError::Content {
+            path,
+            reason: error.to_string(),
+        })
+    }
+}
+
+/// Reads weights from a file into a model of the same shape.
+///
+/// # Errors
+/// When the file is missing, damaged or of another shape.
+pub fn load_model<M: Module>(path: &Path, model: M) -> Result<M, RunError> {
+    let content = |reason: String| RunError::Content {
+        path: path.to_owned(),
+        reason,
+    };
+    File::open(path).map_err(|source| RunError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let record = ModuleRecord::load(path).map_err(|error| content(error.to_string()))?;
+    model
+        .try_load_record(record)
+        .map_err(|error| content(error.to_string()))
+}
+
+/// Writes a file under a temporary name and renames it when whole.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
+    let io = |source| RunError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    fs::write(&partial, bytes).map_err(io)?;
+    fs::rename(&partial, path).map_err(io)
+}

@@ -1,0 +1,2 @@
+pub mod distillation;
+pub mod model;

@@ -1,0 +1,6 @@
+//! The paper's transformer, whole: masks, tasks, model, training (ReactEMG, arXiv 2506.19815).
+
+pub mod masking;
+pub mod model;
+pub mod training;
+pub mod window;

@@ -1,0 +1,246 @@
+//! The masked transformer over EMG and intent tokens.
+//!
+//! With a patch of 1 this is the paper's network, layer for layer; with a patch of 10 samples are
+//! grouped before the encoder and unfolded after it, which makes it a CPU's work. Everything else
+//! is the same code.
+
+use burn::module::{Module, Param};
+use burn::nn::{
+    Dropout, DropoutConfig, Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig,
+};
+use burn::tensor::activation::{gelu, softmax};
+use burn::tensor::{Device, Tensor};
+use serde::{Deserialize, Serialize};
+use shared::units::{CHANNELS, WINDOW};
+
+/// Dimensions of a teacher.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TeacherConfig {
+    /// Samples in a token: 1 in the paper, 10 on a CPU. Divides the window of 600.
+    pub patch: usize,
+    /// Width of a token.
+    pub d_model: usize,
+    /// Attention heads; divides `d_model`.
+    pub heads: usize,
+    /// Encoder layers.
+    pub layers: usize,
+    /// Hidden width of the feed-forward blocks.
+    pub feed_forward: usize,
+    /// Dropout of the feed-forward blocks and after attention.
+    pub dropout: f64,
+    /// Dropout on the attention weights; the paper uses the same number for both.
+    pub attention_dropout: f64,
+}
+
+impl TeacherConfig {
+    /// Tokens of one modality.
+    #[must_use]
+    pub fn tokens(&self) -> usize {
+        WINDOW / self.patch
+    }
+
+    /// A fresh model for `classes` intents; MASK is one class more.
+    #[must_use]
+    pub fn init(&self, classes: usize, device: &Device) -> Teacher {
+        let d = self.d_model;
+        let small = Initializer::Normal {
+            mean: 0.0,
+            std: 0.02,
+        };
+        Teacher {
+            emg_embedding: LinearConfig::new(CHANNELS * self.patch, d).init(device),
+            emg_norm: LayerNormConfig::new(d).init(device),
+            emg_mask: small.init([d], device),
+            emg_modality: small.init([d], device),
+            intent_modality: small.init([d], device),
+            position: small.init([self.tokens(), d], device),
+            intent_embedding: Initializer::Normal {
+                mean: 0.0,
+                std: 1.0,
+            }
+            .init([classes + 1, d], device),
+            layers: (0..self.layers).map(|_| self.layer(device)).collect(),
+            emg_head: LinearConfig::new(d, CHANNELS * self.patch).init(device),
+            intent_head: LinearConfig::new(d, (classes + 1) * self.patch).init(device),
+        }
+    }
+
+    fn layer(&self, device: &Device) -> TeacherLayer {
+        let d = self.d_model;
+        TeacherLayer {
+            norm1: LayerNormConfig::new(d).init(device),
+            qkv: LinearConfig::new(d, 3 * d).init(device),
+            out: LinearConfig::new(d, d).init(device),
+            norm2: LayerNormConfig::new(d).init(device),
+            linear1: LinearConfig::new(d, self.feed_forward).init(device),
+            linear2: LinearConfig::new(self.feed_forward, d).init(device),
+            dropout: DropoutConfig::new(self.dropout).init(),
+            attention_dropout: DropoutConfig::new(self.attention_dropout).init(),
+            heads: self.heads,
+        }
+    }
+}
+
+/// The paper's model: two token sequences of one window, concatenated, encoded together.
+#[derive(Module, Debug)]
+pub struct Teacher {
+    emg_embedding: Linear,
+    emg_norm: LayerNorm,
+    emg_mask: Param<Tensor<1>>,
+    emg_modality: Param<Tensor<1>>,
+    intent_modality: Param<Tensor<1>>,
+    position: Param<Tensor<2>>,
+    intent_embedding: Param<Tensor<2>>,
+    layers: Vec<TeacherLayer>,
+    emg_head: Linear,
+    intent_head: Linear,
+}
+
+/// One pre-norm encoder layer.
+#[derive(Module, Debug)]
+pub struct TeacherLayer {
+    norm1: LayerNorm,
+    qkv: Linear,
+    out: Linear,
+    norm2: LayerNorm,
+    linear1: Linear,
+    linear2: Linear,
+    dropout: Dropout,
+    attention_dropout: Dropout,
+    heads: usize,
+}
+
+/// What a teacher sees of a batch of `b` windows, in tokens of `patch` samples.
+#[derive(Clone, Debug)]
+pub struct TeacherInput {
+    /// Cleaned EMG over 128, `[b, tokens, patch * 8]`, sample after sample.
+    pub emg: Tensor<3>,
+    /// 1 where the token's EMG is hidden, `[b, tokens, 1]`.
+    pub emg_mask: Tensor<3>,
+    /// Share of each class in the token's samples, MASK last, `[b, tokens, classes + 1]`.
+    pub intent: Tensor<3>,
+    /// 1 for windows whose attention is blocked (self-supervised), `[b]`; none if there are none.
+    pub blocked: Option<Tensor<1>>,
+}
+
+/// What a teacher answers.
+#[derive(Clone, Debug)]
+pub struct TeacherOutput {
+    /// Reconstructed EMG, `[b, tokens, patch * 8]`.
+    pub emg: Tensor<3>,
+    /// Logits per sample, MASK last, `[b, 600, classes + 1]`.
+    pub intent: Tensor<3>,
+}
+
+impl Teacher {
+    /// Runs a batch of windows through the encoder.
+    #[must_use]
+    pub fn forward(&self, input: TeacherInput) -> TeacherOutput {
+        let [batch, tokens, width] = input.emg.dims();
+        let [classes, d] = self.intent_embedding.dims();
+        let position = self.position.val().unsqueeze::<3>();
+
+        // The mask vector replaces the token after the norm, so it is itself not normed.
+        let emg = self.emg_norm.forward(self.emg_embedding.forward(input.emg));
+        let hidden = input.emg_mask.clone() * self.emg_mask.val().reshape([1, 1, d]);
+        let emg = emg * (input.emg_mask * -1.0 + 1.0)
+            + hidden
+            + self.emg_modality.val().reshape([1, 1, d])
+            + position.clone();
+
+        let intent = input
+            .intent
+            .reshape([batch * tokens, classes])
+            .matmul(self.intent_embedding.val())
+            .reshape([batch, tokens, d])
+            + self.intent_modality.val().reshape([1, 1, d])
+            + position;
+
+        let mut x = Tensor::cat(vec![emg, intent], 1);
+        let block = input.blocked.map(|blocked| Block::new(blocked, tokens));
+        for layer in &self.layers {
+            x = layer.forward(x, block.as_ref());
+        }
+        let emg = x.clone().slice([0..batch, 0..tokens]);
+        let intent = x.slice([0..batch, tokens..2 * tokens]);
+        TeacherOutput {
+            emg: self.emg_head.forward(emg),
+            intent: self.intent_head.forward(intent).reshape([
+                batch,
+                tokens * width / CHANNELS,
+                classes,
+            ]),
+        }
+    }
+
+    /// Number of output classes, MASK included.
+    #[must_use]
+    pub fn classes(&self) -> usize {
+        self.intent_embedding.dims()[0]
+    }
+}
+
+/// Blocked attention of some windows of a batch: nobody looks at an intent, and intents look at
+/// nobody, which leaves them a zero attention result.
+struct Block {
+    /// Added to the scores, `[b, 1, 1, 2 tokens]`.
+    bias: Tensor<4>,
+    /// Multiplies the attention result, `[b, 2 tokens, 1]`.
+    keep: Tensor<3>,
+}
+
+impl Block {
+    fn new(blocked: Tensor<1>, tokens: usize) -> Self {
+        let [batch] = blocked.dims();
+        let device = blocked.device();
+        let intents = Tensor::<1>::cat(
+            vec![
+                Tensor::zeros([tokens], &device),
+                Tensor::ones([tokens], &device),
+            ],
+            0,
+        );
+        let cells = blocked.reshape([batch, 1]) * intents.reshape([1, 2 * tokens]);
+        Self {
+            bias: (cells.clone() * -1e9).reshape([batch, 1, 1, 2 * tokens]),
+            keep: (cells * -1.0 + 1.0).reshape([batch, 2 * tokens, 1]),
+        }
+    }
+}
+
+impl TeacherLayer {
+    fn forward(&self, x: Tensor<3>, block: Option<&Block>) -> Tensor<3> {
+        let attended = self.attention(self.norm1.forward(x.clone()), block);
+        let x = x + self.dropout.forward(attended);
+        let hidden = gelu(self.linear1.forward(self.norm2.forward(x.clone())));
+        let hidden = self.linear2.forward(self.dropout.forward(hidden));
+        x + self.dropout.forward(hidden)
+    }
+
+    fn attention(&self, x: Tensor<3>, block: Option<&Block>) -> Tensor<3> {
+        let [batch, tokens, d] = x.dims();
+        let width = d / self.heads;
+        let qkv = self
+            .qkv
+            .forward(x)
+            .reshape([batch, tokens, 3, self.heads, width])
+            .permute([2, 0, 3, 1, 4]);
+        let part = |i: usize| qkv.clone().slice([i..i + 1]).squeeze_dim::<4>(0);
+        // Scaling the queries touches d values a token instead of one a pair.
+        let query = part(0) * (1.0 / (width as f32).sqrt());
+        let mut scores = query.matmul(part(1).swap_dims(2, 3));
+        if let Some(block) = block {
+            scores = scores + block.bias.clone();
+        }
+        let weights = self.attention_dropout.forward(softmax(scores, 3));
+        let mut attended = weights
+            .matmul(part(2))
+            .swap_dims(1, 2)
+            .reshape([batch, tokens, d]);
+        if let Some(block) = block {
+            attended = attended * block.keep.clone();
+        }
+        self.out.forward(attended)
+    }
+}

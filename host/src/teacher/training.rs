@@ -1,0 +1,248 @@
+//! Trains a teacher on windows, tasks and masks that are renewed each epoch.
+
+use burn::tensor::activation::log_softmax;
+use burn::tensor::{Device, Tensor};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use shared::units::WINDOW;
+
+use super::masking::Task;
+use super::model::{Teacher, TeacherOutput};
+use super::window::{Batch, Example, batch, examples, inference_input};
+use crate::corpus::{Augmentation, Corpus, Variation};
+use crate::estimate::{best_class, numbers};
+use crate::fit::{Learner, Pace, Part, fit};
+use crate::interrupt::Interrupt;
+use crate::run_folder::{RunError, RunFolder};
+
+/// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.
+pub const NAME: &str = "teacher";
+
+/// How a teacher is trained.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TeacherTraining {
+    /// Samples between the starts of two windows.
+    pub stride: usize,
+    /// Passes over all examples.
+    pub epochs: usize,
+    /// Examples a step.
+    pub batch: usize,
+    /// Peak learning rate.
+    pub learning_rate: f64,
+    /// Share of the steps that the rate rises.
+    pub warm_up: f64,
+    /// Decoupled weight decay, on every parameter.
+    pub weight_decay: f32,
+    /// Tasks; every window is presented once as each.
+    pub tasks: Vec<Task>,
+    /// Variations of the training windows; none in the paper.
+    pub augmentation: Option<Augmentation>,
+}
+
+struct TeacherLearner<'a> {
+    patch: usize,
+    corpus: &'a Corpus,
+    validation: &'a Corpus,
+    config: &'a TeacherTraining,
+    examples: Vec<Example>,
+    checks: Vec<Example>,
+    seed: u64,
+    device: &'a Device,
+}
+
+/// Trains a model of `patch` samples a token.
+///
+/// # Errors
+/// When the folder cannot be written or the user interrupts.
+#[expect(clippy::too_many_arguments, reason = "a run is what these say")]
+pub fn train(
+    model: Teacher,
+    patch: usize,
+    corpus: &Corpus,
+    validation: &Corpus,
+    config: &TeacherTraining,
+    seed: u64,
+    device: &Device,
+    run: &RunFolder,
+    resume: bool,
+    interrupt: &Interrupt,
+) -> Result<Teacher, RunError> {
+    let learner = TeacherLearner {
+        patch,
+        corpus,
+        validation,
+        config,
+        examples: examples(corpus, config.stride, &config.tasks),
+        checks: examples(validation, config.stride, &config.tasks),
+        seed,
+        device,
+    };
+    let pace = Pace {
+        epochs: config.epochs,
+        learning_rate: config.learning_rate,
+        warm_up: config.warm_up,
+        weight_decay: config.weight_decay,
+        seed,
+    };
+    fit(&learner, model, pace, device, run, resume, interrupt)
+}
+
+impl Learner for TeacherLearner<'_> {
+    type Model = Teacher;
+    type Item = Vec<Example>;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Self::Item> {
+        let mut order = self.examples.clone();
+        order.shuffle(rng);
+        order
+            .chunks(self.config.batch)
+            .map(<[Example]>::to_vec)
+            .collect()
+    }
+
+    fn steps(&self) -> usize {
+        self.examples.len().div_ceil(self.config.batch)
+    }
+
+    fn loss(
+        &self,
+        model: &Teacher,
+        item: &Self::Item,
+        rng: &mut ChaCha8Rng,
+    ) -> (Tensor<1>, Vec<Part>) {
+        let variation = self.config.augmentation.as_ref();
+        let batch = batch(self.corpus, item, self.patch, variation, rng, self.device);
+        let (emg, intent) = losses(&model.forward(batch.input.clone()), &batch);
+        let total = emg.clone() + intent.clone();
+        (total, parts(emg, intent, &batch))
+    }
+
+    fn validate(&self, model: &Teacher) -> (f64, Vec<Part>) {
+        let device = self.device.clone().inner();
+        // The same masks every epoch, so that the losses of two epochs can be compared.
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let (mut emg_sum, mut intent_sum) = (Sum::default(), Sum::default());
+        for examples in self.checks.chunks(self.config.batch) {
+            let batch = batch(
+                self.validation,
+                examples,
+                self.patch,
+                None,
+                &mut rng,
+                &device,
+            );
+            let (emg, intent) = losses(&model.forward(batch.input.clone()), &batch);
+            emg_sum.add(numbers(emg)[0], batch.emg_cells);
+            intent_sum.add(numbers(intent)[0], batch.intent_samples);
+        }
+        let accuracy = self.accuracy(model, &device);
+        let parts = vec![
+            Part {
+                name: "emg",
+                mean: emg_sum.mean(),
+                weight: 1.0,
+            },
+            Part {
+                name: "intent",
+                mean: intent_sum.mean(),
+                weight: 1.0,
+            },
+            Part {
+                name: "accuracy",
+                mean: accuracy,
+                weight: 1.0,
+            },
+        ];
+        (emg_sum.mean() + intent_sum.mean(), parts)
+    }
+}
+
+impl TeacherLearner<'_> {
+    /// Share of labelled samples that the model names rightly when it sees EMG alone.
+    fn accuracy(&self, model: &Teacher, device: &Device) -> f64 {
+        let classes = self.validation.vocabulary.classes();
+        let mut windows: Vec<_> = self.checks.iter().map(|example| example.window).collect();
+        windows.dedup();
+        let mut right = Sum::default();
+        for windows in windows.chunks(self.config.batch) {
+            let mut emg = Vec::new();
+            let mut labels = Vec::new();
+            for window in windows {
+                let stream = &self.validation.streams[window.stream];
+                let range = window.start..window.start + WINDOW;
+                Variation::NONE.write(&stream.emg[range.clone()], &mut emg);
+                labels.extend_from_slice(&stream.labels[range]);
+            }
+            let logits = numbers(
+                model
+                    .forward(inference_input(emg, self.patch, classes, device))
+                    .intent,
+            );
+            for (row, label) in logits.chunks_exact(classes + 1).zip(labels) {
+                if let Some(intent) = label {
+                    right.add(
+                        f32::from(u8::from(best_class(&row[..classes]) == intent.class())),
+                        1,
+                    );
+                }
+            }
+        }
+        right.mean()
+    }
+}
+
+/// EMG and intent loss of a batch, each a mean over the masked cells of the whole batch; a term
+/// without masked cells is 0. Their sum is trained on.
+#[must_use]
+pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
+    let difference = output.emg.clone() - batch.emg_target.clone();
+    let emg = (difference.square() * batch.input.emg_mask.clone()).sum()
+        * (1.0 / batch.emg_cells.max(1) as f64);
+    let log_probabilities = log_softmax(output.intent.clone(), 2)
+        .gather(2, batch.intent_target.clone().unsqueeze_dim(2))
+        .squeeze_dim::<2>(2);
+    let intent = (log_probabilities * batch.intent_weight.clone()).sum()
+        * (-1.0 / batch.intent_samples.max(1) as f64);
+    (emg, intent)
+}
+
+fn parts(emg: Tensor<1>, intent: Tensor<1>, batch: &Batch) -> Vec<Part> {
+    let mean = |loss: Tensor<1>| f64::from(numbers(loss)[0]);
+    vec![
+        Part {
+            name: "emg",
+            mean: mean(emg),
+            weight: batch.emg_cells as f64,
+        },
+        Part {
+            name: "intent",
+            mean: mean(intent),
+            weight: batch.intent_samples as f64,
+        },
+    ]
+}
+
+/// A mean over cells that come batch by batch.
+#[derive(Default)]
+struct Sum {
+    total: f64,
+    cells: f64,
+}
+
+impl Sum {
+    fn add(&mut self, mean: f32, cells: usize) {
+        self.total += f64::from(mean) * cells as f64;
+        self.cells += cells as f64;
+    }
+
+    fn mean(&self) -> f64 {
+        self.total / self.cells.max(1.0)
+    }
+}
