@@ -7,5 +7,9 @@
 #![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
 #![deny(unsafe_code)]
 
+pub mod arithmetic;
 pub mod intent;
+pub mod preprocess;
+pub mod ring;
+pub mod smoother;
 pub mod units;
