@@ -9,7 +9,10 @@
 
 pub mod arithmetic;
 pub mod intent;
+pub mod pipeline;
 pub mod preprocess;
+pub mod report_line;
 pub mod ring;
+pub mod safe_state;
 pub mod smoother;
 pub mod units;
