@@ -7,5 +7,12 @@
 #![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
 #![deny(unsafe_code)]
 
+pub mod arithmetic;
 pub mod intent;
+pub mod pipeline;
+pub mod preprocess;
+pub mod report_line;
+pub mod ring;
+pub mod safe_state;
+pub mod smoother;
 pub mod units;

@@ -1,0 +1,126 @@
+//! The last 3 s of clean samples, kept as whole patches, and how many of them follow one another.
+
+use crate::units::{CHANNELS, CleanSample, PATCH, WINDOW, WINDOW_PATCHES};
+
+/// The model's window: the newest 600 samples, in patches counted from the last reset.
+///
+/// A patch lies in one piece: it never wraps around the ring's end, because the window is a whole
+/// number of patches and a reset starts at the ring's first place.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SampleRing {
+    patches: [[CleanSample; PATCH]; WINDOW_PATCHES],
+    /// Where the patch under way lies, 0..60.
+    current: usize,
+    /// Its samples so far, 0..10.
+    filled: usize,
+    /// Saturates: after 248 days it is still "more than enough".
+    contiguous: u32,
+}
+
+impl SampleRing {
+    /// An empty ring.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            patches: [[[0; CHANNELS]; PATCH]; WINDOW_PATCHES],
+            current: 0,
+            filled: 0,
+            contiguous: 0,
+        }
+    }
+
+    /// Takes a sample; gives the patch that it completes, every tenth sample since the last reset.
+    pub fn push(&mut self, sample: CleanSample) -> Option<&[CleanSample; PATCH]> {
+        self.patches[self.current][self.filled] = sample;
+        self.contiguous = self.contiguous.saturating_add(1);
+        self.filled += 1;
+        if self.filled < PATCH {
+            return None;
+        }
+        let completed = self.current;
+        self.filled = 0;
+        self.current = (self.current + 1) % WINDOW_PATCHES;
+        Some(&self.patches[completed])
+    }
+
+    /// Forgets everything, as after a gap: what came before does not join what comes next.
+    pub fn reset(&mut self) {
+        self.current = 0;
+        self.filled = 0;
+        self.contiguous = 0;
+    }
+
+    /// Samples since the last reset.
+    #[must_use]
+    pub const fn contiguous(&self) -> u32 {
+        self.contiguous
+    }
+
+    /// Whether the window is full of contiguous samples.
+    #[must_use]
+    pub const fn is_full(&self) -> bool {
+        self.contiguous >= WINDOW as u32
+    }
+
+    /// Whole patches, oldest first: 60 when a patch has just completed in a full ring, 59 while
+    /// the next one overwrites the oldest.
+    pub fn patches(&self) -> impl Iterator<Item = &[CleanSample; PATCH]> {
+        let whole = if self.is_full() {
+            WINDOW_PATCHES - usize::from(self.filled > 0)
+        } else {
+            self.current
+        };
+        let oldest = self.current + WINDOW_PATCHES - whole;
+        (oldest..oldest + whole).map(|place| &self.patches[place % WINDOW_PATCHES])
+    }
+}
+
+impl Default for SampleRing {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    fn numbered(number: usize) -> CleanSample {
+        [(number % 129) as u8; CHANNELS]
+    }
+
+    #[test]
+    fn whole_patches_are_those_of_a_plain_list() {
+        let mut ring = SampleRing::new();
+        let mut list = Vec::new();
+        for reset_after in [7, 600, 605, 1_291] {
+            ring.reset();
+            list.clear();
+            for number in 0..reset_after {
+                list.push(numbered(number));
+                let completed = ring.push(numbered(number)).copied();
+                let newest = list
+                    .len()
+                    .is_multiple_of(PATCH)
+                    .then(|| list.last_chunk::<PATCH>().copied())
+                    .flatten();
+                assert_eq!(completed, newest);
+
+                let whole: Vec<_> = list.as_chunks::<PATCH>().0.iter().collect();
+                let under_way = usize::from(!list.len().is_multiple_of(PATCH));
+                let kept = if list.len() > WINDOW {
+                    WINDOW_PATCHES - under_way
+                } else {
+                    whole.len()
+                };
+                let expected = &whole[whole.len() - kept..];
+                assert_eq!(ring.patches().collect::<Vec<_>>(), expected);
+                assert_eq!(ring.contiguous() as usize, list.len());
+                assert_eq!(ring.is_full(), list.len() >= WINDOW);
+            }
+        }
+    }
+}
