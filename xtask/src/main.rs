@@ -1,0 +1,39 @@
+//! The project's own build steps, run as `cargo xtask STEP`.
+//!
+//! Steps that plain cargo cannot express: they choose a toolchain and look at what came out.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+mod firmware;
+mod size;
+mod toolchain;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// Build steps of the workspace that plain cargo cannot express.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    step: Step,
+}
+
+#[derive(Subcommand)]
+enum Step {
+    /// Builds the board's image and prints what it takes of flash and RAM.
+    BuildFirmware(firmware::Arguments),
+    /// Says which toolchain would build the board's image, and installs it if asked.
+    Toolchain {
+        /// Installs what is missing, as root, with apt-get.
+        #[arg(long)]
+        install: bool,
+    },
+}
+
+fn main() -> Result<()> {
+    match Arguments::parse().step {
+        Step::BuildFirmware(arguments) => firmware::build(&arguments),
+        Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
+    }
+}

@@ -1,0 +1,193 @@
+//! Which compiler builds for the Cortex-M4F on this machine.
+//!
+//! First choice: the target that rustup downloads. Where that download cannot be had, Debian
+//! packages a compiler together with the sources of `core`, which cargo then builds for the target.
+
+use std::{fmt, fs, path::Path, path::PathBuf, process::Command};
+
+use anyhow::{Context as _, Result, bail, ensure};
+
+/// The target of every board: Cortex-M4 with its FPU, hard-float calls.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Compiler, cargo and sources of `core`, as Debian packages them.
+const DEBIAN_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+
+/// A toolchain that can build for [`TARGET`].
+#[derive(Debug, PartialEq, Eq)]
+pub enum Toolchain {
+    /// rustup has `core` for the target.
+    Rustup,
+    /// Debian's compiler builds `core` from source and links with the given `rust-lld`.
+    Debian {
+        /// The linker, which Debian does not package: the one of the compiler that cargo runs.
+        linker: PathBuf,
+    },
+}
+
+/// Finds a toolchain; installs Debian's if none is there and `install` is set.
+///
+/// Fails with the command that would help.
+pub fn find(install: bool) -> Result<Toolchain> {
+    if rustup_has_target() {
+        return Ok(Toolchain::Rustup);
+    }
+    let missing = missing_packages();
+    if !missing.is_empty() {
+        let packages = missing.join(" ");
+        ensure!(
+            install,
+            "no compiler for {TARGET}. Either\n  rustup target add {TARGET}\nor, where rustup cannot \
+             download,\n  apt-get install -y --no-install-recommends {packages}\n(--install runs the latter)"
+        );
+        apt_install(&missing)?;
+    }
+    Ok(Toolchain::Debian {
+        linker: rust_lld()?,
+    })
+}
+
+impl Toolchain {
+    /// A cargo that builds for the target with this toolchain; subcommand and package are missing.
+    pub fn cargo(&self, subcommand: &str) -> Command {
+        let mut cargo = match self {
+            Self::Rustup => Command::new(env!("CARGO")),
+            Self::Debian { .. } => Command::new(DEBIAN_CARGO),
+        };
+        cargo.args([subcommand, "--target", TARGET]);
+        if let Self::Debian { linker } = self {
+            // build-std is an unstable option; the variable admits it on a stable compiler.
+            cargo
+                .args(["-Z", "build-std=core,alloc"])
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env("RUSTC", DEBIAN_RUSTC)
+                .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+            // What the cargo that started us told its children names the other compiler.
+            for name in ["CARGO", "RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTDOC"] {
+                cargo.env_remove(name);
+            }
+        }
+        cargo
+    }
+}
+
+impl fmt::Display for Toolchain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Rustup => write!(f, "rustup's toolchain: it has the target {TARGET}"),
+            Self::Debian { linker } => write!(
+                f,
+                "Debian's {DEBIAN_CARGO}, building core from source: rustup has no target {TARGET}\n\
+                 linker {}",
+                linker.display()
+            ),
+        }
+    }
+}
+
+fn rustup_has_target() -> bool {
+    let installed = Command::new("rustup")
+        .args(["target", "list", "--installed"])
+        .output();
+    // No rustup at all is an answer too.
+    installed.is_ok_and(|output| lists_target(&String::from_utf8_lossy(&output.stdout)))
+}
+
+fn lists_target(installed: &str) -> bool {
+    installed.lines().any(|line| line.trim() == TARGET)
+}
+
+fn missing_packages() -> Vec<&'static str> {
+    let installed = |package: &&str| {
+        let status = Command::new("dpkg-query")
+            .args(["-W", "-f", "${db:Status-Status}", package])
+            .output();
+        status.is_ok_and(|output| output.stdout == b"installed")
+    };
+    DEBIAN_PACKAGES
+        .into_iter()
+        .filter(|package| !installed(package))
+        .collect()
+}
+
+fn apt_install(packages: &[&str]) -> Result<()> {
+    let apt = |arguments: &[&str]| -> Result<()> {
+        let status = Command::new("apt-get")
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive")
+            .status()
+            .context("apt-get cannot be run: install a compiler for the target by hand")?;
+        ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
+        Ok(())
+    };
+    apt(&["update", "-q"])?;
+    apt(&[
+        &["install", "-y", "-q", "--no-install-recommends"],
+        packages,
+    ]
+    .concat())
+}
+
+/// The linker that every rustup toolchain carries; any place of `rust-lld` on the path does as well.
+fn rust_lld() -> Result<PathBuf> {
+    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    let output = Command::new(rustc)
+        .args(["--print", "sysroot"])
+        .output()
+        .context("rustc cannot be run")?;
+    let sysroot = PathBuf::from(String::from_utf8(output.stdout)?.trim());
+    let hosts = sysroot.join("lib/rustlib");
+    for host in
+        fs::read_dir(&hosts).with_context(|| format!("{} cannot be read", hosts.display()))?
+    {
+        let linker = host?.path().join("bin/rust-lld");
+        if linker.is_file() {
+            return Ok(linker);
+        }
+    }
+    let on_path = std::env::var_os("PATH")
+        .iter()
+        .flat_map(std::env::split_paths)
+        .map(|directory| directory.join("rust-lld"))
+        .find(|candidate: &PathBuf| Path::is_file(candidate));
+    let Some(linker) = on_path else {
+        bail!(
+            "no rust-lld under {} nor on the path: install a toolchain with rustup",
+            hosts.display()
+        );
+    };
+    Ok(linker)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_whole_name_counts_as_the_target() {
+        assert!(lists_target(
+            "x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n"
+        ));
+        assert!(!lists_target(
+            "thumbv7em-none-eabi\nthumbv7em-none-eabihf-extra\n"
+        ));
+    }
+
+    #[test]
+    fn debians_cargo_is_told_its_own_compiler_and_linker() {
+        let linker = PathBuf::from("/somewhere/rust-lld");
+        let cargo = Toolchain::Debian {
+            linker: linker.clone(),
+        }
+        .cargo("build");
+        let set: Vec<_> = cargo.get_envs().collect();
+        assert!(set.contains(&("RUSTC".as_ref(), Some(DEBIAN_RUSTC.as_ref()))));
+        assert!(set.contains(&(
+            "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER".as_ref(),
+            Some(linker.as_os_str())
+        )));
+        assert!(set.contains(&("RUSTUP_TOOLCHAIN".as_ref(), None)));
+    }
+}
