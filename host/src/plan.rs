@@ -1,0 +1,282 @@
+//! From a preset and the recordings at hand to what will run: who is left out, how late the labels
+//! are, which streams are trained on. Saved beside the results.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use shared::intent::Intent;
+use shared::preprocess::clean;
+use thiserror::Error;
+
+use crate::corpus::{Corpus, Stream};
+use crate::preset::{LabelLag, Preset};
+use crate::recording::lag::{self, LagEstimate};
+use crate::recording::splice::{self, SpliceOptions};
+use crate::recording::split::{Choice, Role, Split, SplitError, SplitOptions};
+use crate::recording::{DataSet, Library, Recording};
+use crate::run_folder::{RunError, RunFolder};
+
+const FILE: &str = "plan.json";
+
+/// Who is trained on, who is left out, and how late each data set's labels are.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// The preset as it runs.
+    pub preset: Preset,
+    /// Where the recordings lie; none for synthetic ones.
+    pub data: Option<PathBuf>,
+    /// Damaged files are left out.
+    pub skip_bad: bool,
+    /// Subjects by role.
+    pub split: Split,
+    /// Lag of the labels of each data set.
+    pub lags: BTreeMap<DataSet, Lag>,
+    /// Revision of the source that made the plan, if known.
+    pub git_revision: Option<String>,
+}
+
+/// How late the muscles are after a data set's labels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lag {
+    /// Samples that labels are moved by.
+    pub samples: usize,
+    /// The measurement on training subjects, if it was made.
+    pub estimate: Option<LagEstimate>,
+}
+
+/// Why no plan can be made.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// The split cannot be made.
+    #[error(transparent)]
+    Split(#[from] SplitError),
+    /// Nothing labelled is at hand.
+    #[error("none of the {recordings} recordings has labels of the {classes} classes: give labelled recordings with --data")]
+    NoLabels {
+        /// Recordings found.
+        recordings: usize,
+        /// Classes wanted.
+        classes: usize,
+    },
+    /// The run's folder cannot be used.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl Plan {
+    /// Decides who is left out and measures the labels' lag on training subjects alone.
+    ///
+    /// # Errors
+    /// When too few subjects or no labels are at hand.
+    pub fn new(preset: Preset, library: &Library, data: Option<&Path>, skip_bad: bool) -> Result<Self, PlanError> {
+        let vocabulary = preset.vocabulary();
+        let labelled: Vec<Recording> = library
+            .recordings
+            .iter()
+            .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
+            .cloned()
+            .collect();
+        if labelled.is_empty() {
+            return Err(PlanError::NoLabels {
+                recordings: library.recordings.len(),
+                classes: vocabulary.classes(),
+            });
+        }
+        let split = split(&preset, &labelled)?;
+        let lags = lags(&preset, &labelled, &split);
+        Ok(Self {
+            preset,
+            data: data.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
+            skip_bad,
+            split,
+            lags,
+            git_revision: git_revision(),
+        })
+    }
+
+    /// Writes the plan into a run's folder, the preset also as TOML.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn save(&self, run: &RunFolder) -> Result<(), RunError> {
+        crate::run_folder::write_whole(&run.file("preset.toml"), self.preset.to_toml().as_bytes())?;
+        run.save_json(FILE, self)
+    }
+
+    /// Reads the plan of a run's folder.
+    ///
+    /// # Errors
+    /// When the folder holds none.
+    pub fn load(run: &RunFolder) -> Result<Self, RunError> {
+        run.load_json(FILE)
+    }
+
+    /// Samples that labels of a data set are moved by.
+    #[must_use]
+    pub fn lag(&self, data_set: DataSet) -> usize {
+        self.lags.get(&data_set).map_or(0, |lag| lag.samples)
+    }
+
+    /// Labels of a recording in the preset's vocabulary, moved by its data set's lag.
+    #[must_use]
+    pub fn moved_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
+        lag::shifted(&recording.labels_in(self.preset.vocabulary()), self.lag(recording.data_set))
+    }
+
+    /// What is trained on.
+    #[must_use]
+    pub fn training(&self, library: &Library) -> Corpus {
+        self.corpus(library, Role::Training)
+    }
+
+    /// What chooses the checkpoint.
+    #[must_use]
+    pub fn validation(&self, library: &Library) -> Corpus {
+        self.corpus(library, Role::Validation)
+    }
+
+    /// Recordings of the subjects left out that have labels of the vocabulary.
+    #[must_use]
+    pub fn held_out<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let mut recordings = self.split.select(&library.recordings, Role::HeldOut);
+        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
+        recordings
+    }
+
+    /// A subject's recordings joined in random order and rhythm, labels moved by the lag.
+    #[must_use]
+    pub fn spliced(&self, recordings: &[&Recording], seconds: f64, seed: u64) -> Option<Recording> {
+        let moved: Vec<Recording> = recordings
+            .iter()
+            .map(|&recording| Recording { labels: self.moved_labels(recording), ..recording.clone() })
+            .collect();
+        splice::splice(&moved.iter().collect::<Vec<_>>(), &SpliceOptions { seconds, seed })
+    }
+
+    fn corpus(&self, library: &Library, role: Role) -> Corpus {
+        let vocabulary = self.preset.vocabulary();
+        let mut by_subject: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
+        for recording in self.split.select(&library.recordings, role) {
+            by_subject.entry(&recording.subject).or_default().push(recording);
+        }
+        let mut streams = Vec::new();
+        for (number, recordings) in by_subject.values().enumerate() {
+            if self.preset.data.as_published {
+                streams.extend(recordings.iter().map(|recording| Stream {
+                    emg: clean(recording.samples.iter().copied()).collect(),
+                    labels: self.moved_labels(recording),
+                }));
+            }
+            if self.preset.data.spliced_seconds > 0.0 {
+                let seed = self.preset.seed.wrapping_add(number as u64);
+                if let Some(joined) = self.spliced(recordings, self.preset.data.spliced_seconds, seed) {
+                    streams.push(Stream {
+                        emg: clean(joined.samples.iter().copied()).collect(),
+                        labels: joined.labels,
+                    });
+                }
+            }
+        }
+        Corpus { vocabulary, streams }
+    }
+}
+
+/// Listed subjects, and for data sets without a listed one a share that the seed chooses.
+fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError> {
+    let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();
+    for recording in recordings {
+        let known = subjects.entry(recording.data_set).or_default();
+        if !known.contains(&recording.subject.as_str()) {
+            known.push(&recording.subject);
+        }
+    }
+    let data = &preset.data;
+    let mut listed = |list: &[String], share: f64| {
+        let mut chosen = Vec::new();
+        let mut counts = BTreeMap::new();
+        for (&data_set, known) in &subjects {
+            let own: Vec<String> = list.iter().filter(|s| known.contains(&s.as_str())).cloned().collect();
+            if own.is_empty() && known.len() > 2 {
+                let wanted = (share * known.len() as f64).round().max(f64::from(u8::from(share > 0.0)));
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
+                counts.insert(data_set, wanted as usize);
+            }
+            chosen.extend(own);
+        }
+        (chosen, counts)
+    };
+    let (mut held_out, held_out_counts) = listed(&data.held_out, data.held_out_share);
+    let (mut validation, validation_counts) = listed(&data.validation, data.validation_share);
+    // One draw for both, so that nobody is drawn twice.
+    let drawn = Split::new(
+        recordings,
+        &SplitOptions {
+            seed: preset.seed,
+            held_out: Choice::PerDataSet(held_out_counts),
+            validation: Choice::PerDataSet(validation_counts),
+        },
+    )?;
+    held_out.extend(drawn.held_out);
+    validation.extend(drawn.validation.into_iter().filter(|subject| !held_out.contains(subject)));
+    let mut split = Split::new(
+        recordings,
+        &SplitOptions {
+            seed: preset.seed,
+            held_out: Choice::Subjects(held_out),
+            validation: Choice::Subjects(validation),
+        },
+    )?;
+    if data.most_subjects > 0 {
+        let mut kept = Vec::new();
+        for known in subjects.values() {
+            let mut own: Vec<String> =
+                split.training.iter().filter(|s| known.contains(&s.as_str())).cloned().collect();
+            own.shuffle(&mut ChaCha8Rng::seed_from_u64(preset.seed));
+            own.truncate(data.most_subjects);
+            kept.extend(own);
+        }
+        kept.sort_unstable();
+        split.training = kept;
+    }
+    Ok(split)
+}
+
+fn lags(preset: &Preset, recordings: &[Recording], split: &Split) -> BTreeMap<DataSet, Lag> {
+    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
+    for recording in recordings {
+        let own = by_set.entry(recording.data_set).or_default();
+        if split.role(&recording.subject) == Some(Role::Training) {
+            own.push(recording);
+        }
+    }
+    by_set
+        .into_iter()
+        .map(|(data_set, training)| {
+            let documented = data_set.label_lag();
+            let lag = match preset.data.label_lag {
+                LabelLag::None => Lag { samples: 0, estimate: None },
+                LabelLag::Documented => Lag { samples: documented, estimate: None },
+                LabelLag::Estimated => {
+                    let estimate = lag::estimate(&training);
+                    Lag { samples: estimate.map_or(documented, |found| found.lag_samples), estimate }
+                }
+            };
+            (data_set, lag)
+        })
+        .collect()
+}
+
+/// Revision of the checkout that the program runs in.
+fn git_revision() -> Option<String> {
+    let output = std::process::Command::new("git")
+        .args(["describe", "--always", "--dirty", "--abbrev=12"])
+        .output()
+        .ok()?;
+    let revision = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| revision.trim().to_owned())
+}
