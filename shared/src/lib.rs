@@ -7,8 +7,16 @@
 #![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
 #![deny(unsafe_code)]
 
+#[cfg(any(test, feature = "write"))]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
 pub mod arithmetic;
+pub mod encoder;
 pub mod intent;
+pub mod kernels;
+pub mod model_file;
 pub mod pipeline;
 pub mod preprocess;
 pub mod report_line;

@@ -1,0 +1,193 @@
+//! The student as it runs on the device: one patch in, scores of the six newest patches out.
+//!
+//! A pre-norm transformer whose attention is causal and local. What never changes is
+//! [`Encoder`], which borrows the weights; what time changes is [`EncoderState`], a ring of
+//! quantized keys and values per layer. One step costs one token's work. Because every patch
+//! depends on `L (SPAN - 1) + 1` patches at most, and those fit in the window, running the newest
+//! 60 patches through a fresh state gives the newest six outputs bit for bit.
+//!
+//! Per step, h being the residual stream in f32:
+//!
+//! 1. [`patch_embedding`]: `h = W_e x + b_e`, x the 80 companded inputs;
+//! 2. each layer: [`attention`], `h += W_o attend(norm1(h)) + b_o`, then [`feed_forward`],
+//!    `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`;
+//! 3. [`look_back_head`]: `W_h norm(h) + b_h`, six rows of classes, the newest patch first.
+
+pub mod attention;
+pub mod feed_forward;
+pub mod linear;
+pub mod look_back_head;
+pub mod norm;
+pub mod patch_embedding;
+
+use crate::{
+    intent::MAX_CLASSES,
+    kernels,
+    model_file::{Companding, LayerWeights, LinearWeights, Model, ModelError, NormWeights},
+    units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES},
+};
+use attention::Memory;
+
+/// Attention heads of every model.
+pub const HEADS: usize = 4;
+/// Widest residual stream: a head of 32, the most terms of a product of two codes.
+pub const MAX_WIDTH: usize = HEADS * kernels::MAX_TERMS;
+/// Most layers.
+pub const MAX_LAYERS: usize = 3;
+/// Longest attention span, in patches.
+pub const MAX_SPAN: usize = kernels::MAX_TERMS;
+
+// Longest rows: the patch, and the second matrix of the feed-forward.
+const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
+const _: () = assert!(2 * MAX_WIDTH <= kernels::MAX_COLUMNS);
+// The state of the usual student stays small: d = 64, two layers, 27 patches.
+const _: () = assert!(size_of::<EncoderState<64, 2, 27>>() < 20 * 1024);
+
+/// Ten samples, the oldest first.
+pub type Patch = [CleanSample; PATCH];
+
+/// Scores of the six newest patches, newest first.
+///
+/// Row `j` speaks of patch `p - j`. Logits, not normalised. From the model's number of classes on
+/// every row holds 0, which means nothing: look only at the first `classes()`.
+pub type Logits = [[f32; MAX_CLASSES]; LOOK_BACK];
+
+/// Patches that one patch's output depends on, itself included: `layers (span - 1) + 1`.
+#[must_use]
+pub const fn receptive_field(layers: usize, span: usize) -> usize {
+    layers * (span - 1) + 1
+}
+
+/// The student: width `D`, `L` layers, attention over `SPAN` patches.
+#[derive(Clone, Copy, Debug)]
+pub struct Encoder<'m, const D: usize, const L: usize, const SPAN: usize> {
+    embed: LinearWeights<'m>,
+    layers: [LayerWeights<'m>; L],
+    final_norm: NormWeights<'m>,
+    head: LinearWeights<'m>,
+    companding: Companding,
+    classes: usize,
+}
+
+/// What the encoder remembers of one stream.
+#[derive(Clone, Debug)]
+pub struct EncoderState<const D: usize, const L: usize, const SPAN: usize> {
+    layers: [Memory<D, SPAN>; L],
+    /// Slot of the next patch.
+    next: usize,
+    /// Patches remembered, at most `SPAN`.
+    filled: usize,
+}
+
+impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN> {
+    /// A state that remembers nothing.
+    #[must_use]
+    pub const fn fresh() -> Self {
+        Self {
+            layers: [const { Memory::EMPTY }; L],
+            next: 0,
+            filled: 0,
+        }
+    }
+
+    /// Forgets everything, in place: what the rings still hold is never read again.
+    pub const fn reset(&mut self) {
+        self.next = 0;
+        self.filled = 0;
+    }
+}
+
+impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SPAN> {
+    const FITS: () = {
+        assert!(D > 0 && D <= MAX_WIDTH && D.is_multiple_of(8));
+        assert!(L > 0 && L <= MAX_LAYERS && SPAN > 0 && SPAN <= MAX_SPAN);
+        assert!(receptive_field(L, SPAN) + LOOK_BACK - 1 <= WINDOW_PATCHES);
+    };
+
+    /// The encoder of a model of just this shape.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError::Shape`] if the model has another width, depth or span.
+    pub fn new(model: &Model<'m>) -> Result<Self, ModelError> {
+        let () = Self::FITS;
+        let dimensions = &model.header.dimensions;
+        let (width, layers, span) = (dimensions.width, dimensions.layers, dimensions.span);
+        if (width, layers, span) != (D, L, SPAN) {
+            return Err(ModelError::Shape {
+                expected: (D, L, SPAN),
+                width,
+                layers,
+                span,
+            });
+        }
+        Ok(Self {
+            embed: model.weights.embed,
+            layers: core::array::from_fn(|layer| model.weights.layers[layer]),
+            final_norm: model.weights.final_norm,
+            head: model.weights.head,
+            companding: model.header.companding,
+            classes: dimensions.vocabulary.classes(),
+        })
+    }
+
+    /// Number of classes, 3 or 6.
+    #[must_use]
+    pub const fn classes(&self) -> usize {
+        self.classes
+    }
+
+    /// A state for a new stream.
+    #[must_use]
+    pub const fn fresh(&self) -> EncoderState<D, L, SPAN> {
+        EncoderState::fresh()
+    }
+
+    /// Takes the next patch and gives the scores of the six newest.
+    ///
+    /// Rows that speak of patches before the state was fresh mean nothing.
+    #[must_use]
+    pub fn step(&self, state: &mut EncoderState<D, L, SPAN>, patch: &Patch) -> Logits {
+        let newest = state.next;
+        state.next = (newest + 1) % SPAN;
+        state.filled = (state.filled + 1).min(SPAN);
+        let mut h = patch_embedding::embed::<D>(&self.embed, self.companding, patch);
+        for (layer, memory) in self.layers.iter().zip(&mut state.layers) {
+            memory.attend(layer, newest, state.filled, &mut h);
+            feed_forward::feed_forward(layer, &mut h);
+        }
+        look_back_head::scores(&self.final_norm, &self.head, &h, self.classes)
+    }
+
+    /// Rebuilds a state from patches, oldest first, and gives the outputs of the newest six steps,
+    /// the newest first; zeros where there were fewer patches.
+    ///
+    /// With the newest 60 patches of a stream (or more) all of it equals the uninterrupted run.
+    pub fn rebuild<'p>(
+        &self,
+        state: &mut EncoderState<D, L, SPAN>,
+        patches: impl IntoIterator<Item = &'p Patch>,
+    ) -> [Logits; LOOK_BACK] {
+        state.reset();
+        let mut outputs = [Logits::default(); LOOK_BACK];
+        for patch in patches {
+            outputs.rotate_right(1);
+            outputs[0] = self.step(state, patch);
+        }
+        outputs
+    }
+
+    /// As [`Encoder::rebuild`], with a state of its own.
+    #[must_use]
+    pub fn from_scratch<'p>(
+        &self,
+        patches: impl IntoIterator<Item = &'p Patch>,
+    ) -> (EncoderState<D, L, SPAN>, [Logits; LOOK_BACK]) {
+        let mut state = self.fresh();
+        let outputs = self.rebuild(&mut state, patches);
+        (state, outputs)
+    }
+}
+
+#[cfg(test)]
+mod tests;

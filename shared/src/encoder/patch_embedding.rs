@@ -1,0 +1,88 @@
+//! From ten samples to the residual stream.
+
+use super::{
+    Patch,
+    linear::{linear, replace},
+};
+use crate::{
+    model_file::{Companding, LinearWeights},
+    units::{CHANNELS, PATCH},
+};
+
+/// The code of an input of 1.
+pub const ONE: i16 = 1 << 14;
+/// Codes of a cleaned sample 0..=128; value = code / 16384.
+type Table = [i16; 129];
+
+/// `x * 128`: x / 128, exactly.
+pub const LINEAR: Table = {
+    let mut table = [0; 129];
+    let mut x = 0;
+    while x <= 128 {
+        table[x] = x as i16 * 128;
+        x += 1;
+    }
+    table
+};
+
+/// `round(sqrt(x / 128) * 16384)`, that is the rounded square root of `x 2^21`.
+pub const SQUARE_ROOT: Table = {
+    let mut table = [0; 129];
+    let mut x = 0;
+    while x <= 128 {
+        let square = (x as u32) << 21;
+        let root = square.isqrt();
+        // Above the middle between two integers: square > (root + 1/2)^2.
+        table[x] = (root + (square > root * root + root) as u32) as i16;
+        x += 1;
+    }
+    table
+};
+
+impl Companding {
+    /// The table of input codes.
+    #[must_use]
+    pub const fn table(self) -> &'static [i16; 129] {
+        const { assert!(LINEAR[128] == ONE && SQUARE_ROOT[128] == ONE) };
+        match self {
+            Self::Linear => &LINEAR,
+            Self::SquareRoot => &SQUARE_ROOT,
+        }
+    }
+}
+
+/// `h = W_e x + b_e`; the 80 inputs sample by sample, the oldest first, channel 1 first.
+///
+/// A value above 128, which no cleaned sample has, counts as 128.
+#[inline]
+#[must_use]
+pub fn embed<const D: usize>(
+    map: &LinearWeights<'_>,
+    companding: Companding,
+    patch: &Patch,
+) -> [f32; D] {
+    let table = companding.table();
+    let mut codes = [0; PATCH * CHANNELS];
+    for (code, &value) in codes.iter_mut().zip(patch.as_flattened()) {
+        *code = table[usize::from(value.min(128))];
+    }
+    let mut h = [0.0; D];
+    linear(map, &codes, const { 1.0 / ONE as f32 }, &mut h, replace);
+    h
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_hold_their_rounded_functions() {
+        for x in 0..=128_u8 {
+            let share = f64::from(x) / 128.0;
+            let expected = [share * 16384.0, (share.sqrt() * 16384.0).round()];
+            let found = [Companding::Linear, Companding::SquareRoot]
+                .map(|companding| f64::from(companding.table()[usize::from(x)]));
+            assert_eq!(found, expected, "x = {x}");
+        }
+    }
+}
