@@ -1,0 +1,69 @@
+//! From a trained float student to the integers of a model file.
+
+use burn::module::Param;
+use burn::nn::{LayerNorm, Linear};
+use burn::tensor::Tensor;
+use shared::model_file::{
+    self, Dimensions, LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts,
+    SmootherDefaults,
+};
+
+use super::model::{Companding, Student, StudentConfig};
+use crate::estimate::numbers;
+use crate::preset::Preset;
+
+/// Bytes of a model file: weights rounded to i8 with one scale a row, everything else in f32.
+///
+/// # Errors
+/// When the student's dimensions are none that a device can run.
+pub fn quantize(
+    student: &Student,
+    preset: &Preset,
+    smoother: SmootherDefaults,
+    provenance: ProvenanceParts,
+) -> Result<Vec<u8>, ModelError> {
+    let StudentConfig { d_model, layers, span, companding, .. } = preset.student;
+    ModelParts {
+        dimensions: Dimensions { width: d_model, layers, span, vocabulary: preset.vocabulary() },
+        companding: match companding {
+            Companding::Linear => model_file::Companding::Linear,
+            Companding::SquareRoot => model_file::Companding::SquareRoot,
+        },
+        smoother,
+        provenance,
+        embed: linear(&student.embed),
+        layers: student
+            .layers
+            .iter()
+            .map(|layer| LayerParts {
+                norm1: norm(&layer.norm1),
+                qkv: linear(&layer.qkv),
+                relative_bias: parameter(&layer.relative_bias),
+                out: linear(&layer.out),
+                norm2: norm(&layer.norm2),
+                ff1: linear(&layer.ff1),
+                ff2: linear(&layer.ff2),
+            })
+            .collect(),
+        final_norm: norm(&student.final_norm),
+        head: linear(&student.head),
+    }
+    .to_bytes()
+}
+
+/// Rows of a model file are outputs; Burn keeps inputs by outputs.
+fn linear(linear: &Linear) -> LinearParts {
+    let rows = numbers(linear.weight.val().transpose());
+    let bias = linear.bias.as_ref().map_or_else(|| vec![0.0; linear.weight.dims()[1]], parameter);
+    LinearParts::quantized(&rows, bias)
+}
+
+fn norm(norm: &LayerNorm) -> NormParts {
+    let gain = parameter(&norm.gamma);
+    let bias = norm.beta.as_ref().map_or_else(|| vec![0.0; gain.len()], parameter);
+    NormParts { gain, bias }
+}
+
+fn parameter<const D: usize>(parameter: &Param<Tensor<D>>) -> Vec<f32> {
+    numbers(parameter.val())
+}
