@@ -1,1 +1,3 @@
 //! From recordings to a model file: reading, training, distilling, quantizing, measuring.
+
+pub mod recording;
