@@ -7,6 +7,7 @@ pub mod interrupt;
 pub mod plan;
 pub mod preset;
 pub mod progress;
+pub mod recording;
 pub mod run_folder;
 pub mod schedule;
 pub mod student;

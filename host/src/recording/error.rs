@@ -1,0 +1,186 @@
+//! What can be wrong with a file of recordings, and where.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Place of a fault in its file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// Line of a text file, 1 first.
+    Line(usize),
+    /// Byte of a binary file, 0 first.
+    Byte(u64),
+    /// The file as a whole.
+    File,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::File => f.write_str("whole file"),
+        }
+    }
+}
+
+/// One cause of a refusal.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Fault {
+    /// A row of another length.
+    #[error("expected {expected} comma-separated values, found {found}")]
+    Fields {
+        /// Values that this layout has in a row.
+        expected: usize,
+        /// Values in the row.
+        found: usize,
+    },
+    /// A field that is no number.
+    #[error("expected a number in field {field}, found {text:?}")]
+    Number {
+        /// Field of the row, 1 first.
+        field: usize,
+        /// What stands there.
+        text: String,
+    },
+    /// A sample that no armband sends.
+    #[error("expected a sample in -128..=127 in field {field}, found {value}")]
+    Range {
+        /// Field of the row, 1 first.
+        field: usize,
+        /// The value, in counts of the armband.
+        value: f64,
+    },
+    /// A label that the data set does not have.
+    #[error("expected a label of {expected}, found {found:?}")]
+    Label {
+        /// The labels of the set.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// An array of another shape or element type.
+    #[error("expected an array of {expected}, found {found}")]
+    Array {
+        /// Shape and type that this layout has.
+        expected: &'static str,
+        /// Shape and type of the file.
+        found: String,
+    },
+    /// Bytes that are no npy file.
+    #[error("expected an npy file (format 1 to 3), but {0}")]
+    Npy(String),
+    /// Fewer bytes than the layout or the header says.
+    #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
+    Length {
+        /// Bytes that should be there.
+        expected: u64,
+        /// Bytes that are there.
+        found: u64,
+    },
+    /// Labels and samples of different number.
+    #[error("expected one label per sample, found {labels} labels for {samples} samples")]
+    LabelCount {
+        /// Samples.
+        samples: usize,
+        /// Labels.
+        labels: usize,
+    },
+    /// The other file of a pair is not there.
+    #[error("expected {0} beside it, found no such file")]
+    Partner(String),
+    /// A place in the folders that does not tell whose recording it is.
+    #[error("expected a path like {0}: the path names person and gesture")]
+    Path(&'static str),
+    /// No samples at all.
+    #[error("expected samples, found none")]
+    Empty,
+    /// Not the JSON that the set publishes.
+    #[error("expected the set's JSON: {0}")]
+    Json(String),
+}
+
+/// A fault and its place, before the file is known.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Damage {
+    pub place: Place,
+    pub fault: Fault,
+}
+
+impl Damage {
+    pub const fn at_line(line: usize, fault: Fault) -> Self {
+        Self {
+            place: Place::Line(line),
+            fault,
+        }
+    }
+
+    pub const fn at_byte(byte: u64, fault: Fault) -> Self {
+        Self {
+            place: Place::Byte(byte),
+            fault,
+        }
+    }
+
+    pub const fn of_file(fault: Fault) -> Self {
+        Self {
+            place: Place::File,
+            fault,
+        }
+    }
+}
+
+/// Why recordings could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file system refused.
+    #[error("cannot read {}: {source}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// Nothing that any reader knows.
+    #[error(
+        "no recordings in {}: expected one of the published layouts (npy pairs, csv, txt, dat or \
+         json; see `myointent data inspect --help`)",
+        path.display()
+    )]
+    NoRecordings {
+        /// File or folder that was searched.
+        path: PathBuf,
+    },
+    /// A damaged file.
+    #[error(
+        "{}, {place}: {fault}. {}",
+        path.display(),
+        if *published {
+            "The file is broken as published; --skip-bad leaves it out"
+        } else {
+            "Mend the file, or leave it out with --skip-bad"
+        }
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong there.
+        fault: Fault,
+        /// Whether the published copy has this damage.
+        published: bool,
+    },
+}
+
+impl LoadError {
+    /// The file or folder of which it speaks.
+    #[must_use]
+    pub fn path(&self) -> &std::path::Path {
+        match self {
+            Self::Io { path, .. } | Self::NoRecordings { path } | Self::Damaged { path, .. } => {
+                path
+            }
+        }
+    }
+}

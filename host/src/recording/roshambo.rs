@@ -1,0 +1,125 @@
+//! `roshambo`: pairs of npy files, samples (n, 8) of integers and one word per sample.
+//!
+//! `scissor` is outside the six classes and stays in place unlabelled: cutting it out would leave
+//! no window that ends within the gesture after it.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+use shared::units::CHANNELS;
+
+use super::error::{Damage, Fault, LoadError, Place};
+use super::numpy::{self, Array, Values};
+use super::{DataSet, Recording, library, table};
+
+/// Whether an array is one of the set's samples or annotations.
+pub(super) fn is_samples(array: &Array) -> bool {
+    array.shape.len() == 2
+        && array.shape[1] == CHANNELS
+        && matches!(array.values, Values::Numbers(_))
+        && array.descr.contains('i')
+}
+
+/// Reads the samples at `path` with the annotations of the same name beside it.
+pub(super) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
+    let damage = |damage| library::damaged(path, damage);
+    let whole = |fault| damage(Damage::of_file(fault));
+    const LAYOUT: &str = "subject03_session01_emg.npy";
+    let misplaced = || whole(Fault::Path(LAYOUT));
+    let stem = path
+        .file_stem()
+        .and_then(|n| n.to_str())
+        .ok_or_else(misplaced)?;
+    let name = stem.strip_suffix("_emg").ok_or_else(misplaced)?;
+    let (person, session) = name.split_once('_').ok_or_else(misplaced)?;
+    let person = person.strip_prefix("subject").ok_or_else(misplaced)?;
+
+    let samples = samples(array).map_err(damage)?;
+    let partner = path.with_file_name(format!("{name}_ann.npy"));
+    let bytes = std::fs::read(&partner).map_err(|source| match source.kind() {
+        std::io::ErrorKind::NotFound => whole(Fault::Partner(format!("{name}_ann.npy"))),
+        _ => LoadError::Io {
+            path: partner.clone(),
+            source,
+        },
+    })?;
+    let labels = numpy::parse(&bytes)
+        .and_then(|words| labels(&words))
+        .map_err(|damage| library::damaged(&partner, damage))?;
+    if labels.len() != samples.len() {
+        let fault = Fault::LabelCount {
+            samples: samples.len(),
+            labels: labels.len(),
+        };
+        return Err(library::damaged(&partner, Damage::of_file(fault)));
+    }
+    Ok(Recording {
+        data_set: DataSet::Roshambo,
+        subject: format!("roshambo/{person}"),
+        name: session.to_owned(),
+        path: path.to_owned(),
+        samples,
+        labels,
+        notes: notes(person, session),
+    })
+}
+
+fn samples(array: &Array) -> Result<Vec<shared::units::Sample>, Damage> {
+    let Values::Numbers(values) = &array.values else {
+        return Ok(Vec::new());
+    };
+    values
+        .chunks_exact(CHANNELS)
+        .enumerate()
+        .map(|(row, counts)| {
+            table::sample(counts, 1).map_err(|fault| {
+                let byte = array.data_start + (row * CHANNELS * array.element_bytes) as u64;
+                Damage {
+                    place: Place::Byte(byte),
+                    fault,
+                }
+            })
+        })
+        .collect()
+}
+
+fn labels(array: &Array) -> Result<Vec<Option<Intent>>, Damage> {
+    let Values::Text(words) = &array.values else {
+        let expected = "one word per sample";
+        return Err(Damage::of_file(Fault::Array {
+            expected,
+            found: array.describe(),
+        }));
+    };
+    words
+        .iter()
+        .enumerate()
+        .map(|(index, word)| match word.as_str() {
+            "none" => Ok(Some(Intent::Relax)),
+            "paper" => Ok(Some(Intent::Open)),
+            "rock" => Ok(Some(Intent::Close)),
+            "scissor" => Ok(None),
+            other => {
+                let byte = array.data_start + (index * array.element_bytes) as u64;
+                let expected = "none, paper, rock, scissor";
+                Err(Damage::at_byte(
+                    byte,
+                    Fault::Label {
+                        expected,
+                        found: other.to_owned(),
+                    },
+                ))
+            }
+        })
+        .collect()
+}
+
+fn notes(person: &str, session: &str) -> Vec<String> {
+    let note = match (person, session) {
+        ("05", _) => "weak gestures: 1.4 to 1.9 times rest",
+        ("07", "session03") => "paper and scissor are not above rest",
+        ("07", _) => "paper and scissor are little above rest",
+        _ => return Vec::new(),
+    };
+    vec![note.to_owned()]
+}
