@@ -1,2 +1,3 @@
 pub mod distillation;
 pub mod model;
+pub mod quantization;
