@@ -13,6 +13,7 @@ mod myo_readings;
 pub mod numpy;
 mod roshambo;
 mod runs;
+pub mod splice;
 pub mod split;
 mod ss_stm;
 mod table;
