@@ -4,6 +4,7 @@ pub mod corpus;
 pub mod estimate;
 pub mod fit;
 pub mod interrupt;
+pub mod metric;
 pub mod plan;
 pub mod preset;
 pub mod progress;

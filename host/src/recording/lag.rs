@@ -13,6 +13,7 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
 use super::{Recording, Run, runs};
+use crate::metric::summary::median;
 
 /// Samples of the moving average, and of the stay beyond the half-way level: 50 ms.
 const SMOOTHING: usize = 10;
@@ -125,15 +126,6 @@ fn envelope(samples: &[Sample]) -> Vec<f64> {
                 / CHANNELS as f64
         })
         .collect()
-}
-
-/// The middle value, of an even number the mean of the two middle ones.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let upper = sorted.get(sorted.len() / 2)?;
-    let lower = sorted[(sorted.len() - 1) / 2];
-    Some(f64::midpoint(lower, *upper))
 }
 
 #[cfg(test)]

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::error::{Damage, Fault, LoadError};
-use super::{DataSet, Recording, cote_allard, myo_readings, numpy, roshambo, ss_stm, table};
+use super::{
+    DataSet, Recording, cote_allard, emg_epn, myo_readings, numpy, one_subject_myo, react_emg,
+    roshambo, ss_stm, table,
+};
 
 /// How to treat what is found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -186,49 +189,159 @@ fn open(path: &Path) -> Result<Found, LoadError> {
     let Ok(text) = std::str::from_utf8(&bytes) else {
         return Ok(Found::Nothing);
     };
-    match layout(path, text) {
-        Some(Layout::SsStm) => one(ss_stm::read(path, text)),
+    if extension == "json" {
+        if !emg_epn::looks_like(text) {
+            return Ok(Found::Nothing);
+        }
+        let user = emg_epn::read(path, text).map_err(|damage| damaged(path, damage))?;
+        return Ok(Found::Recordings(user));
+    }
+    match Layout::of(text) {
+        Some(Layout::ReactEmg) => one(react_emg::read_csv(path, text)),
         Some(Layout::MyoReadings) => one(myo_readings::read(path, text)),
+        Some(Layout::SsStm) => one(ss_stm::read(path, text)),
+        Some(Layout::OneSubjectMyo) => {
+            let metadata = std::fs::read_to_string(path.with_file_name("metadata.json")).ok();
+            one(one_subject_myo::read(path, text, metadata.as_deref()))
+        }
         None => Ok(Found::Nothing),
     }
 }
 
 fn npy(path: &Path, bytes: &[u8]) -> Result<Found, LoadError> {
     let array = numpy::parse(bytes).map_err(|damage| damaged(path, damage))?;
-    if roshambo::is_samples(&array) {
-        return Ok(Found::Recordings(vec![roshambo::read(path, &array)?]));
-    }
-    match (array.shape.as_slice(), &array.values) {
-        ([_], numpy::Values::Text(_)) => Ok(Found::Part),
-        _ => Ok(Found::Nothing),
-    }
+    let recording = match (&array.shape[..], &array.values) {
+        // Annotations of `roshambo`, read with their samples.
+        ([_], numpy::Values::Text(_)) => return Ok(Found::Part),
+        _ if roshambo::is_samples(path, &array) => roshambo::read(path, &array)?,
+        _ if react_emg::is_recording(&array) => {
+            react_emg::read_npy(path, &array).map_err(|damage| damaged(path, damage))?
+        }
+        _ => return Ok(Found::Nothing),
+    };
+    Ok(Found::Recordings(vec![recording]))
 }
 
 /// Layouts of the text formats.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Layout {
-    SsStm,
+    ReactEmg,
     MyoReadings,
+    SsStm,
+    OneSubjectMyo,
 }
 
 /// Rows that are looked at: one damaged row among them must not hide what the file is.
 const LOOKED_AT: usize = 20;
 
-/// Tells the text formats apart by their first rows: how many values, whole or decimal.
-fn layout(_path: &Path, text: &str) -> Option<Layout> {
-    let rows: Vec<_> = table::rows(text).take(LOOKED_AT).collect();
-    let most = |count: usize| 2 * count > rows.len();
-    let whole = rows
-        .iter()
-        .filter(|(line, row)| table::numbers::<9>(*line, row).is_ok())
-        .count();
-    if most(whole) {
-        return Some(Layout::MyoReadings);
+impl Layout {
+    /// Tells the formats apart by the header, or by how many values a row has, whole or decimal.
+    fn of(text: &str) -> Option<Self> {
+        if react_emg::has_header(text) {
+            return Some(Self::ReactEmg);
+        }
+        let rows: Vec<_> = table::rows(text).take(LOOKED_AT).collect();
+        let most = |count: usize| 2 * count > rows.len();
+        let nine = rows
+            .iter()
+            .filter(|(line, row)| table::numbers::<9>(*line, row).is_ok());
+        if most(nine.count()) {
+            return Some(Self::MyoReadings);
+        }
+        let eight: Vec<_> = rows
+            .iter()
+            .filter_map(|(line, row)| table::numbers::<8>(*line, row).ok())
+            .collect();
+        if !most(eight.len()) {
+            return None;
+        }
+        let decimal = |row: &&[f64; 8]| {
+            row.iter().all(|value| value.abs() <= 1.0) && row.iter().any(|v| v.fract() != 0.0)
+        };
+        let decimals = eight.iter().filter(decimal).count();
+        Some(if most(decimals) {
+            Self::SsStm
+        } else {
+            Self::OneSubjectMyo
+        })
     }
-    let eight: Vec<_> = rows
-        .iter()
-        .filter_map(|(line, row)| table::numbers::<8>(*line, row).ok())
-        .collect();
-    let small = eight.iter().flatten().all(|value| value.abs() <= 1.0);
-    let decimal = eight.iter().flatten().any(|value| value.fract() != 0.0);
-    (most(eight.len()) && small && decimal).then_some(Layout::SsStm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_formats_are_told_apart_by_their_rows() {
+        let header = "gt,emg0,emg1,emg2,emg3,emg4,emg5,emg6,emg7\n0,0,0,0,0,0,0,0,0\n";
+        assert_eq!(Layout::of(header), Some(Layout::ReactEmg));
+        assert_eq!(Layout::of("1,2,3,4,5,6,7,8,0\n"), Some(Layout::MyoReadings));
+        assert_eq!(Layout::of("-0.5,0,0,0,0,0,1,-1\n"), Some(Layout::SsStm));
+        assert_eq!(
+            Layout::of("1,2,3,4,5,6,7,8\r\n"),
+            Some(Layout::OneSubjectMyo)
+        );
+        assert_eq!(Layout::of("Sex,M,,\nAge,24,,\n"), None);
+        assert_eq!(Layout::of(""), None);
+    }
+
+    #[test]
+    fn a_damaged_first_row_does_not_hide_the_format() {
+        let text = format!("1,2,3,4\n{}", "1,2,3,4,5,6,7,8,0\n".repeat(9));
+        assert_eq!(Layout::of(&text), Some(Layout::MyoReadings));
+    }
+
+    #[test]
+    fn a_path_without_recordings_says_so() {
+        let folder = std::env::temp_dir().join(format!("myointent-empty-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("notes.txt"), "not a recording\n").unwrap();
+        let error = load(&folder, &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }));
+        let missing = load(&folder.join("nowhere"), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(missing, LoadError::Io { .. }));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_damaged_file_stops_the_load_or_is_listed() {
+        let folder = std::env::temp_dir().join(format!("myointent-bad-{}", std::process::id()));
+        let sitting = folder.join("12345-1");
+        std::fs::create_dir_all(&sitting).unwrap();
+        let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
+        std::fs::write(sitting.join("0.txt"), &good).unwrap();
+        std::fs::write(sitting.join("7.txt"), format!("{good}1,2\n")).unwrap();
+        let error = load(&folder, &LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("7.txt, line 31: expected 9") && error.contains("--skip-bad"),
+            "{error}"
+        );
+        let library = load(&folder, &LoadOptions { skip_bad: true }).unwrap();
+        assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_recording_published_twice_is_kept_once() {
+        let folder = std::env::temp_dir().join(format!("myointent-twice-{}", std::process::id()));
+        let mut bytes = vec![0; 1600];
+        bytes[0] = 5;
+        for person in [
+            "EvaluationDataset/Female0/Test0",
+            "PreTrainingDataset/Female8/training0",
+        ] {
+            std::fs::create_dir_all(folder.join(person)).unwrap();
+            std::fs::write(folder.join(person).join("classe_0.dat"), &bytes).unwrap();
+        }
+        let library = load(&folder, &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), ["cote-allard/E-Female0"]);
+        assert!(
+            library.repeats[0]
+                .path
+                .ends_with("Female8/training0/classe_0.dat")
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

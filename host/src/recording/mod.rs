@@ -6,13 +6,17 @@
 //! Nothing here resamples, filters or scales a sample.
 
 mod cote_allard;
+mod emg_epn;
 mod error;
 pub mod lag;
 mod library;
 mod myo_readings;
 pub mod numpy;
+mod one_subject_myo;
+mod react_emg;
 mod roshambo;
 mod runs;
+pub mod splice;
 pub mod split;
 mod ss_stm;
 mod table;

@@ -12,12 +12,15 @@ use super::error::{Damage, Fault, LoadError, Place};
 use super::numpy::{self, Array, Values};
 use super::{DataSet, Recording, library, table};
 
-/// Whether an array is one of the set's samples or annotations.
-pub(super) fn is_samples(array: &Array) -> bool {
-    array.shape.len() == 2
-        && array.shape[1] == CHANNELS
+/// Whether an array holds samples of the set: whole numbers, (n, 8), in a file `*_emg.npy`.
+pub(super) fn is_samples(path: &Path, array: &Array) -> bool {
+    matches!(array.shape[..], [_, CHANNELS])
         && matches!(array.values, Values::Numbers(_))
         && array.descr.contains('i')
+        && path
+            .file_stem()
+            .and_then(|n| n.to_str())
+            .is_some_and(|n| n.ends_with("_emg"))
 }
 
 /// Reads the samples at `path` with the annotations of the same name beside it.
@@ -122,4 +125,66 @@ fn notes(person: &str, session: &str) -> Vec<String> {
         _ => return Vec::new(),
     };
     vec![note.to_owned()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape})}}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((text.len() as u16).to_le_bytes());
+        bytes.extend(text.as_bytes());
+        bytes.extend(data);
+        bytes
+    }
+
+    /// Four samples, each channel the number of the sample, with these annotations.
+    fn read_with(words: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {
+        let folder =
+            std::env::temp_dir().join(format!("myointent-roshambo-{tag}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("subject07_session03_emg.npy");
+        let data: Vec<u8> = (0..4i64).flat_map(|n| n.to_le_bytes().repeat(8)).collect();
+        let array = numpy::parse(&npy("<i8", "4, 8", &data)).unwrap();
+        let partner = folder.join("subject07_session03_ann.npy");
+        std::fs::write(partner, npy("|S7", &format!("{count},"), words)).unwrap();
+        let result = read(&path, &array);
+        std::fs::remove_dir_all(&folder).unwrap();
+        result
+    }
+
+    #[test]
+    fn scissor_is_unlabelled_and_stays_in_place() {
+        let words = b"none\0\0\0paper\0\0rock\0\0\0scissor";
+        let recording = read_with(words, 4, "words").unwrap();
+        let expected = [
+            Some(Intent::Relax),
+            Some(Intent::Open),
+            Some(Intent::Close),
+            None,
+        ];
+        assert_eq!(recording.labels, expected);
+        assert_eq!(recording.samples[3], [3; 8]);
+        assert_eq!(
+            (recording.subject.as_str(), recording.notes.len()),
+            ("roshambo/07", 1)
+        );
+    }
+
+    #[test]
+    fn other_words_and_other_counts_are_refused() {
+        let error = read_with(b"none\0\0\0lizard\0", 2, "lizard")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("lizard") && error.contains("_ann.npy, byte"),
+            "{error}"
+        );
+        let error = read_with(b"none\0\0\0", 1, "count")
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("1 labels for 4 samples"), "{error}");
+    }
 }

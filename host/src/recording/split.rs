@@ -9,6 +9,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::splice::fnv;
 use super::{DataSet, Recording};
 
 /// What a subject is for.
@@ -170,7 +171,7 @@ fn choose(
                         wanted,
                     });
                 }
-                subjects.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ name_hash(data_set)));
+                subjects.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ fnv(data_set.name())));
                 chosen.extend(subjects[..wanted].iter().map(|&s| s.to_owned()));
             }
         }
@@ -197,16 +198,6 @@ fn unknown(subject: &str, everybody: &BTreeSet<(DataSet, &str)>) -> SplitError {
         subject: subject.to_owned(),
         known,
     }
-}
-
-/// FNV-1a of the set's name: fixed over releases, unlike the standard library's hashes.
-fn name_hash(data_set: DataSet) -> u64 {
-    data_set
-        .name()
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
 }
 
 #[cfg(test)]

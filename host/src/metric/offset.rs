@@ -1,0 +1,55 @@
+//! Offset of a transition = predicted change - true change, in ms; positive is late.
+//!
+//! Only changes judged `ok` have one. The paper reports absolute offsets; the signed ones tell
+//! late from early. A look-ahead's delay is not in it: labels are booked at the sample they speak
+//! of.
+
+use shared::units::SAMPLE_PERIOD_MS;
+
+use super::summary::{MeanSd, median};
+
+/// Offsets of many transitions together, in ms.
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
+pub struct OffsetSummary {
+    /// Transitions.
+    pub count: usize,
+    /// Mean and deviation of the signed offset.
+    pub signed: MeanSd,
+    /// Median of the signed offset.
+    pub signed_median: f64,
+    /// Mean and deviation of the absolute offset, as the paper reports it.
+    pub absolute: MeanSd,
+    /// Median of the absolute offset.
+    pub absolute_median: f64,
+}
+
+/// Sums up signed offsets in samples; none if there are none.
+#[must_use]
+pub fn summary(offsets: &[i32]) -> Option<OffsetSummary> {
+    let milliseconds = |samples: i32| f64::from(samples) * f64::from(SAMPLE_PERIOD_MS);
+    let signed: Vec<f64> = offsets.iter().map(|&o| milliseconds(o)).collect();
+    let absolute: Vec<f64> = signed.iter().map(|o| o.abs()).collect();
+    Some(OffsetSummary {
+        count: offsets.len(),
+        signed: MeanSd::of(&signed)?,
+        signed_median: median(&signed)?,
+        absolute: MeanSd::of(&absolute)?,
+        absolute_median: median(&absolute)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_are_reported_signed_and_absolute_in_milliseconds() {
+        let summary = summary(&[-10, 0, 10, 20]).unwrap();
+        assert_eq!((summary.signed.mean, summary.signed_median), (25.0, 25.0));
+        assert_eq!(
+            (summary.absolute.mean, summary.absolute_median),
+            (50.0, 50.0)
+        );
+        assert_eq!(super::summary(&[]), None);
+    }
+}

@@ -1,0 +1,43 @@
+//! Raw accuracy = samples whose prediction equals the truth / samples with a truth.
+
+use shared::intent::Intent;
+
+use super::MetricError;
+
+/// The share of right samples, 0..=1; none if no sample has a truth.
+///
+/// A sample without a prediction is wrong.
+///
+/// # Errors
+/// [`MetricError::Length`] if the sequences differ in length.
+pub fn raw_accuracy(
+    truth: &[Option<Intent>],
+    prediction: &[Option<Intent>],
+) -> Result<Option<f64>, MetricError> {
+    super::same_length(truth, prediction)?;
+    let labelled = truth.iter().flatten().count();
+    let right = truth
+        .iter()
+        .zip(prediction)
+        .filter(|(t, p)| t.is_some() && t == p)
+        .count();
+    Ok((labelled > 0).then(|| right as f64 / labelled as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_labelled_samples_count_and_silence_is_wrong() {
+        let (r, o) = (Some(Intent::Relax), Some(Intent::Open));
+        let accuracy = raw_accuracy(&[r, r, o, o, None], &[r, o, o, None, None]);
+        assert_eq!(accuracy, Ok(Some(0.5)));
+        assert_eq!(raw_accuracy(&[None], &[r]), Ok(None));
+        let error = MetricError::Length {
+            truth: 1,
+            prediction: 0,
+        };
+        assert_eq!(raw_accuracy(&[r], &[]), Err(error));
+    }
+}

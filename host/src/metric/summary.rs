@@ -1,0 +1,221 @@
+//! Scores of many recordings, by subject, then over subjects.
+//!
+//! Per subject: raw accuracy = plain mean over its recordings; transition accuracy = correct /
+//! events over all of them. Over subjects: mean and sample deviation (n - 1). So does the
+//! reference for ROAM-EMG.
+
+use std::collections::BTreeMap;
+
+use shared::intent::Intent;
+
+use super::offset::{self, OffsetSummary};
+use super::raw_accuracy::raw_accuracy;
+use super::transition::{Rule, TransitionScore};
+use super::{MetricError, transition};
+
+/// Mean and sample standard deviation.
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
+pub struct MeanSd {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Sample deviation (n - 1); none of a single value.
+    pub sd: Option<f64>,
+}
+
+impl MeanSd {
+    /// Of at least one value.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        if values.is_empty() {
+            return None;
+        }
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        let sd = (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
+        Some(Self { mean, sd })
+    }
+}
+
+/// The middle value, of an even number the mean of the two middle ones.
+#[must_use]
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let upper = sorted.get(sorted.len() / 2)?;
+    let lower = sorted[(sorted.len() - 1) / 2];
+    Some(f64::midpoint(lower, *upper))
+}
+
+/// The scores of one recording.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub struct RecordingScore {
+    /// Whose recording.
+    pub subject: String,
+    /// Which of the subject's recordings.
+    pub name: String,
+    /// Share of right samples; none without a true label.
+    pub raw_accuracy: Option<f64>,
+    /// Every true change and how it was judged.
+    pub transitions: TransitionScore,
+}
+
+impl RecordingScore {
+    /// Scores one recording; samples after the last predicted one are left out.
+    ///
+    /// # Errors
+    /// See [`MetricError`].
+    pub fn new(
+        subject: &str,
+        name: &str,
+        truth: &[Option<Intent>],
+        prediction: &[Option<Intent>],
+        rule: &Rule,
+    ) -> Result<Self, MetricError> {
+        super::same_length(truth, prediction)?;
+        let length = super::predicted_length(prediction);
+        let (truth, prediction) = (&truth[..length], &prediction[..length]);
+        Ok(Self {
+            subject: subject.to_owned(),
+            name: name.to_owned(),
+            raw_accuracy: raw_accuracy(truth, prediction)?,
+            transitions: transition::score(truth, prediction, rule)?,
+        })
+    }
+}
+
+/// The scores of one subject.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub struct SubjectScore {
+    /// Who.
+    pub subject: String,
+    /// Recordings scored.
+    pub recordings: usize,
+    /// Mean over the recordings that have true labels.
+    pub raw_accuracy: Option<f64>,
+    /// Changes judged `ok`.
+    pub correct: usize,
+    /// Changes in the truth.
+    pub events: usize,
+    /// `correct / events`; none without a change.
+    pub transition_accuracy: Option<f64>,
+    /// Offsets of the changes judged `ok`.
+    pub offset: Option<OffsetSummary>,
+}
+
+/// The scores of everybody.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub struct Summary {
+    /// Each subject, in alphabetical order.
+    pub subjects: Vec<SubjectScore>,
+    /// Over subjects.
+    pub raw_accuracy: Option<MeanSd>,
+    /// Over subjects that have changes.
+    pub transition_accuracy: Option<MeanSd>,
+    /// Changes judged `ok`, of everybody.
+    pub correct: usize,
+    /// Changes in the truth, of everybody.
+    pub events: usize,
+    /// Offsets of all changes judged `ok`, of everybody.
+    pub offset: Option<OffsetSummary>,
+}
+
+/// Sums recordings up by subject and over subjects.
+#[must_use]
+pub fn summary(scores: &[RecordingScore]) -> Summary {
+    let mut by_subject: BTreeMap<&str, Vec<&RecordingScore>> = BTreeMap::new();
+    for score in scores {
+        by_subject.entry(&score.subject).or_default().push(score);
+    }
+    let subjects: Vec<_> = by_subject
+        .into_iter()
+        .map(|(subject, scores)| of_subject(subject, &scores))
+        .collect();
+    let raw: Vec<f64> = subjects.iter().filter_map(|s| s.raw_accuracy).collect();
+    let transition: Vec<f64> = subjects
+        .iter()
+        .filter_map(|s| s.transition_accuracy)
+        .collect();
+    let offsets: Vec<i32> = scores
+        .iter()
+        .flat_map(|s| s.transitions.offsets())
+        .collect();
+    Summary {
+        raw_accuracy: MeanSd::of(&raw),
+        transition_accuracy: MeanSd::of(&transition),
+        correct: subjects.iter().map(|s| s.correct).sum(),
+        events: subjects.iter().map(|s| s.events).sum(),
+        offset: offset::summary(&offsets),
+        subjects,
+    }
+}
+
+fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
+    let raw: Vec<f64> = scores.iter().filter_map(|s| s.raw_accuracy).collect();
+    let correct = scores.iter().map(|s| s.transitions.correct()).sum();
+    let events = scores.iter().map(|s| s.transitions.events()).sum();
+    let offsets: Vec<i32> = scores
+        .iter()
+        .flat_map(|s| s.transitions.offsets())
+        .collect();
+    SubjectScore {
+        subject: subject.to_owned(),
+        recordings: scores.len(),
+        raw_accuracy: MeanSd::of(&raw).map(|r| r.mean),
+        correct,
+        events,
+        transition_accuracy: (events > 0).then(|| correct as f64 / events as f64),
+        offset: offset::summary(&offsets),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const R: Option<Intent> = Some(Intent::Relax);
+    const O: Option<Intent> = Some(Intent::Open);
+
+    fn step(change: usize) -> Vec<Option<Intent>> {
+        (0..1000)
+            .map(|at| if at < change { R } else { O })
+            .collect()
+    }
+
+    #[test]
+    fn deviation_is_that_of_a_sample() {
+        let both = MeanSd::of(&[1.0, 3.0]).unwrap();
+        assert_eq!((both.mean, both.sd), (2.0, Some(2.0_f64.sqrt())));
+        assert_eq!(MeanSd::of(&[1.0]).unwrap().sd, None);
+        assert_eq!(median(&[3.0, 1.0, 2.0, 10.0]), Some(2.5));
+    }
+
+    #[test]
+    fn subjects_weigh_the_same_whatever_their_number_of_changes() {
+        let score = |subject, late: usize| {
+            RecordingScore::new(
+                subject,
+                "r",
+                &step(500),
+                &step(500 + late),
+                &Rule::default(),
+            )
+            .unwrap()
+        };
+        let summary = summary(&[score("a", 0), score("a", 20), score("b", 300)]);
+        assert_eq!((summary.correct, summary.events), (2, 3));
+        assert_eq!(summary.transition_accuracy.unwrap().mean, 0.5);
+        assert_eq!(summary.subjects[0].raw_accuracy, Some(0.99));
+        assert_eq!(summary.offset.unwrap().signed.mean, 50.0);
+    }
+
+    #[test]
+    fn what_the_look_ahead_never_emitted_is_left_out() {
+        let mut prediction = step(500);
+        prediction[950..].fill(None);
+        let score =
+            RecordingScore::new("a", "r", &step(500), &prediction, &Rule::default()).unwrap();
+        assert_eq!(score.raw_accuracy, Some(1.0));
+        assert_eq!(score.transitions.correct(), 1);
+    }
+}

@@ -1,0 +1,171 @@
+//! Transition accuracy equals the reference's on all of its cases, verdict by verdict.
+
+use std::path::PathBuf;
+
+use myointent::metric::raw_accuracy::raw_accuracy;
+use myointent::metric::transition::{Rule, TransitionScore, Windows, score};
+use myointent::metric::{MetricError, stretches};
+use serde_json::Value;
+use shared::intent::Intent;
+
+/// The golden numbers of one folder, or none: then the skip has been announced.
+fn golden(test: &str, file: &str) -> Option<String> {
+    let root = std::env::var_os("MYOINTENT_GOLDEN").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/golden")),
+        PathBuf::from,
+    );
+    let path = root.join(file);
+    let text = std::fs::read_to_string(&path);
+    if let Err(error) = &text {
+        println!("SKIPPED {test}: {} cannot be read: {error}", path.display());
+    }
+    text.ok()
+}
+
+fn labels(runs: &Value) -> Vec<Option<Intent>> {
+    runs.as_array()
+        .expect("a list of runs")
+        .iter()
+        .flat_map(|run| {
+            let class = run[0].as_i64().expect("a class");
+            let count = run[1].as_u64().expect("a count") as usize;
+            let label = usize::try_from(class)
+                .ok()
+                .map(|class| Intent::from_class(class).expect("a class of the six"));
+            std::iter::repeat_n(label, count)
+        })
+        .collect()
+}
+
+/// The verdicts as the reference writes them.
+fn codes(result: &Result<TransitionScore, MetricError>) -> Value {
+    match result {
+        Err(MetricError::SingleSampleLabel { .. }) => Value::from("no_change_in_truth_buffer"),
+        Err(other) => Value::from(other.to_string()),
+        Ok(score) if score.events() == 0 => {
+            let held = score.constant.held == score.constant.count;
+            Value::from(vec![if held { "ok" } else { "constant_mismatch" }])
+        }
+        Ok(score) => score.changes.iter().map(|c| c.verdict.code()).collect(),
+    }
+}
+
+fn pairs<'a>(ranges: impl IntoIterator<Item = &'a std::ops::Range<usize>>) -> Value {
+    ranges
+        .into_iter()
+        .map(|range| Value::from(vec![range.start, range.end]))
+        .collect()
+}
+
+/// Equal but for the last bit, which serde_json's quick float parser may miss.
+fn equal(found: Option<f64>, expected: &Value) -> bool {
+    let (Some(found), Some(expected)) = (found, expected.as_f64()) else {
+        return false;
+    };
+    found.to_bits().abs_diff(expected.to_bits()) <= 1
+}
+
+#[test]
+fn every_case_of_the_reference_gets_its_windows_verdicts_and_offsets() {
+    let test = "every_case_of_the_reference_gets_its_windows_verdicts_and_offsets";
+    let Some(text) = golden(test, "transition/cases.json") else {
+        return;
+    };
+    let cases: Vec<Value> = serde_json::from_str(&text).expect("golden cases are JSON");
+    let mut judged = 0;
+    for case in &cases {
+        let (truth, prediction) = (labels(&case["truth"]), labels(&case["prediction"]));
+        let accuracy = raw_accuracy(&truth, &prediction).unwrap();
+        assert!(equal(accuracy, &case["raw_accuracy"]), "{}", case["name"]);
+        for width in [60, 120, 200] {
+            let expected = &case["buffers"][width.to_string()];
+            check(
+                &truth,
+                &prediction,
+                width,
+                expected,
+                &format!("{} at {width}", case["name"]),
+            );
+            judged += 1;
+        }
+    }
+    assert_eq!((cases.len(), judged), (266, 798));
+}
+
+fn check(
+    truth: &[Option<Intent>],
+    prediction: &[Option<Intent>],
+    buffer: usize,
+    expected: &Value,
+    name: &str,
+) {
+    let whole: Vec<Intent> = truth.iter().copied().flatten().collect();
+    assert_eq!(stretches(truth), [0..truth.len()], "{name}");
+    let windows = Windows::new(&whole, buffer);
+    assert_eq!(
+        pairs(&windows.buffers),
+        expected["buffer_windows"],
+        "{name}"
+    );
+    assert_eq!(
+        pairs(&windows.maintenance),
+        expected["maintenance_windows"],
+        "{name}"
+    );
+
+    for (strict, allow_relax, key) in [
+        (false, false, "verdicts"),
+        (true, false, "strict"),
+        (false, true, "allow_relax"),
+        (true, true, "strict_allow_relax"),
+    ] {
+        let result = score(
+            truth,
+            prediction,
+            &Rule {
+                buffer,
+                strict,
+                allow_relax,
+            },
+        );
+        let key = if expected.get(key).is_some() {
+            key
+        } else {
+            "error"
+        };
+        assert_eq!(codes(&result), expected[key], "{name}, {key}");
+    }
+
+    if let Ok(score) = score(
+        truth,
+        prediction,
+        &Rule {
+            buffer,
+            ..Rule::default()
+        },
+    ) {
+        assert_eq!(
+            score.events() as u64,
+            expected["events"].as_u64().unwrap(),
+            "{name}"
+        );
+        let offsets: Value = score
+            .changes
+            .iter()
+            .map(|c| Value::from(c.offset))
+            .collect();
+        assert_eq!(offsets, expected["signed_offset"], "{name}");
+        let constant = || {
+            if score.constant.held == score.constant.count {
+                1.0
+            } else {
+                0.0
+            }
+        };
+        let accuracy = score.accuracy().unwrap_or_else(constant);
+        assert!(
+            equal(Some(accuracy), &expected["transition_accuracy"]),
+            "{name}"
+        );
+    }
+}
