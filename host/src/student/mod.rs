@@ -1,2 +1,3 @@
+pub mod any_encoder;
 pub mod distillation;
 pub mod model;
