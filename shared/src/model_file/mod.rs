@@ -14,9 +14,7 @@ pub mod samples;
 mod writer;
 
 pub use error::{Excerpt, ModelError, TensorName};
-pub use header::{
-    Companding, Dimensions, Header, Likelihood, List, Provenance, Reading, SmootherDefaults,
-};
+pub use header::{Companding, Dimensions, Header, List, Provenance, SmootherDefaults};
 pub use layout::{Floats, LayerWeights, LinearWeights, NormWeights, Weights};
 pub use reader::Model;
 #[cfg(any(test, feature = "write"))]

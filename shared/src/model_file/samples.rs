@@ -3,11 +3,12 @@
 use alloc::vec::Vec;
 
 use super::{
-    Companding, Dimensions, LayerParts, Likelihood, LinearParts, ModelParts, NormParts,
-    ProvenanceParts, Reading, SmootherDefaults,
+    Companding, Dimensions, LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts,
+    SmootherDefaults,
 };
 use crate::{
     encoder::HEADS,
+    smoother::{Likelihood, Reading},
     units::{CHANNELS, LOOK_BACK, PATCH},
 };
 
