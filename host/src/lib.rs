@@ -2,6 +2,7 @@
 
 pub mod corpus;
 pub mod estimate;
+pub mod evaluation;
 pub mod fit;
 pub mod interrupt;
 pub mod metric;

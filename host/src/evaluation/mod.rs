@@ -1,0 +1,3 @@
+//! From a model's outputs over whole recordings to labels and to numbers about them.
+
+pub mod offline;
