@@ -50,6 +50,16 @@ impl Corpus {
     }
 }
 
+/// How EMG amplitudes are compressed before the patch embedding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Companding {
+    /// x
+    Linear,
+    /// sqrt(x): the step from rest to a weak gesture counts as much as that to a strong one.
+    SquareRoot,
+}
+
 /// How training examples are varied: an armband sits tighter or looser, and turned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

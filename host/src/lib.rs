@@ -12,5 +12,6 @@ pub mod progress;
 pub mod recording;
 pub mod run_folder;
 pub mod schedule;
+pub mod stage;
 pub mod student;
 pub mod teacher;

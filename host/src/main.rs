@@ -1,3 +1,14 @@
 //! The command line of `myointent`.
 
-fn main() {}
+use std::process::ExitCode;
+
+use clap::Parser;
+use myointent::command::Cli;
+
+// Training allocates and frees large tensors by the thousand; this allocator keeps their pages.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> ExitCode {
+    Cli::parse().run()
+}

@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 use shared::preprocess::clean;
+use shared::units::SAMPLE_RATE_HZ;
 use thiserror::Error;
 
 use crate::corpus::{Corpus, Stream};
@@ -148,24 +149,43 @@ impl Plan {
         recordings
     }
 
-    /// A subject's recordings joined in random order and rhythm, labels moved by the lag.
+    /// Validation recordings that have labels of the vocabulary.
     #[must_use]
-    pub fn spliced(&self, recordings: &[&Recording], seconds: f64, seed: u64) -> Option<Recording> {
-        let moved: Vec<Recording> = recordings
+    pub fn validation_recordings<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let mut recordings = self.split.select(&library.recordings, Role::Validation);
+        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
+        recordings
+    }
+
+    /// Recordings of one data set joined in random order and rhythm, one a subject, labels moved
+    /// by the lag.
+    #[must_use]
+    pub fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let Some(first) = recordings.first() else { return Vec::new() };
+        let own: Vec<Recording> = recordings
             .iter()
-            .map(|&recording| Recording { labels: self.moved_labels(recording), ..recording.clone() })
+            .map(|&recording| Recording { labels: recording.labels_in(vocabulary), ..recording.clone() })
             .collect();
-        splice::splice(&moved.iter().collect::<Vec<_>>(), &SpliceOptions { seconds, seed })
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked with the preset")]
+        let options = SpliceOptions {
+            samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
+            count: 1,
+            lag_samples: self.lag(first.data_set),
+            seed: self.preset.seed,
+        };
+        splice::splice(&own.iter().collect::<Vec<_>>(), &options)
     }
 
     fn corpus(&self, library: &Library, role: Role) -> Corpus {
         let vocabulary = self.preset.vocabulary();
-        let mut by_subject: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
+        let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
         for recording in self.split.select(&library.recordings, role) {
-            by_subject.entry(&recording.subject).or_default().push(recording);
+            by_set.entry(recording.data_set).or_default().push(recording);
         }
         let mut streams = Vec::new();
-        for (number, recordings) in by_subject.values().enumerate() {
+        for recordings in by_set.values() {
             if self.preset.data.as_published {
                 streams.extend(recordings.iter().map(|recording| Stream {
                     emg: clean(recording.samples.iter().copied()).collect(),
@@ -173,13 +193,11 @@ impl Plan {
                 }));
             }
             if self.preset.data.spliced_seconds > 0.0 {
-                let seed = self.preset.seed.wrapping_add(number as u64);
-                if let Some(joined) = self.spliced(recordings, self.preset.data.spliced_seconds, seed) {
-                    streams.push(Stream {
-                        emg: clean(joined.samples.iter().copied()).collect(),
-                        labels: joined.labels,
-                    });
-                }
+                let spliced = self.spliced(recordings, self.preset.data.spliced_seconds);
+                streams.extend(spliced.into_iter().map(|joined| Stream {
+                    emg: clean(joined.samples).collect(),
+                    labels: joined.labels,
+                }));
             }
         }
         Corpus { vocabulary, streams }

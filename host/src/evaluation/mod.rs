@@ -1,3 +1,6 @@
 //! From a model's outputs over whole recordings to labels and to numbers about them.
 
+pub mod judge;
 pub mod offline;
+pub mod track;
+pub mod trial;

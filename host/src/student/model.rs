@@ -10,15 +10,7 @@ use burn::tensor::{Device, Int, Tensor, TensorData};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-/// How EMG amplitudes are compressed before the patch embedding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Companding {
-    /// x
-    Linear,
-    /// sqrt(x): the step from rest to a weak gesture counts as much as that to a strong one.
-    SquareRoot,
-}
+use crate::corpus::Companding;
 
 /// Dimensions of a student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

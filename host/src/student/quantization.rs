@@ -8,7 +8,8 @@ use shared::model_file::{
     SmootherDefaults,
 };
 
-use super::model::{Companding, Student, StudentConfig};
+use super::model::{Student, StudentConfig};
+use crate::corpus::Companding;
 use crate::estimate::numbers;
 use crate::preset::Preset;
 

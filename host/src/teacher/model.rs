@@ -13,12 +13,16 @@ use burn::tensor::{Device, Tensor};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, WINDOW};
 
+use crate::corpus::Companding;
+
 /// Dimensions of a teacher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TeacherConfig {
     /// Samples in a token: 1 in the paper, 10 on a CPU. Divides the window of 600.
     pub patch: usize,
+    /// Compression of the EMG that the encoder sees; the reconstruction's target stays linear.
+    pub companding: Companding,
     /// Width of a token.
     pub d_model: usize,
     /// Attention heads; divides `d_model`.
@@ -63,6 +67,7 @@ impl TeacherConfig {
             layers: (0..self.layers).map(|_| self.layer(device)).collect(),
             emg_head: LinearConfig::new(d, CHANNELS * self.patch).init(device),
             intent_head: LinearConfig::new(d, (classes + 1) * self.patch).init(device),
+            square_root: self.companding == Companding::SquareRoot,
         }
     }
 
@@ -95,6 +100,7 @@ pub struct Teacher {
     layers: Vec<TeacherLayer>,
     emg_head: Linear,
     intent_head: Linear,
+    square_root: bool,
 }
 
 /// One pre-norm encoder layer.
@@ -141,8 +147,9 @@ impl Teacher {
         let [classes, d] = self.intent_embedding.dims();
         let position = self.position.val().unsqueeze::<3>();
 
+        let emg = if self.square_root { input.emg.sqrt() } else { input.emg };
         // The mask vector replaces the token after the norm, so it is itself not normed.
-        let emg = self.emg_norm.forward(self.emg_embedding.forward(input.emg));
+        let emg = self.emg_norm.forward(self.emg_embedding.forward(emg));
         let hidden = input.emg_mask.clone() * self.emg_mask.val().reshape([1, 1, d]);
         let emg = emg * (input.emg_mask * -1.0 + 1.0)
             + hidden

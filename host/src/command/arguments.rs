@@ -1,0 +1,106 @@
+//! Arguments that several subcommands share.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use burn::tensor::Device;
+use clap::{Args, ValueEnum};
+
+use crate::plan::Plan;
+use crate::recording::{Library, LoadOptions, load, synth};
+use crate::run_folder::RunFolder;
+
+/// Where recordings lie.
+#[derive(Clone, Debug, Args)]
+pub struct DataArguments {
+    /// Folder of recordings, of one data set or of several; `MYOINTENT_DATA` if not given.
+    #[arg(long, value_name = "DIR", env = "MYOINTENT_DATA")]
+    pub data: Option<PathBuf>,
+    /// Leave damaged files out, and say which, rather than stop at the first.
+    #[arg(long)]
+    pub skip_bad: bool,
+}
+
+/// What tensors are computed on.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Backend {
+    /// Burn's newer CPU backend.
+    #[cfg(feature = "flex")]
+    Flex,
+    /// Burn's CPU backend on the ndarray crate.
+    #[cfg(feature = "ndarray")]
+    Ndarray,
+    /// An NVIDIA GPU.
+    #[cfg(feature = "cuda")]
+    Cuda,
+    /// Any GPU, through wgpu.
+    #[cfg(feature = "wgpu")]
+    Wgpu,
+}
+
+/// Choice of a backend among those compiled in.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct BackendArguments {
+    /// What to compute on; the fastest that is compiled in if not given.
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
+}
+
+impl BackendArguments {
+    /// The device, with gradients.
+    #[must_use]
+    pub fn device(self) -> Device {
+        let plain = match self.backend {
+            None => Device::default(),
+            #[cfg(feature = "flex")]
+            Some(Backend::Flex) => Device::flex(),
+            #[cfg(feature = "ndarray")]
+            Some(Backend::Ndarray) => Device::ndarray(),
+            #[cfg(feature = "cuda")]
+            Some(Backend::Cuda) => Device::cuda(0),
+            #[cfg(feature = "wgpu")]
+            Some(Backend::Wgpu) => Device::wgpu(burn::tensor::DeviceKind::DefaultDevice),
+        };
+        plain.autodiff()
+    }
+}
+
+impl DataArguments {
+    /// Loads the recordings, or makes synthetic ones where none are given; says which.
+    ///
+    /// # Errors
+    /// When a file is damaged and damaged files are not to be left out.
+    pub fn load(&self, seed: u64) -> anyhow::Result<Library> {
+        recordings(self.data.as_deref(), self.skip_bad, seed)
+    }
+}
+
+/// A run's folder with the plan and the recordings that it was begun with.
+///
+/// # Errors
+/// When the folder holds no plan or the recordings cannot be read.
+pub fn begun(run: &Path) -> anyhow::Result<(RunFolder, Plan, Library)> {
+    let folder = RunFolder::open(run)?;
+    let plan = Plan::load(&folder)
+        .with_context(|| format!("{}: no run has begun here; start with `myointent train --run {0}`", run.display()))?;
+    let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
+    Ok((folder, plan, library))
+}
+
+/// Recordings below a path, or synthetic ones.
+///
+/// # Errors
+/// When a file is damaged and damaged files are not to be left out.
+pub fn recordings(data: Option<&Path>, skip_bad: bool, seed: u64) -> anyhow::Result<Library> {
+    let Some(path) = data else {
+        eprintln!("no recordings given: making synthetic ones (give real ones with --data DIR)");
+        return Ok(Library { recordings: synth::generate(&synth::SynthOptions { seed, ..Default::default() }), ..Library::default() });
+    };
+    let library = load(path, &LoadOptions { skip_bad })
+        .context("damaged recordings can be left out with --skip-bad")?;
+    for skipped in &library.skipped {
+        eprintln!("left out: {}", skipped.error);
+    }
+    eprintln!("{} recordings in {}", library.recordings.len(), path.display());
+    Ok(library)
+}

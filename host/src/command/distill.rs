@@ -1,0 +1,53 @@
+//! `myointent distill`: the student.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::{BackendArguments, begun};
+use crate::interrupt::Interrupt;
+use crate::stage::Stage;
+
+/// Arguments of `distill`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Run folder that `train` has filled.
+    #[arg(long, value_name = "DIR", default_value = "runs/latest")]
+    run: PathBuf,
+    /// Share of the teacher's word against the labels', instead of the preset's; 0 trains on labels alone.
+    #[arg(long, value_name = "0..1", value_parser = share)]
+    teacher_share: Option<f64>,
+    /// Go on after the last complete epoch.
+    #[arg(long)]
+    resume: bool,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or_else(|| format!("expected 0 to 1, found {text}"))
+}
+
+/// Trains the student.
+///
+/// # Errors
+/// When the run folder holds no teacher or cannot be written.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let interrupt = Interrupt::listen();
+    let (folder, mut plan, library) = begun(&arguments.run)?;
+    if let Some(share) = arguments.teacher_share {
+        plan.preset.distillation.teacher_share = share;
+        plan.save(&folder)?;
+    }
+    let stage = Stage {
+        run: &folder,
+        plan: &plan,
+        library: &library,
+        device: arguments.backend.device(),
+        resume: arguments.resume,
+        interrupt: &interrupt,
+    };
+    stage.distill()?;
+    println!("{}", folder.file("student.bpk").display());
+    Ok(())
+}

@@ -1,0 +1,190 @@
+//! Every model, every condition, one table: what each says about people whom none has seen.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::intent::{Intent, Vocabulary};
+use shared::smoother::{Reading, Settings};
+use thiserror::Error;
+
+use super::track::{Track, track};
+use super::trial::Trial;
+use crate::estimate::Rows;
+use crate::metric::summary::{RecordingScore, Summary, summary};
+use crate::metric::transition::Rule;
+use crate::metric::MetricError;
+use crate::metric::confusion::Confusion;
+
+/// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
+pub const BUFFERS: [usize; 3] = [60, 120, 200];
+
+/// What the labels are compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Truth {
+    /// Labels as published: the cues, as the paper scores.
+    Published,
+    /// Labels moved by one constant a data set: where the muscles answer.
+    Moved,
+}
+
+/// How rows become labels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LookAhead {
+    /// The newest row alone.
+    None,
+    /// 0.25 s, every row from the instant on.
+    AllRows,
+    /// 0.25 s, the instant's own rows.
+    SameInstant,
+}
+
+impl LookAhead {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::None, Self::AllRows, Self::SameInstant];
+
+    /// Name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "0",
+            Self::AllRows => "0.25 s, all rows",
+            Self::SameInstant => "0.25 s, same instant",
+        }
+    }
+
+    /// The smoother's settings; labels hold for 0.1 s in all of them.
+    #[must_use]
+    pub const fn settings(self) -> Settings {
+        let paper = Settings::PAPER_IN_PATCHES;
+        match self {
+            Self::None => Settings { look_ahead: 0, ..paper },
+            Self::AllRows => Settings { reading: Reading::AllRowsFrom, ..paper },
+            Self::SameInstant => Settings { reading: Reading::SameInstant, ..paper },
+        }
+    }
+}
+
+/// One model's word on every trial.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Name in tables.
+    pub name: String,
+    /// Rows of each trial's patches, in the order of the trials.
+    pub rows: Vec<Vec<Rows>>,
+}
+
+/// One line of the table.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// Which model.
+    pub model: String,
+    /// Which recordings: a data set's name or `all`.
+    pub data_set: String,
+    /// How rows became labels.
+    pub look_ahead: LookAhead,
+    /// What the labels were compared with.
+    pub truth: Truth,
+    /// Scores with each buffer of [`BUFFERS`], labels booked at the instant spoken of.
+    pub spoken: Vec<Summary>,
+    /// Scores with the widest buffer, labels booked when emitted.
+    pub emitted: Summary,
+}
+
+/// Why candidates cannot be judged.
+#[derive(Debug, Error)]
+pub enum JudgeError {
+    /// A metric refuses its sequences.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
+    /// The smoother refuses its settings.
+    #[error(transparent)]
+    Smoother(#[from] shared::smoother::SettingsError),
+}
+
+/// Judges a candidate under one condition, over all trials and for each data set among them.
+///
+/// # Errors
+/// When a metric or the smoother refuses.
+pub fn judge(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+    truth: Truth,
+) -> Result<Vec<Verdict>, JudgeError> {
+    let scored: Vec<_> = trials
+        .par_iter()
+        .zip(&candidate.rows)
+        .filter_map(|(trial, rows)| {
+            let labels = match truth {
+                Truth::Published => trial.published.as_ref()?,
+                Truth::Moved => &trial.moved,
+            };
+            Some(score(trial, rows, labels, vocabulary, look_ahead.settings()).map(|scores| (trial.data_set.name(), scores)))
+        })
+        .collect::<Result<_, _>>()?;
+    let mut sets: Vec<&str> = scored.iter().map(|(set, _)| *set).collect();
+    sets.sort_unstable();
+    sets.dedup();
+    if sets.len() != 1 {
+        sets.push(ALL);
+    }
+    let verdict = |set: &str| {
+        let chosen = || scored.iter().filter(move |(own, _)| set == ALL || *own == set);
+        let of = |book: usize| summary(&chosen().map(|(_, scores)| scores[book].clone()).collect::<Vec<_>>());
+        Verdict {
+            model: candidate.name.clone(),
+            data_set: set.to_owned(),
+            look_ahead,
+            truth,
+            spoken: (0..BUFFERS.len()).map(of).collect(),
+            emitted: of(BUFFERS.len()),
+        }
+    };
+    Ok(sets.into_iter().map(verdict).collect())
+}
+
+/// Name of the line over all data sets.
+pub const ALL: &str = "all";
+
+/// Scores of one trial: spoken book with each buffer, then the emitted book with the widest.
+fn score(
+    trial: &Trial,
+    rows: &[Rows],
+    labels: &[Option<Intent>],
+    vocabulary: Vocabulary,
+    settings: Settings,
+) -> Result<Vec<RecordingScore>, JudgeError> {
+    let Track { spoken, emitted } = track(rows, trial.emg.len(), vocabulary.classes(), settings)?;
+    // Like the reference at a recording's end, its start is judged only once there is a label.
+    let first = spoken.iter().position(Option::is_some).unwrap_or(0);
+    let rule = |buffer| Rule { buffer, ..Rule::default() };
+    let score = |book: &[Option<Intent>], buffer| {
+        RecordingScore::new(&trial.subject, &trial.name, &labels[first..], &book[first..], &rule(buffer))
+    };
+    let mut scores = Vec::with_capacity(BUFFERS.len() + 1);
+    for buffer in BUFFERS {
+        scores.push(score(&spoken, buffer)?);
+    }
+    scores.push(score(&emitted, BUFFERS[BUFFERS.len() - 1])?);
+    Ok(scores)
+}
+
+/// True against spoken intents over all trials.
+///
+/// # Errors
+/// When a metric or the smoother refuses.
+pub fn confusion(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Confusion, JudgeError> {
+    let mut confusion = Confusion::new(vocabulary);
+    for (trial, rows) in trials.iter().zip(&candidate.rows) {
+        let track = track(rows, trial.emg.len(), vocabulary.classes(), look_ahead.settings())?;
+        confusion.add(&trial.moved, &track.spoken)?;
+    }
+    Ok(confusion)
+}

@@ -1,0 +1,367 @@
+//! The steps from recordings to a judged model file, each starting from what the one before left
+//! in the run's folder.
+
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use burn::module::Module;
+use burn::tensor::Device;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use shared::model_file::{Model, ProvenanceParts, SmootherDefaults};
+use shared::smoother::{Likelihood, Reading, Settings};
+use shared::units::{CleanSample, HOLD, LOOK_AHEAD, PATCH, WINDOW_PATCHES};
+
+use crate::estimate::{Rows, padded, student_rows, teacher_rows};
+use crate::evaluation::judge::{BUFFERS, Candidate, LookAhead, Truth, Verdict, judge};
+use crate::evaluation::trial::{self, Trial};
+use crate::interrupt::Interrupt;
+use crate::plan::Plan;
+use crate::progress;
+use crate::recording::Library;
+use crate::run_folder::{RunError, RunFolder, write_whole};
+use crate::student::any_encoder::any_encoder;
+use crate::student::distillation;
+use crate::student::model::Student;
+use crate::student::quantization::quantize;
+use crate::teacher;
+use crate::teacher::model::Teacher;
+
+/// A run: its folder, its plan, and what it computes on.
+pub struct Stage<'a> {
+    /// Where everything is written.
+    pub run: &'a RunFolder,
+    /// What will run.
+    pub plan: &'a Plan,
+    /// The recordings.
+    pub library: &'a Library,
+    /// Device with gradients.
+    pub device: Device,
+    /// Whether to go on where an interrupted run stopped.
+    pub resume: bool,
+    /// Ctrl-C.
+    pub interrupt: &'a Interrupt,
+}
+
+/// Judgement of several models, as `results.json` keeps it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Results {
+    /// Data sets and subjects that were judged; no model has seen them.
+    pub held_out: Vec<String>,
+    /// The reading that the model file asks for.
+    pub reading: LookAhead,
+    /// Recordings as published.
+    pub published: Vec<Verdict>,
+    /// The same people's recordings in random order and rhythm.
+    pub spliced: Vec<Verdict>,
+}
+
+/// A figure kept with a model file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Figure {
+    name: String,
+    value: f32,
+}
+
+const FIGURES: &str = "figures.json";
+const READING: &str = "reading.json";
+const TEACHER_ROWS: &str = "teacher-rows.bin";
+
+impl Stage<'_> {
+    /// Trains the teacher.
+    ///
+    /// # Errors
+    /// When the folder cannot be written or the user interrupts.
+    pub fn train(&self) -> anyhow::Result<()> {
+        let preset = &self.plan.preset;
+        let corpus = self.plan.training(self.library);
+        let validation = self.plan.validation(self.library);
+        if validation.streams.is_empty() {
+            bail!("no subject is left to choose the checkpoint with: name one under data.validation, or give more recordings");
+        }
+        progress::say(&format!(
+            "training on {} streams, {:.0} s; validating on {}, {:.0} s",
+            corpus.streams.len(), corpus.seconds(), validation.streams.len(), validation.seconds(),
+        ));
+        self.device.seed(preset.seed);
+        let model = preset.teacher.init(preset.classes, &self.device);
+        teacher::training::train(
+            model, preset.teacher.patch, &corpus, &validation, &preset.teacher_training, preset.seed,
+            &self.device, self.run, self.resume, self.interrupt,
+        )?;
+        Ok(())
+    }
+
+    /// Trains the student, from the teacher if there is one and the preset listens to it.
+    ///
+    /// # Errors
+    /// When the teacher is missing, the folder cannot be written or the user interrupts.
+    pub fn distill(&self) -> anyhow::Result<()> {
+        let preset = &self.plan.preset;
+        let corpus = self.plan.training(self.library);
+        let validation = self.plan.validation(self.library);
+        let teacher = if preset.distillation.teacher_share > 0.0 {
+            let streams: Vec<&[CleanSample]> = corpus.streams.iter().map(|stream| stream.emg.as_slice()).collect();
+            Some(self.teacher_rows(&streams)?)
+        } else {
+            None
+        };
+        self.device.seed(preset.seed);
+        let model = preset.student.init(preset.classes, &self.device);
+        distillation::train(
+            model, preset.student.span, &corpus, teacher, &validation, &preset.distillation, preset.seed,
+            &self.device, self.run, self.resume, self.interrupt,
+        )?;
+        Ok(())
+    }
+
+    /// Writes the model file and returns its bytes.
+    ///
+    /// The reading of the look-ahead is the one that follows more transitions of the validation
+    /// subjects.
+    ///
+    /// # Errors
+    /// When the student is missing or no device can run it.
+    pub fn quantize(&self, out: &Path) -> anyhow::Result<Vec<u8>> {
+        let preset = &self.plan.preset;
+        let student = self.student()?;
+        let reading = self.reading(&student)?;
+        let split = &self.plan.split;
+        let sets = |subjects: &[String]| {
+            let mut sets: Vec<String> =
+                subjects.iter().filter_map(|s| s.split('/').next()).map(str::to_owned).collect();
+            sets.dedup();
+            sets
+        };
+        let figures: Vec<Figure> = if self.run.file(FIGURES).exists() { self.run.load_json(FIGURES)? } else { Vec::new() };
+        let provenance = ProvenanceParts {
+            data_sets: sets(&split.training),
+            subjects_left_out: split.held_out.clone(),
+            git_revision: self.plan.git_revision.clone().unwrap_or_default(),
+            seed: preset.seed,
+            metrics: figures.into_iter().map(|figure| (figure.name, figure.value)).collect(),
+        };
+        let smoother = SmootherDefaults {
+            reading: match reading {
+                LookAhead::SameInstant => Reading::SameInstant,
+                LookAhead::None | LookAhead::AllRows => Reading::AllRowsFrom,
+            },
+            likelihood: Likelihood::Logits,
+            look_ahead: LOOK_AHEAD,
+            hold: HOLD,
+        };
+        let bytes = quantize(&student, preset, smoother, provenance).context("this student cannot become a model file")?;
+        write_whole(out, &bytes)?;
+        Ok(bytes)
+    }
+
+    /// Judges teacher, float student and integer student on the subjects left out.
+    ///
+    /// # Errors
+    /// When one of the models is missing or damaged.
+    pub fn evaluate(&self, model_file: &[u8]) -> anyhow::Result<(Results, Judged)> {
+        let trials = trial::published(self.plan, self.library);
+        let spliced = trial::spliced(self.plan, self.library);
+        if trials.is_empty() {
+            bail!("no labelled recording of a left-out subject is at hand: name subjects under data.held_out");
+        }
+        let student = self.student()?;
+        let reading = self.reading(&student)?;
+        let published = self.candidates(&trials, &student, model_file)?;
+        let in_random_order = self.candidates(&spliced, &student, model_file)?;
+        let results = Results {
+            held_out: self.plan.split.held_out.clone(),
+            reading,
+            published: self.judge_all(&published, &trials, &[Truth::Published, Truth::Moved])?,
+            spliced: self.judge_all(&in_random_order, &spliced, &[Truth::Moved])?,
+        };
+        self.run.save_json("results.json", &results)?;
+        self.run.save_json(FIGURES, &figures(&results))?;
+        Ok((results, Judged { trials, candidates: published, reading }))
+    }
+
+    fn judge_all(&self, candidates: &[Candidate], trials: &[Trial], truths: &[Truth]) -> anyhow::Result<Vec<Verdict>> {
+        let mut verdicts = Vec::new();
+        if trials.is_empty() {
+            return Ok(verdicts);
+        }
+        for &truth in truths {
+            for candidate in candidates {
+                for look_ahead in LookAhead::ALL {
+                    verdicts.extend(judge(candidate, trials, self.plan.preset.vocabulary(), look_ahead, truth)?);
+                }
+            }
+        }
+        Ok(verdicts)
+    }
+
+    fn candidates(&self, trials: &[Trial], student: &Student, model_file: &[u8]) -> anyhow::Result<Vec<Candidate>> {
+        let mut candidates = Vec::new();
+        let plain = self.device.clone().inner();
+        if self.run.file(&format!("{}.bpk", teacher::training::NAME)).exists() {
+            let model = self.teacher()?;
+            let patch = self.plan.preset.teacher.patch;
+            candidates.push(self.candidate("teacher", trials, |emg| teacher_rows(&model, patch, emg, &plain))?);
+        }
+        candidates.push(self.candidate("float student", trials, |emg| student_rows(student, emg, &plain))?);
+        let model = Model::parse(model_file).context("the model file just written")?;
+        let rows = trials.par_iter().map(|trial| integer_rows(&model, &trial.emg)).collect::<anyhow::Result<_>>()?;
+        candidates.push(Candidate { name: "integer student".to_owned(), rows });
+        Ok(candidates)
+    }
+
+    fn candidate(&self, name: &str, trials: &[Trial], rows: impl Fn(&[CleanSample]) -> Vec<Rows>) -> Result<Candidate, RunError> {
+        let bar = progress::bar(trials.len(), name);
+        let mut all = Vec::with_capacity(trials.len());
+        for trial in trials {
+            if self.interrupt.asked() {
+                return Err(self.run.interrupted());
+            }
+            all.push(rows(&trial.emg));
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(Candidate { name: name.to_owned(), rows: all })
+    }
+
+    /// The reading that follows more transitions of the validation subjects; all rows on a tie.
+    fn reading(&self, student: &Student) -> anyhow::Result<LookAhead> {
+        if self.run.file(READING).exists() {
+            return Ok(if self.run.load_json::<bool>(READING)? { LookAhead::SameInstant } else { LookAhead::AllRows });
+        }
+        let trials = trial::validation(self.plan, self.library);
+        let plain = self.device.clone().inner();
+        let candidate = self.candidate("choosing the reading", &trials, |emg| student_rows(student, emg, &plain))?;
+        let correct = |look_ahead| -> anyhow::Result<usize> {
+            let verdicts = judge(&candidate, &trials, self.plan.preset.vocabulary(), look_ahead, Truth::Moved)?;
+            Ok(verdicts.last().map_or(0, |verdict| verdict.spoken[BUFFERS.len() - 1].correct))
+        };
+        let same_instant = correct(LookAhead::SameInstant)? > correct(LookAhead::AllRows)?;
+        self.run.save_json(READING, &same_instant)?;
+        Ok(if same_instant { LookAhead::SameInstant } else { LookAhead::AllRows })
+    }
+
+    /// The trained teacher, without gradients.
+    ///
+    /// # Errors
+    /// When it is missing or of another shape.
+    pub fn teacher(&self) -> Result<Teacher, RunError> {
+        let plain = self.device.clone().inner();
+        let preset = &self.plan.preset;
+        self.run.load_model(teacher::training::NAME, preset.teacher.init(preset.classes, &plain)).map(|model| model.valid())
+    }
+
+    /// The trained student, without gradients.
+    ///
+    /// # Errors
+    /// When it is missing or of another shape.
+    pub fn student(&self) -> Result<Student, RunError> {
+        let plain = self.device.clone().inner();
+        let preset = &self.plan.preset;
+        self.run.load_model(distillation::NAME, preset.student.init(preset.classes, &plain)).map(|model| model.valid())
+    }
+
+    /// The teacher's word on every patch of the training streams; computed once and kept.
+    fn teacher_rows(&self, streams: &[&[CleanSample]]) -> anyhow::Result<Vec<Vec<Rows>>> {
+        let checkpoint = self.run.file(&format!("{}.bpk", teacher::training::NAME));
+        let weights = std::fs::read(&checkpoint)
+            .with_context(|| format!("{}: no teacher to learn from; run `myointent train` first", checkpoint.display()))?;
+        let key = crc32(&weights);
+        let path = self.run.file(TEACHER_ROWS);
+        if let Some(rows) = std::fs::read(&path).ok().and_then(|bytes| unpack(&bytes, key, streams)) {
+            return Ok(rows);
+        }
+        let model = self.teacher()?;
+        let plain = self.device.clone().inner();
+        let patch = self.plan.preset.teacher.patch;
+        let bar = progress::bar(streams.len(), "asking the teacher");
+        let mut all = Vec::with_capacity(streams.len());
+        for emg in streams {
+            if self.interrupt.asked() {
+                return Err(self.run.interrupted().into());
+            }
+            all.push(teacher_rows(&model, patch, emg, &plain));
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        write_whole(&path, &pack(&all, key))?;
+        Ok(all)
+    }
+}
+
+/// What the report draws from: the trials and every model's rows on them.
+pub struct Judged {
+    /// The recordings.
+    pub trials: Vec<Trial>,
+    /// Teacher (if any), float student, integer student.
+    pub candidates: Vec<Candidate>,
+    /// The reading that the model file asks for.
+    pub reading: LookAhead,
+}
+
+/// An integer student's rows at every whole patch of a stream, as the device computes them.
+///
+/// # Errors
+/// When no encoder of the model's shape is compiled.
+pub fn integer_rows(model: &Model<'_>, emg: &[CleanSample]) -> anyhow::Result<Vec<Rows>> {
+    let mut encoder = any_encoder(model)?;
+    let stream = padded(emg);
+    let (patches, _) = stream.as_chunks::<PATCH>();
+    Ok(patches.iter().map(|patch| encoder.step(patch)).skip(WINDOW_PATCHES).collect())
+}
+
+/// The smoother that a model file asks for.
+#[must_use]
+pub fn settings(smoother: &SmootherDefaults) -> Settings {
+    Settings {
+        reading: smoother.reading,
+        likelihood: smoother.likelihood,
+        look_ahead: smoother.look_ahead / PATCH,
+        hold: smoother.hold / PATCH,
+        ..Settings::PAPER_IN_PATCHES
+    }
+}
+
+/// What a model file says about the integer student's accuracy.
+fn figures(results: &Results) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    let chosen = results.published.iter().filter(|verdict| {
+        verdict.model == "integer student" && verdict.look_ahead == results.reading && verdict.truth == Truth::Moved
+    });
+    for verdict in chosen {
+        let widest = &verdict.spoken[BUFFERS.len() - 1];
+        let mut keep = |what: &str, mean: Option<f64>| {
+            if let Some(value) = mean {
+                #[expect(clippy::cast_possible_truncation, reason = "an accuracy")]
+                figures.push(Figure { name: format!("{} {what}", verdict.data_set), value: value as f32 });
+            }
+        };
+        keep("raw accuracy", widest.raw_accuracy.map(|raw| raw.mean));
+        keep("transition accuracy", widest.transition_accuracy.map(|transition| transition.mean));
+    }
+    figures
+}
+
+fn crc32(bytes: &[u8]) -> u32 {
+    crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
+}
+
+fn pack(all: &[Vec<Rows>], key: u32) -> Vec<u8> {
+    let mut bytes = key.to_le_bytes().to_vec();
+    for value in all.iter().flatten().flatten().flatten() {
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes
+}
+
+fn unpack(bytes: &[u8], key: u32, streams: &[&[CleanSample]]) -> Option<Vec<Vec<Rows>>> {
+    let (found, bytes) = bytes.split_first_chunk::<4>()?;
+    let patches: usize = streams.iter().map(|emg| emg.len() / PATCH).sum();
+    if u32::from_le_bytes(*found) != key || bytes.len() != patches * size_of::<Rows>() {
+        return None;
+    }
+    let (values, _) = bytes.as_chunks::<4>();
+    let mut values = values.iter().map(|&value| f32::from_le_bytes(value));
+    let mut next = || std::array::from_fn(|_| std::array::from_fn(|_| values.next().unwrap_or(0.0)));
+    Some(streams.iter().map(|emg| (0..emg.len() / PATCH).map(|_| next()).collect()).collect())
+}
