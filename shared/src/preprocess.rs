@@ -2,7 +2,8 @@
 //!
 //! The median is taken of signed values, before rectification, and a neighbour beyond either end
 //! of the stream counts as 0. It needs the sample that follows, so the streaming form lags one
-//! sample; that buys equality with the form that sees a whole recording. Source: golden/README.md.
+//! sample; that buys equality with the form that sees a whole recording. Source: ReactEMG's public
+//! code; held to its numbers in `tests/golden`.
 
 use crate::units::{CHANNELS, CleanSample, Sample};
 

@@ -133,6 +133,7 @@ fn six_lost_samples_reset_the_window() {
         resets: 1,
     };
     assert_eq!(pipeline.counters(), expected);
+    assert_eq!(pipeline.state, Spelled.fresh(), "the model still remembers");
     // A second gap before any sample has nothing to give up.
     assert_eq!(lines(pipeline.gap(at(668), 1)), []);
     assert_eq!(pipeline.counters().resets, 1);
@@ -160,6 +161,7 @@ fn silence_and_disconnection_give_up_the_window() {
         [(Kind::State, 660, 660, silent)]
     );
     assert_eq!(pipeline.status(), silent);
+    assert_eq!(pipeline.state, Spelled.fresh(), "the model still remembers");
     let gone = Status::Safe(Cause::Disconnected);
     assert_eq!(
         lines(pipeline.disconnected(Millis(4000))),

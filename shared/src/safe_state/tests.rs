@@ -1,0 +1,126 @@
+//! The guard as tables: what is heard when, and the change that it must make.
+
+use super::*;
+
+/// What is heard at each instant, and the change that it must make.
+type Trace<'a> = &'a [(u32, Event, Option<Status>)];
+
+fn follow(start: Start, trace: Trace) -> SafeState {
+    let mut state = SafeState::new(start);
+    for (row, (now, event, expected)) in trace.iter().enumerate() {
+        let change = state.handle(Millis(*now), *event);
+        assert_eq!(change, *expected, "row {row}: {event:?} at {now} ms");
+    }
+    state
+}
+
+const fn label(intent: Intent) -> Event {
+    Event::Label {
+        intent,
+        window_full: true,
+    }
+}
+
+const OPEN: Option<Status> = Some(Status::Valid(Intent::Open));
+const fn safe(cause: Cause) -> Option<Status> {
+    Some(Status::Safe(cause))
+}
+
+#[test]
+fn every_start_is_safe_and_tells_its_cause() {
+    for (start, cause) in [
+        (Start::Boot, Cause::Boot),
+        (Start::Watchdog, Cause::Watchdog),
+    ] {
+        let status = SafeState::new(start).status();
+        assert_eq!(status.cause(), Some(cause));
+        assert_eq!((status.valid(), status.label()), (false, Intent::Relax));
+    }
+}
+
+#[test]
+fn only_a_label_from_a_full_window_leaves_the_safe_state() {
+    let partial = Event::Label {
+        intent: Intent::Open,
+        window_full: false,
+    };
+    let state = follow(
+        Start::Boot,
+        &[
+            (0, label(Intent::Open), None),
+            (5, Event::Sample, None),
+            (6, partial, None),
+            (7, label(Intent::Open), OPEN),
+            (8, label(Intent::Close), None),
+        ],
+    );
+    assert_eq!(state.status(), Status::Valid(Intent::Close));
+}
+
+#[test]
+fn silence_of_200_ms_is_safe_and_of_199_is_not() {
+    follow(
+        Start::Watchdog,
+        &[
+            (1000, Event::Sample, None),
+            (1000, label(Intent::Open), OPEN),
+            (1199, Event::Tick, None),
+            (1200, Event::Tick, safe(Cause::Silence)),
+            (1300, label(Intent::Open), None),
+            (1301, Event::Sample, None),
+            (1302, label(Intent::Open), OPEN),
+            // The silence shows even where the sample that ends it comes before any tick.
+            (1600, Event::Sample, safe(Cause::Silence)),
+        ],
+    );
+}
+
+#[test]
+fn a_gap_and_a_disconnection_are_told_apart() {
+    let state = follow(
+        Start::Boot,
+        &[
+            (0, Event::Sample, None),
+            (0, label(Intent::Open), OPEN),
+            (5, Event::Gap, safe(Cause::Gap)),
+            (6, label(Intent::Open), OPEN),
+            (9, Event::Disconnected, safe(Cause::Disconnected)),
+            (10, Event::Disconnected, None),
+            (11, label(Intent::Open), None),
+            // Nobody waits for samples of an armband that is gone.
+            (5000, Event::Tick, None),
+        ],
+    );
+    assert_eq!(state.deadline(), None);
+}
+
+#[test]
+fn a_refused_model_stays_refused() {
+    follow(
+        Start::Boot,
+        &[
+            (0, Event::ModelRefused, safe(Cause::ModelRefused)),
+            (1, Event::Sample, None),
+            (2, label(Intent::Open), None),
+            (3, Event::Gap, None),
+            (4, Event::Disconnected, None),
+        ],
+    );
+}
+
+#[test]
+fn silence_is_measured_across_the_clock_wrap() {
+    let mut state = SafeState::new(Start::Boot);
+    state.handle(Millis(u32::MAX - 99), Event::Sample);
+    assert_eq!(state.deadline(), Some(Millis(100)));
+    assert!(!state.silent(Millis(99)));
+    assert!(state.silent(Millis(100)));
+}
+
+#[test]
+fn names_lead_back_to_their_cause() {
+    for cause in Cause::ALL {
+        assert_eq!(Cause::from_name(cause.name()), Some(cause));
+    }
+    assert_eq!(Cause::from_name("valid"), None);
+}
