@@ -81,6 +81,13 @@ impl Plan {
             .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
             .cloned()
             .collect();
+        let wanted = &preset.data.data_sets;
+        let labelled: Vec<Recording> =
+            if labelled.iter().any(|recording| wanted.contains(&recording.data_set)) {
+                labelled.into_iter().filter(|recording| wanted.contains(&recording.data_set)).collect()
+            } else {
+                labelled
+            };
         if labelled.is_empty() {
             return Err(PlanError::NoLabels {
                 recordings: library.recordings.len(),

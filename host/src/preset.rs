@@ -7,6 +7,7 @@ use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, WINDOW, WINDOW_PATCHES};
 use thiserror::Error;
 
+use crate::recording::DataSet;
 use crate::student::distillation::Distillation;
 use crate::student::model::StudentConfig;
 use crate::teacher::model::TeacherConfig;
@@ -45,6 +46,8 @@ pub struct Preset {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataChoice {
+    /// Data sets to use, where any of them is at hand; all if empty.
+    pub data_sets: Vec<DataSet>,
     /// Subjects never trained on nor validated with, as `data-set/subject`; those that are not
     /// among the recordings are passed over.
     pub held_out: Vec<String>,

@@ -83,6 +83,23 @@ impl RunFolder {
         }
     }
 
+    /// Forgets what an earlier run of this folder chose or measured: a new run chooses anew.
+    ///
+    /// # Errors
+    /// When a file cannot be removed.
+    pub fn forget(&self, names: &[&str]) -> Result<(), RunError> {
+        for name in names {
+            let path = self.file(name);
+            match fs::remove_file(&path) {
+                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(RunError::Io { path, source });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Appends one JSON line to a metrics file.
     ///
     /// # Errors

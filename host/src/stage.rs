@@ -106,6 +106,9 @@ impl Stage<'_> {
         } else {
             None
         };
+        if !self.resume {
+            self.run.forget(&[READING, FIGURES])?;
+        }
         self.device.seed(preset.seed);
         let model = preset.student.init(preset.classes, &self.device);
         distillation::train(

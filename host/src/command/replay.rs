@@ -102,7 +102,7 @@ impl<'m, T: FnMut(&str) -> std::io::Result<()>> WithEncoder<'m> for Replay<'_, T
     type Output = anyhow::Result<()>;
 
     fn run<E: Encode<State: Send> + Send + 'm>(mut self, encoder: E) -> anyhow::Result<()> {
-        let mut pipeline = Pipeline::new(encoder, self.settings, Start::PowerOn)?;
+        let mut pipeline = Pipeline::new(encoder, self.settings, Start::Boot)?;
         let first = pipeline.state_report();
         (self.tell)(&first.to_string())?;
         for (index, pair) in self.samples.chunks(2).enumerate() {
