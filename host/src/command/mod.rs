@@ -43,8 +43,7 @@ enum Command {
     /// All of it in one go, at a size that fits two cores in a few minutes.
     Quickstart(quickstart::Arguments),
     /// Look at recordings, or make synthetic ones.
-    #[command(subcommand)]
-    Data(data::Command),
+    Data(data::Args),
     /// Train the teacher: the masked transformer.
     Train(train::Arguments),
     /// Train the student from the teacher and the labels.
@@ -58,7 +57,7 @@ enum Command {
     /// Write a model's logits and labels over a recording or a window.
     Predict(predict::Arguments),
     /// Measure any predicted label sequence against the true one.
-    Score(score::Arguments),
+    Score(score::Args),
     /// Show what is in a model file.
     Info(info::Arguments),
     /// List the built-in presets, or print one.
@@ -71,14 +70,14 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let result = match self.command {
             Command::Quickstart(arguments) => quickstart::run(&arguments),
-            Command::Data(command) => data::run(command),
+            Command::Data(arguments) => data::run(&arguments),
             Command::Train(arguments) => train::run(&arguments),
             Command::Distill(arguments) => distill::run(&arguments),
             Command::Quantize(arguments) => quantize::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
-            Command::Score(arguments) => score::run(arguments),
+            Command::Score(arguments) => score::run(&arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
         };

@@ -137,7 +137,7 @@ fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<
             None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
         }
     }
-    let columns = std::iter::once("label".to_owned()).chain(names(classes, "logit_")).collect();
+    let columns = std::iter::once("label".to_owned()).chain(names(classes, "logit_".to_owned())).collect();
     Ok(Matrix { columns, values })
 }
 
@@ -151,27 +151,50 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
         let mut input = Vec::with_capacity(WINDOW * CHANNELS);
         crate::corpus::Variation::NONE.write(&emg, &mut input);
         let output = model.forward(inference_input(input, plan.preset.teacher.patch, classes, &device));
-        let columns = names(classes, "").chain(["mask".to_owned()]).collect();
+        let columns = names(classes, String::new()).chain(["mask".to_owned()]).collect();
         return Ok(Matrix { columns, values: numbers(output.intent) });
     }
     let (rows, classes, _) = rows(arguments, &emg)?;
-    let columns = (0..LOOK_BACK).flat_map(|back| names(classes, &format!("back{back}_"))).collect();
+    let columns = (0..LOOK_BACK).flat_map(|back| names(classes, format!("back{back}_"))).collect();
     let values = rows.iter().flatten().flat_map(|row| &row[..classes]).copied().collect();
     Ok(Matrix { columns, values })
 }
 
-fn names(classes: usize, prefix: &str) -> impl Iterator<Item = String> {
-    let prefix = prefix.to_owned();
+fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
     Intent::ALL.into_iter().take(classes).map(move |intent| format!("{prefix}{}", intent.name()))
 }
 
-/// Raw samples of a window: any number type, values -128..=127.
+/// Raw samples of a window: integers or floats, values -128..=127.
 fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
-    let recording = crate::recording::numpy_window(path)?;
-    if recording.len() != WINDOW {
-        bail!("{}: expected {WINDOW} x {CHANNELS} raw samples, found {} rows", path.display(), recording.len());
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let shape = npyz::NpyFile::new(&bytes[..]).with_context(|| path.display().to_string())?.shape().to_vec();
+    if shape != [WINDOW as u64, CHANNELS as u64] {
+        bail!("{}: expected {WINDOW} x {CHANNELS} raw samples, found shape {shape:?}", path.display());
     }
-    Ok(recording)
+    let values = values::<i8>(&bytes)
+        .or_else(|| values::<i16>(&bytes))
+        .or_else(|| values::<i32>(&bytes))
+        .or_else(|| values::<i64>(&bytes))
+        .or_else(|| values::<f32>(&bytes))
+        .or_else(|| values::<f64>(&bytes))
+        .with_context(|| format!("{}: expected integers or floats", path.display()))?;
+    if let Some(at) = values.iter().position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value)) {
+        bail!("{}: value {} of row {}: expected a raw sample, -128 to 127", path.display(), values[at], at / CHANNELS);
+    }
+    let (rows, _) = values.as_chunks::<CHANNELS>();
+    #[expect(clippy::cast_possible_truncation, reason = "just checked")]
+    Ok(rows.iter().map(|row| row.map(|value| value as i8)).collect())
+}
+
+/// Values in row order, if the file holds this type.
+fn values<T: npyz::Deserialize + Copy + num_traits::AsPrimitive<f64>>(bytes: &[u8]) -> Option<Vec<f64>> {
+    let file = npyz::NpyFile::new(bytes).ok()?;
+    let by_column = file.order() == npyz::Order::Fortran;
+    let values: Vec<f64> = file.into_vec::<T>().ok()?.into_iter().map(num_traits::AsPrimitive::as_).collect();
+    if by_column {
+        return Some((0..values.len()).map(|at| values[at % CHANNELS * WINDOW + at / CHANNELS]).collect());
+    }
+    Some(values)
 }
 
 fn write(matrix: &Matrix, path: &Path) -> anyhow::Result<()> {
