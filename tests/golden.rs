@@ -8,3 +8,5 @@ mod offline;
 mod preprocess;
 #[path = "golden/smoother.rs"]
 mod smoother;
+#[path = "golden/transition.rs"]
+mod transition;

@@ -24,6 +24,9 @@ pub enum MetricError {
         /// Labels of the prediction.
         prediction: usize,
     },
+    /// A buffer without room for a change.
+    #[error("expected a buffer of at least 2 samples, found {0}")]
+    NarrowBuffer(usize),
     /// A true label of a single sample has no buffer of its own, so its change cannot be judged.
     #[error(
         "expected true labels of at least two samples, found one of a single sample at {at}: \

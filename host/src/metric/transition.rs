@@ -183,7 +183,8 @@ impl TransitionScore {
 /// Each labelled stretch of the truth is judged as a recording of its own ([`stretches`]).
 ///
 /// # Errors
-/// [`MetricError::Length`] if the sequences differ in length;
+/// [`MetricError::Length`] if the sequences differ in length; [`MetricError::NarrowBuffer`] below
+/// 2 samples;
 /// [`MetricError::SingleSampleLabel`] if a true label between two changes lasts one sample.
 pub fn score(
     truth: &[Label],
@@ -191,6 +192,9 @@ pub fn score(
     rule: &Rule,
 ) -> Result<TransitionScore, MetricError> {
     same_length(truth, prediction)?;
+    if rule.buffer < 2 {
+        return Err(MetricError::NarrowBuffer(rule.buffer));
+    }
     let mut score = TransitionScore::default();
     for stretch in stretches(truth) {
         let truth: Vec<Intent> = truth[stretch.clone()].iter().copied().flatten().collect();

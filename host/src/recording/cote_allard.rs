@@ -61,8 +61,15 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         path: path.to_owned(),
         labels: vec![intent(class); samples.len()],
         samples,
-        notes: Vec::new(),
+        notes: notes(part, person),
     })
+}
+
+fn notes(part: char, person: &str) -> Vec<String> {
+    match (part, person) {
+        ('E', "Male7") => vec!["wears the band turned by about four channels".to_owned()],
+        _ => Vec::new(),
+    }
 }
 
 /// `N` of a name `classe_N`.

@@ -92,8 +92,19 @@ pub enum Fault {
     /// A place in the folders that does not tell whose recording it is.
     #[error("expected a path like {0}: the path names person and gesture")]
     Path(&'static str),
-    /// No samples at all.
-    #[error("expected samples, found none")]
+    /// Bytes that are no text.
+    #[error("expected an npy file or UTF-8 text, found neither")]
+    Text,
+    /// A csv without the column that is looked for.
+    #[error("expected a header with one of the columns {expected}, found {found:?}")]
+    Column {
+        /// Names that would do.
+        expected: String,
+        /// The first line.
+        found: String,
+    },
+    /// Nothing in the file.
+    #[error("expected one row per sample, found none")]
     Empty,
     /// Not the JSON that the set publishes.
     #[error("expected the set's JSON: {0}")]
@@ -130,11 +141,32 @@ impl Damage {
     }
 }
 
+/// What can be done about a damaged file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Remedy {
+    /// One of many: it can be left out.
+    MendOrSkip,
+    /// Damaged in the published copy already.
+    SkipAsPublished,
+    /// The only file there is.
+    Mend,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::MendOrSkip => "Mend the file, or leave it out with --skip-bad",
+            Self::SkipAsPublished => "The file is broken as published; --skip-bad leaves it out",
+            Self::Mend => "Mend the file",
+        })
+    }
+}
+
 /// Why recordings could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file system refused.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read or write {}: {source}", path.display())]
     Io {
         /// File or folder.
         path: PathBuf,
@@ -153,14 +185,7 @@ pub enum LoadError {
     },
     /// A damaged file.
     #[error(
-        "{}, {place}: {fault}. {}",
-        path.display(),
-        if *published {
-            "The file is broken as published; --skip-bad leaves it out"
-        } else {
-            "Mend the file, or leave it out with --skip-bad"
-        }
-    )]
+        "{}, {place}: {fault}. {remedy}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -168,8 +193,8 @@ pub enum LoadError {
         place: Place,
         /// What is wrong there.
         fault: Fault,
-        /// Whether the published copy has this damage.
-        published: bool,
+        /// What can be done.
+        remedy: Remedy,
     },
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::error::{Damage, Fault, LoadError};
+use super::error::{Damage, Fault, LoadError, Remedy};
 use super::{
     DataSet, Recording, cote_allard, emg_epn, myo_readings, numpy, one_subject_myo, react_emg,
     roshambo, ss_stm, table,
@@ -130,7 +130,11 @@ pub(super) fn damaged(path: &Path, damage: Damage) -> LoadError {
         path: path.to_owned(),
         place: damage.place,
         fault: damage.fault,
-        published: myo_readings::is_damaged_as_published(path),
+        remedy: if myo_readings::is_damaged_as_published(path) {
+            Remedy::SkipAsPublished
+        } else {
+            Remedy::MendOrSkip
+        },
     }
 }
 

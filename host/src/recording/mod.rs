@@ -8,6 +8,8 @@
 mod cote_allard;
 mod emg_epn;
 mod error;
+pub mod inspection;
+pub mod label_file;
 pub mod lag;
 mod library;
 mod myo_readings;
@@ -19,6 +21,7 @@ mod runs;
 pub mod splice;
 pub mod split;
 mod ss_stm;
+pub mod synth;
 mod table;
 
 use std::path::PathBuf;
@@ -26,7 +29,7 @@ use std::path::PathBuf;
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
-pub use error::{Fault, LoadError, Place};
+pub use error::{Fault, LoadError, Place, Remedy};
 pub use library::{Library, LoadOptions, Repeat, Skipped, load};
 pub use runs::{Run, runs};
 
@@ -51,7 +54,7 @@ pub enum DataSet {
     EmgEpn612,
     /// ROAM-EMG and whatever else lies in ReactEMG's csv or npy layout.
     ReactEmg,
-    /// Made by a generator, not by a muscle.
+    /// Made by [`synth`], not by a muscle.
     Synthetic,
 }
 

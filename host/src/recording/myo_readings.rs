@@ -60,14 +60,14 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     let mut notes = Vec::new();
     let dropped = drop_polling_repeats(&mut samples, &mut labels);
     if dropped > 0 {
-        notes.push(format!("polled at 250 Hz: {dropped} exact repeats dropped"));
+        notes.push("polled at 250 Hz: exact repeats dropped".to_owned());
     }
     let gestures = labels.iter().any(|&label| label != Some(Intent::Relax));
     if let Some((_, why)) = UNUSABLE.iter().find(|(id, _)| gestures && *id == person) {
         labels.fill(None);
         notes.push(format!("labels left out: {why}"));
     }
-    if WEAK.contains(&person) {
+    if gestures && WEAK.contains(&person) {
         notes.push("little muscle signal in the gestures".to_owned());
     }
     Ok(Recording {

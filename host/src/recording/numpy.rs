@@ -8,7 +8,7 @@ use super::error::{Damage, Fault};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// An array in C order, first axis slowest.
+/// An array, elements with the first axis slowest, however the file has them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Array {
     /// Length of each axis; empty for a single value.
@@ -17,10 +17,17 @@ pub struct Array {
     pub descr: String,
     /// The elements.
     pub values: Values,
-    /// Byte of the file at which the first element stands.
-    pub data_start: u64,
-    /// Bytes of one element.
-    pub element_bytes: usize,
+    /// Where elements lie in the file.
+    pub layout: Layout,
+}
+
+/// Where the elements of an [`Array`] lie in its file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Layout {
+    /// Byte of the first element.
+    pub start: u64,
+    /// Bytes from the first element of a row to that of the next.
+    pub row_bytes: usize,
 }
 
 /// Elements of an [`Array`].
@@ -32,7 +39,29 @@ pub enum Values {
     Text(Vec<String>),
 }
 
+impl Values {
+    /// Turns elements that stand column after column into row after row.
+    fn by_row(self, columns: usize) -> Self {
+        fn turned<T: Clone>(values: &[T], columns: usize) -> Vec<T> {
+            let rows = values.len() / columns.max(1);
+            (0..values.len())
+                .map(|i| values[i % columns * rows + i / columns].clone())
+                .collect()
+        }
+        match self {
+            Self::Numbers(values) => Self::Numbers(turned(&values, columns)),
+            Self::Text(values) => Self::Text(turned(&values, columns)),
+        }
+    }
+}
+
 impl Array {
+    /// Byte of the file at which the first element of a row (along the first axis) stands.
+    #[must_use]
+    pub const fn byte_of_row(&self, row: usize) -> u64 {
+        self.layout.start + (row * self.layout.row_bytes) as u64
+    }
+
     /// Shape and type for a message: `(9183, 8) of <i8`.
     #[must_use]
     pub fn describe(&self) -> String {
@@ -55,11 +84,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Array, Damage> {
     let (header, data_start) = header(bytes)?;
     let bad = |what: &str| Damage::at_byte(10, Fault::Npy(what.to_owned()));
     let descr = quoted(&header, "'descr':").ok_or_else(|| bad("its header has no 'descr'"))?;
-    if after(&header, "'fortran_order':").is_none_or(|rest| !rest.starts_with("False")) {
-        return Err(bad(
-            "the array is not in C order (save numpy.ascontiguousarray of it)",
-        ));
-    }
+    let by_column = after(&header, "'fortran_order':").is_some_and(|rest| rest.starts_with("True"));
     let shape = shape(&header).ok_or_else(|| bad("its header has no readable 'shape'"))?;
     let element = Element::parse(descr)
         .ok_or_else(|| bad(&format!("elements of type {descr} are not read here")))?;
@@ -70,12 +95,20 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Array, Damage> {
         .iter()
         .try_fold(size, |product, &axis| product.checked_mul(axis));
     if expected != Some(data.len()) {
-        let expected = expected.map_or(u64::MAX, |n| (data_start + n) as u64);
+        let expected = expected.map_or(u64::MAX, |n| data_start.saturating_add(n) as u64);
         let fault = Fault::Length {
             expected,
             found: bytes.len() as u64,
         };
         return Err(Damage::at_byte(bytes.len() as u64, fault));
+    }
+    // Bounded by the file's length, but for the rows of an array without any.
+    let columns = shape
+        .iter()
+        .skip(1)
+        .fold(1_usize, |product, &axis| product.saturating_mul(axis));
+    if by_column && shape.len() > 2 {
+        return Err(bad("more than two axes are read in C order only"));
     }
     let values = match element {
         Element::Number(kind) => {
@@ -88,12 +121,23 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Array, Damage> {
         ),
         Element::Utf32(_) => Values::Text(data.chunks_exact(size).map(utf32).collect()),
     };
+    let row_bytes = if by_column {
+        size
+    } else {
+        size.saturating_mul(columns)
+    };
     Ok(Array {
+        values: if by_column {
+            values.by_row(columns)
+        } else {
+            values
+        },
         shape,
         descr: descr.to_owned(),
-        values,
-        data_start: data_start as u64,
-        element_bytes: size,
+        layout: Layout {
+            start: data_start as u64,
+            row_bytes,
+        },
     })
 }
 
@@ -212,39 +256,53 @@ impl Number {
     }
 }
 
+/// The bytes of an npy file, for tests of its readers.
+#[cfg(test)]
+pub(super) fn file(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((text.len() as u16).to_le_bytes());
+    bytes.extend(text.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    pub(crate) fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-        let text =
-            format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}\n");
-        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-        bytes.extend((text.len() as u16).to_le_bytes());
-        bytes.extend(text.as_bytes());
-        bytes.extend(data);
-        bytes
-    }
-
     #[test]
     fn integers_keep_their_sign_at_every_size() {
-        let array = parse(&npy("|i1", "2, 2", &[0x80, 0x7f, 0xff, 0])).unwrap();
+        let array = parse(&file("|i1", "2, 2", &[0x80, 0x7f, 0xff, 0])).unwrap();
         assert_eq!(
             array.values,
             Values::Numbers(vec![-128.0, 127.0, -1.0, 0.0])
         );
         assert_eq!(array.shape, [2, 2]);
-        let array = parse(&npy("<i8", "1,", &(-5i64).to_le_bytes())).unwrap();
+        let array = parse(&file("<i8", "1,", &(-5i64).to_le_bytes())).unwrap();
         assert_eq!(array.values, Values::Numbers(vec![-5.0]));
-        let array = parse(&npy("<f4", "1,", &0.5f32.to_le_bytes())).unwrap();
+        let array = parse(&file("<f4", "1,", &0.5f32.to_le_bytes())).unwrap();
         assert_eq!(array.values, Values::Numbers(vec![0.5]));
+    }
+
+    #[test]
+    fn columns_of_the_other_order_are_turned_into_rows() {
+        let mut bytes = file("|i1", "2, 3", &[1, 4, 2, 5, 3, 6]);
+        let at = bytes.windows(5).position(|word| word == b"False").unwrap();
+        bytes[at..at + 5].copy_from_slice(b"True ");
+        let array = parse(&bytes).unwrap();
+        assert_eq!(
+            array.values,
+            Values::Numbers(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+        );
+        assert_eq!(array.byte_of_row(1), bytes.len() as u64 - 5);
     }
 
     #[test]
     fn text_comes_in_both_widths() {
         let expected = Values::Text(vec!["rock".into(), "none".into()]);
         assert_eq!(
-            parse(&npy("|S7", "2,", b"rock\0\0\0none\0\0\0"))
+            parse(&file("|S7", "2,", b"rock\0\0\0none\0\0\0"))
                 .unwrap()
                 .values,
             expected
@@ -253,12 +311,12 @@ mod tests {
             .chars()
             .flat_map(|c| (c as u32).to_le_bytes())
             .collect();
-        assert_eq!(parse(&npy("<U6", "2,", &wide)).unwrap().values, expected);
+        assert_eq!(parse(&file("<U6", "2,", &wide)).unwrap().values, expected);
     }
 
     #[test]
     fn a_cut_file_says_how_many_bytes_are_missing() {
-        let whole = npy("<i8", "2, 8", &[0; 128]);
+        let whole = file("<i8", "2, 8", &[0; 128]);
         let damage = parse(&whole[..whole.len() - 3]).unwrap_err();
         let expected = whole.len() as u64;
         assert_eq!(
@@ -275,8 +333,10 @@ mod tests {
 
     #[test]
     fn sizes_beyond_memory_and_foreign_types_are_refused() {
-        assert!(parse(&npy("<i8", "18446744073709551615, 9", &[])).is_err());
-        assert!(parse(&npy("|O", "1,", &[0; 8])).is_err());
+        assert!(parse(&file("<i8", "18446744073709551615, 9", &[])).is_err());
+        assert!(parse(&file("|i1", "18446744073709551615,", &[])).is_err());
+        assert!(parse(&file("<i8", "0, 18446744073709551615, 9", &[])).is_ok());
+        assert!(parse(&file("|O", "1,", &[0; 8])).is_err());
         assert!(parse(b"\x93NUMPY\x09\x00").is_err());
     }
 

@@ -98,7 +98,7 @@ pub(super) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> 
     let labelled = columns == CHANNELS + 1;
     let (mut samples, mut labels) = (Vec::new(), Vec::new());
     for (row, values) in values.chunks_exact(columns.max(1)).enumerate() {
-        let byte = array.data_start + (row * columns * array.element_bytes) as u64;
+        let byte = array.byte_of_row(row);
         let in_row = |fault| Damage {
             place: Place::Byte(byte),
             fault,
@@ -168,6 +168,7 @@ fn recording(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::numpy::Layout;
 
     #[test]
     fn columns_are_found_by_name_and_others_ignored() {
@@ -212,8 +213,10 @@ mod tests {
             shape: vec![1, 9],
             descr: "<f8".into(),
             values: Values::Numbers(vec![1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -7.0]),
-            data_start: 128,
-            element_bytes: 8,
+            layout: Layout {
+                start: 128,
+                row_bytes: 72,
+            },
         };
         assert!(is_recording(&array));
         let recording = read_npy(

@@ -76,7 +76,7 @@ fn samples(array: &Array) -> Result<Vec<shared::units::Sample>, Damage> {
         .enumerate()
         .map(|(row, counts)| {
             table::sample(counts, 1).map_err(|fault| {
-                let byte = array.data_start + (row * CHANNELS * array.element_bytes) as u64;
+                let byte = array.byte_of_row(row);
                 Damage {
                     place: Place::Byte(byte),
                     fault,
@@ -103,7 +103,7 @@ fn labels(array: &Array) -> Result<Vec<Option<Intent>>, Damage> {
             "rock" => Ok(Some(Intent::Close)),
             "scissor" => Ok(None),
             other => {
-                let byte = array.data_start + (index * array.element_bytes) as u64;
+                let byte = array.byte_of_row(index);
                 let expected = "none, paper, rock, scissor";
                 Err(Damage::at_byte(
                     byte,
@@ -131,15 +131,6 @@ fn notes(person: &str, session: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-        let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape})}}\n");
-        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-        bytes.extend((text.len() as u16).to_le_bytes());
-        bytes.extend(text.as_bytes());
-        bytes.extend(data);
-        bytes
-    }
-
     /// Four samples, each channel the number of the sample, with these annotations.
     fn read_with(words: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {
         let folder =
@@ -147,9 +138,9 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("subject07_session03_emg.npy");
         let data: Vec<u8> = (0..4i64).flat_map(|n| n.to_le_bytes().repeat(8)).collect();
-        let array = numpy::parse(&npy("<i8", "4, 8", &data)).unwrap();
+        let array = numpy::parse(&numpy::file("<i8", "4, 8", &data)).unwrap();
         let partner = folder.join("subject07_session03_ann.npy");
-        std::fs::write(partner, npy("|S7", &format!("{count},"), words)).unwrap();
+        std::fs::write(partner, numpy::file("|S7", &format!("{count},"), words)).unwrap();
         let result = read(&path, &array);
         std::fs::remove_dir_all(&folder).unwrap();
         result

@@ -1,0 +1,299 @@
+//! The published recordings, read where they lie: counts, labels, lag and splices are those that
+//! their description promises. Nothing of them is kept here.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use myointent::recording::splice::{SpliceOptions, splice};
+use myointent::recording::{
+    Fault, Library, LoadError, LoadOptions, Place, Recording, Remedy, lag, load, runs,
+};
+use shared::intent::{Intent, Vocabulary};
+
+/// The folder of one set, or none: then the skip has been announced.
+fn folder(test: &str, set: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("MYOINTENT_DATA").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")),
+        PathBuf::from,
+    );
+    let folder = root.join(set);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!(
+        "SKIPPED {test}: no recordings in {} (set MYOINTENT_DATA)",
+        folder.display()
+    );
+    None
+}
+
+fn read(test: &str, set: &str) -> Option<Library> {
+    let folder = folder(test, set)?;
+    Some(load(&folder, &LoadOptions { skip_bad: true }).expect("the published set is readable"))
+}
+
+/// `myo-readings` is large; its tests share one reading.
+fn myo_readings(test: &str) -> Option<&'static Library> {
+    static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
+    let library = LIBRARY.get_or_init(|| read(test, "myo-readings")).as_ref();
+    if library.is_none() {
+        println!("SKIPPED {test}: no recordings of myo-readings");
+    }
+    library
+}
+
+fn seconds(recordings: &[Recording]) -> usize {
+    recordings
+        .iter()
+        .map(Recording::seconds)
+        .sum::<f64>()
+        .round() as usize
+}
+
+fn seconds_of(recordings: &[Recording], label: Option<Intent>) -> usize {
+    let count = |r: &Recording| r.labels.iter().filter(|&&l| l == label).count();
+    (recordings.iter().map(count).sum::<usize>() as f64 / 200.0).round() as usize
+}
+
+fn counts(library: &Library) -> (usize, usize, usize) {
+    (
+        library.subjects().len(),
+        library.recordings.len(),
+        seconds(&library.recordings),
+    )
+}
+
+#[test]
+fn roshambo_has_its_gestures_and_scissor_unlabelled() {
+    let test = "roshambo_has_its_gestures_and_scissor_unlabelled";
+    let Some(library) = read(test, "roshambo") else {
+        return;
+    };
+    assert_eq!(counts(&library), (8, 24, 1079));
+    let labels = [
+        Some(Intent::Relax),
+        Some(Intent::Open),
+        Some(Intent::Close),
+        None,
+    ];
+    let found = labels.map(|label| seconds_of(&library.recordings, label));
+    assert!((361..=362).contains(&found[0]), "{found:?}");
+    assert!(
+        found[1..].iter().all(|s| (238..=240).contains(s)),
+        "{found:?}"
+    );
+    // Five rounds of three gestures: subject05's text is UTF-32, the others' bytes.
+    for recording in &library.recordings {
+        let gestures = runs(&recording.labels);
+        let gestures = gestures
+            .iter()
+            .filter(|run| run.label != Some(Intent::Relax))
+            .count();
+        assert_eq!(gestures, 15, "{}", recording.path.display());
+    }
+}
+
+#[test]
+fn ss_stm_is_labelled_only_where_its_times_are_known() {
+    let test = "ss_stm_is_labelled_only_where_its_times_are_known";
+    let Some(library) = read(test, "ss-stm") else {
+        return;
+    };
+    assert_eq!(counts(&library), (20, 800, 4000));
+    // 100 trials of each motion: 5 s of M1; 1 s and 2 s of rest and 2 s of motion in M2, M3, M8;
+    // 1 s of rest in the four others.
+    let labels = [
+        Intent::Relax,
+        Intent::Close,
+        Intent::WaveIn,
+        Intent::WaveOut,
+    ]
+    .map(Some);
+    let found = labels.map(|label| seconds_of(&library.recordings, label));
+    assert_eq!(found, [1800, 200, 200, 200]);
+    let three: Vec<_> = library
+        .recordings
+        .iter()
+        .map(|r| r.labels_in(Vocabulary::Three))
+        .collect();
+    let relax = three
+        .iter()
+        .flatten()
+        .filter(|&&l| l == Some(Intent::Relax))
+        .count()
+        / 200;
+    assert_eq!(
+        relax, 1400,
+        "rest after a wave is not trusted where waves are unknown"
+    );
+}
+
+#[test]
+fn cote_allard_is_steady_holds_of_seven_classes() {
+    let test = "cote_allard_is_steady_holds_of_seven_classes";
+    let Some(library) = read(test, "cote-allard") else {
+        return;
+    };
+    assert_eq!(counts(&library), (32, 1624, 8080));
+    assert!(
+        library
+            .recordings
+            .iter()
+            .all(|r| runs(&r.labels).len() == 1)
+    );
+    let relax = seconds_of(&library.recordings, Some(Intent::Relax));
+    assert!((1153..=1155).contains(&relax), "{relax}");
+}
+
+#[test]
+fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
+    let test = "myo_readings_leaves_out_its_four_broken_files_and_says_where";
+    let Some(library) = myo_readings(test) else {
+        return;
+    };
+    assert_eq!(
+        (library.subjects().len(), library.recordings.len()),
+        (32, 388)
+    );
+    let found: Vec<_> = library
+        .skipped
+        .iter()
+        .map(|skipped| match &skipped.error {
+            LoadError::Damaged {
+                place: Place::Line(line),
+                fault,
+                remedy,
+                ..
+            } => {
+                assert_eq!(*remedy, Remedy::SkipAsPublished);
+                assert!(matches!(fault, Fault::Fields { .. } | Fault::Number { .. }));
+                *line
+            }
+            other => panic!("{other}"),
+        })
+        .collect();
+    assert_eq!(found, [12322, 1032, 1996, 1347]);
+    let Some(folder) = folder(test, "myo-readings") else {
+        return;
+    };
+    assert!(load(&folder, &LoadOptions::default()).is_err());
+}
+
+#[test]
+fn myo_readings_drops_doubled_rows_and_labels_that_drift() {
+    let test = "myo_readings_drops_doubled_rows_and_labels_that_drift";
+    let Some(library) = myo_readings(test) else {
+        return;
+    };
+    let polled: BTreeSet<_> = library
+        .recordings
+        .iter()
+        .filter(|r| r.notes.iter().any(|note| note.contains("250 Hz")))
+        .map(|r| r.subject.as_str())
+        .collect();
+    assert_eq!(polled, BTreeSet::from(["myo-readings/69069"]));
+    for recording in &library.recordings {
+        let drifts = ["32185", "35622", "46666", "60186"];
+        let drifts = drifts.iter().any(|id| recording.subject.ends_with(id));
+        let rest = recording.name.ends_with("/0");
+        assert_eq!(
+            recording.has_labels(),
+            !drifts || rest,
+            "{}",
+            recording.path.display()
+        );
+    }
+}
+
+#[test]
+fn one_subject_myo_takes_its_classes_from_the_metadata() {
+    let test = "one_subject_myo_takes_its_classes_from_the_metadata";
+    let Some(library) = read(test, "one-subject-myo") else {
+        return;
+    };
+    assert_eq!(counts(&library), (1, 61, 205));
+    let unlabelled: Vec<_> = library
+        .recordings
+        .iter()
+        .filter(|r| !r.has_labels())
+        .collect();
+    assert_eq!(unlabelled.len(), 1);
+    assert!(unlabelled[0].path.ends_with("stream/raw_emg.csv"));
+}
+
+#[test]
+fn the_measured_lag_is_the_documented_one() {
+    let test = "the_measured_lag_is_the_documented_one";
+    // Medians of onset and release in ms, as measured by others with the same rule.
+    for (set, onset, release) in [
+        ("roshambo", 285.0, 325.0),
+        ("ss-stm", 620.0, 950.0),
+        ("myo-readings", 230.0, 335.0),
+    ] {
+        let Some(library) = read(test, set) else {
+            continue;
+        };
+        let recordings: Vec<_> = library.recordings.iter().collect();
+        let found = lag::estimate(&recordings).expect("transitions");
+        assert_eq!(
+            found.lag_samples,
+            recordings[0].data_set.label_lag(),
+            "{set}"
+        );
+        // In ss-stm only three of the seven motions have a label, so its release differs.
+        let tolerance = if set == "ss-stm" { 200.0 } else { 20.0 };
+        assert!(
+            (found.onset_ms - onset).abs() <= tolerance,
+            "{set}: {found:?}"
+        );
+        assert!(
+            (found.release_ms - release).abs() <= tolerance,
+            "{set}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn spliced_recordings_have_every_class_and_no_fixed_order() {
+    let test = "spliced_recordings_have_every_class_and_no_fixed_order";
+    for (set, direct) in [
+        ("roshambo", false),
+        ("ss-stm", false),
+        ("cote-allard", true),
+    ] {
+        let Some(library) = read(test, set) else {
+            continue;
+        };
+        let sources: Vec<_> = library.recordings.iter().collect();
+        let lag_samples = sources[0].data_set.label_lag();
+        let options = SpliceOptions {
+            samples: 24_000,
+            count: 1,
+            lag_samples,
+            seed: 42,
+        };
+        let spliced = splice(&sources, &options);
+        assert_eq!(spliced.len(), library.subjects().len(), "{set}");
+        for recording in &spliced {
+            assert_eq!(
+                (recording.samples.len(), recording.labels.len()),
+                (24_000, 24_000)
+            );
+            let found = runs(&recording.labels);
+            let gestures: Vec<_> = found
+                .iter()
+                .map(|r| r.label)
+                .filter(|&l| l != Some(Intent::Relax))
+                .collect();
+            let orders: BTreeSet<_> = gestures.windows(2).map(|p| (p[0], p[1])).collect();
+            // As recorded, roshambo has three: rock paper, paper scissor, scissor rock.
+            assert!(orders.len() >= 6, "{set} {}: {orders:?}", recording.subject);
+            let straight = found.windows(2).any(|p| {
+                let both = [Some(Intent::Open), Some(Intent::Close)];
+                both.contains(&p[0].label) && both.contains(&p[1].label)
+            });
+            assert_eq!(straight, direct, "{set} {}", recording.subject);
+        }
+    }
+}
