@@ -1,5 +1,6 @@
 //! From recordings to a model file: reading, training, distilling, quantizing, measuring.
 
+pub mod command;
 pub mod corpus;
 pub mod estimate;
 pub mod evaluation;
@@ -10,6 +11,7 @@ pub mod plan;
 pub mod preset;
 pub mod progress;
 pub mod recording;
+pub mod report;
 pub mod run_folder;
 pub mod schedule;
 pub mod stage;

@@ -43,7 +43,8 @@ enum Command {
     /// All of it in one go, at a size that fits two cores in a few minutes.
     Quickstart(quickstart::Arguments),
     /// Look at recordings, or make synthetic ones.
-    Data(data::Args),
+    #[command(subcommand)]
+    Data(data::Command),
     /// Train the teacher: the masked transformer.
     Train(train::Arguments),
     /// Train the student from the teacher and the labels.
@@ -57,7 +58,7 @@ enum Command {
     /// Write a model's logits and labels over a recording or a window.
     Predict(predict::Arguments),
     /// Measure any predicted label sequence against the true one.
-    Score(score::Args),
+    Score(score::Arguments),
     /// Show what is in a model file.
     Info(info::Arguments),
     /// List the built-in presets, or print one.
@@ -70,14 +71,14 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let result = match self.command {
             Command::Quickstart(arguments) => quickstart::run(&arguments),
-            Command::Data(arguments) => data::run(&arguments),
+            Command::Data(command) => data::run(command),
             Command::Train(arguments) => train::run(&arguments),
             Command::Distill(arguments) => distill::run(&arguments),
             Command::Quantize(arguments) => quantize::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
-            Command::Score(arguments) => score::run(&arguments),
+            Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
         };
