@@ -56,7 +56,9 @@ pub enum PlanError {
     #[error(transparent)]
     Split(#[from] SplitError),
     /// Nothing labelled is at hand.
-    #[error("none of the {recordings} recordings has labels of the {classes} classes: give labelled recordings with --data")]
+    #[error(
+        "none of the {recordings} recordings has labels of the {classes} classes: give labelled recordings with --data"
+    )]
     NoLabels {
         /// Recordings found.
         recordings: usize,
@@ -73,7 +75,12 @@ impl Plan {
     ///
     /// # Errors
     /// When too few subjects or no labels are at hand.
-    pub fn new(preset: Preset, library: &Library, data: Option<&Path>, skip_bad: bool) -> Result<Self, PlanError> {
+    pub fn new(
+        preset: Preset,
+        library: &Library,
+        data: Option<&Path>,
+        skip_bad: bool,
+    ) -> Result<Self, PlanError> {
         let vocabulary = preset.vocabulary();
         let labelled: Vec<Recording> = library
             .recordings
@@ -82,12 +89,17 @@ impl Plan {
             .cloned()
             .collect();
         let wanted = &preset.data.data_sets;
-        let labelled: Vec<Recording> =
-            if labelled.iter().any(|recording| wanted.contains(&recording.data_set)) {
-                labelled.into_iter().filter(|recording| wanted.contains(&recording.data_set)).collect()
-            } else {
-                labelled
-            };
+        let labelled: Vec<Recording> = if labelled
+            .iter()
+            .any(|recording| wanted.contains(&recording.data_set))
+        {
+            labelled
+                .into_iter()
+                .filter(|recording| wanted.contains(&recording.data_set))
+                .collect()
+        } else {
+            labelled
+        };
         if labelled.is_empty() {
             return Err(PlanError::NoLabels {
                 recordings: library.recordings.len(),
@@ -132,7 +144,10 @@ impl Plan {
     /// Labels of a recording in the preset's vocabulary, moved by its data set's lag.
     #[must_use]
     pub fn moved_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
-        lag::shifted(&recording.labels_in(self.preset.vocabulary()), self.lag(recording.data_set))
+        lag::shifted(
+            &recording.labels_in(self.preset.vocabulary()),
+            self.lag(recording.data_set),
+        )
     }
 
     /// What is trained on.
@@ -170,12 +185,21 @@ impl Plan {
     #[must_use]
     pub fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
         let vocabulary = self.preset.vocabulary();
-        let Some(first) = recordings.first() else { return Vec::new() };
+        let Some(first) = recordings.first() else {
+            return Vec::new();
+        };
         let own: Vec<Recording> = recordings
             .iter()
-            .map(|&recording| Recording { labels: recording.labels_in(vocabulary), ..recording.clone() })
+            .map(|&recording| Recording {
+                labels: recording.labels_in(vocabulary),
+                ..recording.clone()
+            })
             .collect();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked with the preset")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked with the preset"
+        )]
         let options = SpliceOptions {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
             count: 1,
@@ -189,7 +213,10 @@ impl Plan {
         let vocabulary = self.preset.vocabulary();
         let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
         for recording in self.split.select(&library.recordings, role) {
-            by_set.entry(recording.data_set).or_default().push(recording);
+            by_set
+                .entry(recording.data_set)
+                .or_default()
+                .push(recording);
         }
         let mut streams = Vec::new();
         for recordings in by_set.values() {
@@ -207,7 +234,10 @@ impl Plan {
                 }));
             }
         }
-        Corpus { vocabulary, streams }
+        Corpus {
+            vocabulary,
+            streams,
+        }
     }
 }
 
@@ -225,10 +255,20 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
         let mut chosen = Vec::new();
         let mut counts = BTreeMap::new();
         for (&data_set, known) in &subjects {
-            let own: Vec<String> = list.iter().filter(|s| known.contains(&s.as_str())).cloned().collect();
+            let own: Vec<String> = list
+                .iter()
+                .filter(|s| known.contains(&s.as_str()))
+                .cloned()
+                .collect();
             if own.is_empty() && known.len() > 2 {
-                let wanted = (share * known.len() as f64).round().max(f64::from(u8::from(share > 0.0)));
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count")]
+                let wanted = (share * known.len() as f64)
+                    .round()
+                    .max(f64::from(u8::from(share > 0.0)));
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a share of a count"
+                )]
                 counts.insert(data_set, wanted as usize);
             }
             chosen.extend(own);
@@ -247,7 +287,12 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
         },
     )?;
     held_out.extend(drawn.held_out);
-    validation.extend(drawn.validation.into_iter().filter(|subject| !held_out.contains(subject)));
+    validation.extend(
+        drawn
+            .validation
+            .into_iter()
+            .filter(|subject| !held_out.contains(subject)),
+    );
     let mut split = Split::new(
         recordings,
         &SplitOptions {
@@ -259,8 +304,12 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
     if data.most_subjects > 0 {
         let mut kept = Vec::new();
         for known in subjects.values() {
-            let mut own: Vec<String> =
-                split.training.iter().filter(|s| known.contains(&s.as_str())).cloned().collect();
+            let mut own: Vec<String> = split
+                .training
+                .iter()
+                .filter(|s| known.contains(&s.as_str()))
+                .cloned()
+                .collect();
             own.shuffle(&mut ChaCha8Rng::seed_from_u64(preset.seed));
             own.truncate(data.most_subjects);
             kept.extend(own);
@@ -284,11 +333,20 @@ fn lags(preset: &Preset, recordings: &[Recording], split: &Split) -> BTreeMap<Da
         .map(|(data_set, training)| {
             let documented = data_set.label_lag();
             let lag = match preset.data.label_lag {
-                LabelLag::None => Lag { samples: 0, estimate: None },
-                LabelLag::Documented => Lag { samples: documented, estimate: None },
+                LabelLag::None => Lag {
+                    samples: 0,
+                    estimate: None,
+                },
+                LabelLag::Documented => Lag {
+                    samples: documented,
+                    estimate: None,
+                },
                 LabelLag::Estimated => {
                     let estimate = lag::estimate(&training);
-                    Lag { samples: estimate.map_or(documented, |found| found.lag_samples), estimate }
+                    Lag {
+                        samples: estimate.map_or(documented, |found| found.lag_samples),
+                        estimate,
+                    }
                 }
             };
             (data_set, lag)

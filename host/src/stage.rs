@@ -77,17 +77,30 @@ impl Stage<'_> {
         let corpus = self.plan.training(self.library);
         let validation = self.plan.validation(self.library);
         if validation.streams.is_empty() {
-            bail!("no subject is left to choose the checkpoint with: name one under data.validation, or give more recordings");
+            bail!(
+                "no subject is left to choose the checkpoint with: name one under data.validation, or give more recordings"
+            );
         }
         progress::say(&format!(
             "training on {} streams, {:.0} s; validating on {}, {:.0} s",
-            corpus.streams.len(), corpus.seconds(), validation.streams.len(), validation.seconds(),
+            corpus.streams.len(),
+            corpus.seconds(),
+            validation.streams.len(),
+            validation.seconds(),
         ));
         self.device.seed(preset.seed);
         let model = preset.teacher.init(preset.classes, &self.device);
         teacher::training::train(
-            model, preset.teacher.patch, &corpus, &validation, &preset.teacher_training, preset.seed,
-            &self.device, self.run, self.resume, self.interrupt,
+            model,
+            preset.teacher.patch,
+            &corpus,
+            &validation,
+            &preset.teacher_training,
+            preset.seed,
+            &self.device,
+            self.run,
+            self.resume,
+            self.interrupt,
         )?;
         Ok(())
     }
@@ -101,7 +114,11 @@ impl Stage<'_> {
         let corpus = self.plan.training(self.library);
         let validation = self.plan.validation(self.library);
         let teacher = if preset.distillation.teacher_share > 0.0 {
-            let streams: Vec<&[CleanSample]> = corpus.streams.iter().map(|stream| stream.emg.as_slice()).collect();
+            let streams: Vec<&[CleanSample]> = corpus
+                .streams
+                .iter()
+                .map(|stream| stream.emg.as_slice())
+                .collect();
             Some(self.teacher_rows(&streams)?)
         } else {
             None
@@ -112,8 +129,17 @@ impl Stage<'_> {
         self.device.seed(preset.seed);
         let model = preset.student.init(preset.classes, &self.device);
         distillation::train(
-            model, preset.student.span, &corpus, teacher, &validation, &preset.distillation, preset.seed,
-            &self.device, self.run, self.resume, self.interrupt,
+            model,
+            preset.student.span,
+            &corpus,
+            teacher,
+            &validation,
+            &preset.distillation,
+            preset.seed,
+            &self.device,
+            self.run,
+            self.resume,
+            self.interrupt,
         )?;
         Ok(())
     }
@@ -131,18 +157,28 @@ impl Stage<'_> {
         let reading = self.reading(&student)?;
         let split = &self.plan.split;
         let sets = |subjects: &[String]| {
-            let mut sets: Vec<String> =
-                subjects.iter().filter_map(|s| s.split('/').next()).map(str::to_owned).collect();
+            let mut sets: Vec<String> = subjects
+                .iter()
+                .filter_map(|s| s.split('/').next())
+                .map(str::to_owned)
+                .collect();
             sets.dedup();
             sets
         };
-        let figures: Vec<Figure> = if self.run.file(FIGURES).exists() { self.run.load_json(FIGURES)? } else { Vec::new() };
+        let figures: Vec<Figure> = if self.run.file(FIGURES).exists() {
+            self.run.load_json(FIGURES)?
+        } else {
+            Vec::new()
+        };
         let provenance = ProvenanceParts {
             data_sets: sets(&split.training),
             subjects_left_out: split.held_out.clone(),
             git_revision: self.plan.git_revision.clone().unwrap_or_default(),
             seed: preset.seed,
-            metrics: figures.into_iter().map(|figure| (figure.name, figure.value)).collect(),
+            metrics: figures
+                .into_iter()
+                .map(|figure| (figure.name, figure.value))
+                .collect(),
         };
         let smoother = SmootherDefaults {
             reading: match reading {
@@ -153,7 +189,8 @@ impl Stage<'_> {
             look_ahead: LOOK_AHEAD,
             hold: HOLD,
         };
-        let bytes = quantize(&student, preset, smoother, provenance).context("this student cannot become a model file")?;
+        let bytes = quantize(&student, preset, smoother, provenance)
+            .context("this student cannot become a model file")?;
         write_whole(out, &bytes)?;
         Ok(bytes)
     }
@@ -166,7 +203,9 @@ impl Stage<'_> {
         let trials = trial::published(self.plan, self.library);
         let spliced = trial::spliced(self.plan, self.library);
         if trials.is_empty() {
-            bail!("no labelled recording of a left-out subject is at hand: name subjects under data.held_out");
+            bail!(
+                "no labelled recording of a left-out subject is at hand: name subjects under data.held_out"
+            );
         }
         let student = self.student()?;
         let reading = self.reading(&student)?;
@@ -180,10 +219,22 @@ impl Stage<'_> {
         };
         self.run.save_json("results.json", &results)?;
         self.run.save_json(FIGURES, &figures(&results))?;
-        Ok((results, Judged { trials, candidates: published, reading }))
+        Ok((
+            results,
+            Judged {
+                trials,
+                candidates: published,
+                reading,
+            },
+        ))
     }
 
-    fn judge_all(&self, candidates: &[Candidate], trials: &[Trial], truths: &[Truth]) -> anyhow::Result<Vec<Verdict>> {
+    fn judge_all(
+        &self,
+        candidates: &[Candidate],
+        trials: &[Trial],
+        truths: &[Truth],
+    ) -> anyhow::Result<Vec<Verdict>> {
         let mut verdicts = Vec::new();
         if trials.is_empty() {
             return Ok(verdicts);
@@ -191,29 +242,59 @@ impl Stage<'_> {
         for &truth in truths {
             for candidate in candidates {
                 for look_ahead in LookAhead::ALL {
-                    verdicts.extend(judge(candidate, trials, self.plan.preset.vocabulary(), look_ahead, truth)?);
+                    verdicts.extend(judge(
+                        candidate,
+                        trials,
+                        self.plan.preset.vocabulary(),
+                        look_ahead,
+                        truth,
+                    )?);
                 }
             }
         }
         Ok(verdicts)
     }
 
-    fn candidates(&self, trials: &[Trial], student: &Student, model_file: &[u8]) -> anyhow::Result<Vec<Candidate>> {
+    fn candidates(
+        &self,
+        trials: &[Trial],
+        student: &Student,
+        model_file: &[u8],
+    ) -> anyhow::Result<Vec<Candidate>> {
         let mut candidates = Vec::new();
         let plain = self.device.clone().inner();
-        if self.run.file(&format!("{}.bpk", teacher::training::NAME)).exists() {
+        if self
+            .run
+            .file(&format!("{}.bpk", teacher::training::NAME))
+            .exists()
+        {
             let model = self.teacher()?;
             let patch = self.plan.preset.teacher.patch;
-            candidates.push(self.candidate("teacher", trials, |emg| teacher_rows(&model, patch, emg, &plain))?);
+            candidates.push(self.candidate("teacher", trials, |emg| {
+                teacher_rows(&model, patch, emg, &plain)
+            })?);
         }
-        candidates.push(self.candidate("float student", trials, |emg| student_rows(student, emg, &plain))?);
+        candidates.push(self.candidate("float student", trials, |emg| {
+            student_rows(student, emg, &plain)
+        })?);
         let model = Model::parse(model_file).context("the model file just written")?;
-        let rows = trials.par_iter().map(|trial| integer_rows(&model, &trial.emg)).collect::<anyhow::Result<_>>()?;
-        candidates.push(Candidate { name: "integer student".to_owned(), rows });
+        let rows = trials
+            .par_iter()
+            .map(|trial| integer_rows(&model, &trial.emg))
+            .collect::<anyhow::Result<_>>()?;
+        candidates.push(Candidate {
+            name: "integer student".to_owned(),
+            rows,
+        });
         Ok(candidates)
     }
 
-    fn candidate(&self, name: &str, trials: &[Trial], rows: impl Fn(&[CleanSample]) -> Vec<Rows>) -> Result<Candidate, RunError> {
+    fn candidate(
+        &self,
+        name: &str,
+        trials: &[Trial],
+        rows: impl Fn(&[CleanSample]) -> Vec<Rows>,
+    ) -> Result<Candidate, RunError> {
         let bar = progress::bar(trials.len(), name);
         let mut all = Vec::with_capacity(trials.len());
         for trial in trials {
@@ -224,24 +305,45 @@ impl Stage<'_> {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        Ok(Candidate { name: name.to_owned(), rows: all })
+        Ok(Candidate {
+            name: name.to_owned(),
+            rows: all,
+        })
     }
 
     /// The reading that follows more transitions of the validation subjects; all rows on a tie.
     fn reading(&self, student: &Student) -> anyhow::Result<LookAhead> {
         if self.run.file(READING).exists() {
-            return Ok(if self.run.load_json::<bool>(READING)? { LookAhead::SameInstant } else { LookAhead::AllRows });
+            return Ok(if self.run.load_json::<bool>(READING)? {
+                LookAhead::SameInstant
+            } else {
+                LookAhead::AllRows
+            });
         }
         let trials = trial::validation(self.plan, self.library);
         let plain = self.device.clone().inner();
-        let candidate = self.candidate("choosing the reading", &trials, |emg| student_rows(student, emg, &plain))?;
+        let candidate = self.candidate("choosing the reading", &trials, |emg| {
+            student_rows(student, emg, &plain)
+        })?;
         let correct = |look_ahead| -> anyhow::Result<usize> {
-            let verdicts = judge(&candidate, &trials, self.plan.preset.vocabulary(), look_ahead, Truth::Moved)?;
-            Ok(verdicts.last().map_or(0, |verdict| verdict.spoken[BUFFERS.len() - 1].correct))
+            let verdicts = judge(
+                &candidate,
+                &trials,
+                self.plan.preset.vocabulary(),
+                look_ahead,
+                Truth::Moved,
+            )?;
+            Ok(verdicts
+                .last()
+                .map_or(0, |verdict| verdict.spoken[BUFFERS.len() - 1].correct))
         };
         let same_instant = correct(LookAhead::SameInstant)? > correct(LookAhead::AllRows)?;
         self.run.save_json(READING, &same_instant)?;
-        Ok(if same_instant { LookAhead::SameInstant } else { LookAhead::AllRows })
+        Ok(if same_instant {
+            LookAhead::SameInstant
+        } else {
+            LookAhead::AllRows
+        })
     }
 
     /// The trained teacher, without gradients.
@@ -251,7 +353,12 @@ impl Stage<'_> {
     pub fn teacher(&self) -> Result<Teacher, RunError> {
         let plain = self.device.clone().inner();
         let preset = &self.plan.preset;
-        self.run.load_model(teacher::training::NAME, preset.teacher.init(preset.classes, &plain)).map(|model| model.valid())
+        self.run
+            .load_model(
+                teacher::training::NAME,
+                preset.teacher.init(preset.classes, &plain),
+            )
+            .map(|model| model.valid())
     }
 
     /// The trained student, without gradients.
@@ -261,17 +368,29 @@ impl Stage<'_> {
     pub fn student(&self) -> Result<Student, RunError> {
         let plain = self.device.clone().inner();
         let preset = &self.plan.preset;
-        self.run.load_model(distillation::NAME, preset.student.init(preset.classes, &plain)).map(|model| model.valid())
+        self.run
+            .load_model(
+                distillation::NAME,
+                preset.student.init(preset.classes, &plain),
+            )
+            .map(|model| model.valid())
     }
 
     /// The teacher's word on every patch of the training streams; computed once and kept.
     fn teacher_rows(&self, streams: &[&[CleanSample]]) -> anyhow::Result<Vec<Vec<Rows>>> {
         let checkpoint = self.run.file(&format!("{}.bpk", teacher::training::NAME));
-        let weights = std::fs::read(&checkpoint)
-            .with_context(|| format!("{}: no teacher to learn from; run `myointent train` first", checkpoint.display()))?;
+        let weights = std::fs::read(&checkpoint).with_context(|| {
+            format!(
+                "{}: no teacher to learn from; run `myointent train` first",
+                checkpoint.display()
+            )
+        })?;
         let key = crc32(&weights);
         let path = self.run.file(TEACHER_ROWS);
-        if let Some(rows) = std::fs::read(&path).ok().and_then(|bytes| unpack(&bytes, key, streams)) {
+        if let Some(rows) = std::fs::read(&path)
+            .ok()
+            .and_then(|bytes| unpack(&bytes, key, streams))
+        {
             return Ok(rows);
         }
         let model = self.teacher()?;
@@ -310,7 +429,11 @@ pub fn integer_rows(model: &Model<'_>, emg: &[CleanSample]) -> anyhow::Result<Ve
     let mut encoder = any_encoder(model)?;
     let stream = padded(emg);
     let (patches, _) = stream.as_chunks::<PATCH>();
-    Ok(patches.iter().map(|patch| encoder.step(patch)).skip(WINDOW_PATCHES).collect())
+    Ok(patches
+        .iter()
+        .map(|patch| encoder.step(patch))
+        .skip(WINDOW_PATCHES)
+        .collect())
 }
 
 /// The smoother that a model file asks for.
@@ -329,18 +452,26 @@ pub fn settings(smoother: &SmootherDefaults) -> Settings {
 fn figures(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     let chosen = results.published.iter().filter(|verdict| {
-        verdict.model == "integer student" && verdict.look_ahead == results.reading && verdict.truth == Truth::Moved
+        verdict.model == "integer student"
+            && verdict.look_ahead == results.reading
+            && verdict.truth == Truth::Moved
     });
     for verdict in chosen {
         let widest = &verdict.spoken[BUFFERS.len() - 1];
         let mut keep = |what: &str, mean: Option<f64>| {
             if let Some(value) = mean {
                 #[expect(clippy::cast_possible_truncation, reason = "an accuracy")]
-                figures.push(Figure { name: format!("{} {what}", verdict.data_set), value: value as f32 });
+                figures.push(Figure {
+                    name: format!("{} {what}", verdict.data_set),
+                    value: value as f32,
+                });
             }
         };
         keep("raw accuracy", widest.raw_accuracy.map(|raw| raw.mean));
-        keep("transition accuracy", widest.transition_accuracy.map(|transition| transition.mean));
+        keep(
+            "transition accuracy",
+            widest.transition_accuracy.map(|transition| transition.mean),
+        );
     }
     figures
 }
@@ -365,6 +496,12 @@ fn unpack(bytes: &[u8], key: u32, streams: &[&[CleanSample]]) -> Option<Vec<Vec<
     }
     let (values, _) = bytes.as_chunks::<4>();
     let mut values = values.iter().map(|&value| f32::from_le_bytes(value));
-    let mut next = || std::array::from_fn(|_| std::array::from_fn(|_| values.next().unwrap_or(0.0)));
-    Some(streams.iter().map(|emg| (0..emg.len() / PATCH).map(|_| next()).collect()).collect())
+    let mut next =
+        || std::array::from_fn(|_| std::array::from_fn(|_| values.next().unwrap_or(0.0)));
+    Some(
+        streams
+            .iter()
+            .map(|emg| (0..emg.len() / PATCH).map(|_| next()).collect())
+            .collect(),
+    )
 }

@@ -81,8 +81,12 @@ impl DataArguments {
 /// When the folder holds no plan or the recordings cannot be read.
 pub fn begun(run: &Path) -> anyhow::Result<(RunFolder, Plan, Library)> {
     let folder = RunFolder::open(run)?;
-    let plan = Plan::load(&folder)
-        .with_context(|| format!("{}: no run has begun here; start with `myointent train --run {0}`", run.display()))?;
+    let plan = Plan::load(&folder).with_context(|| {
+        format!(
+            "{}: no run has begun here; start with `myointent train --run {0}`",
+            run.display()
+        )
+    })?;
     let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
     Ok((folder, plan, library))
 }
@@ -94,13 +98,23 @@ pub fn begun(run: &Path) -> anyhow::Result<(RunFolder, Plan, Library)> {
 pub fn recordings(data: Option<&Path>, skip_bad: bool, seed: u64) -> anyhow::Result<Library> {
     let Some(path) = data else {
         eprintln!("no recordings given: making synthetic ones (give real ones with --data DIR)");
-        return Ok(Library { recordings: synth::generate(&synth::SynthOptions { seed, ..Default::default() }), ..Library::default() });
+        return Ok(Library {
+            recordings: synth::generate(&synth::SynthOptions {
+                seed,
+                ..Default::default()
+            }),
+            ..Library::default()
+        });
     };
     let library = load(path, &LoadOptions { skip_bad })
         .context("damaged recordings can be left out with --skip-bad")?;
     for skipped in &library.skipped {
         eprintln!("left out: {}", skipped.error);
     }
-    eprintln!("{} recordings in {}", library.recordings.len(), path.display());
+    eprintln!(
+        "{} recordings in {}",
+        library.recordings.len(),
+        path.display()
+    );
     Ok(library)
 }

@@ -25,7 +25,10 @@ pub struct Arguments {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|share| (0.0..=1.0).contains(share)).ok_or_else(|| format!("expected 0 to 1, found {text}"))
+    text.parse()
+        .ok()
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| format!("expected 0 to 1, found {text}"))
 }
 
 /// Trains the student.

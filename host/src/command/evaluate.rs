@@ -14,10 +14,12 @@ use crate::stage::Stage;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
-#[command(after_help = "TA is transition accuracy with a buffer of 60, 120 or 200 samples around each change. Offsets are of\n\
+#[command(
+    after_help = "TA is transition accuracy with a buffer of 60, 120 or 200 samples around each change. Offsets are of\n\
     the changes that were followed, labels booked at the instant they speak of; `emitted ms` books them when\n\
     the device emits them, look-ahead included. Deviations are over subjects. All numbers, every reading and\n\
-    every subject are in results.json of the run folder.")]
+    every subject are in results.json of the run folder."
+)]
 pub struct Arguments {
     /// Run folder that `quantize` has filled.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
@@ -39,11 +41,25 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
     let (folder, plan, library) = begun(&arguments.run)?;
-    let path = arguments.model.clone().unwrap_or_else(|| folder.file(MODEL));
-    let model = std::fs::read(&path)
-        .with_context(|| format!("{}: no model file; run `myointent quantize` first", path.display()))?;
+    let path = arguments
+        .model
+        .clone()
+        .unwrap_or_else(|| folder.file(MODEL));
+    let model = std::fs::read(&path).with_context(|| {
+        format!(
+            "{}: no model file; run `myointent quantize` first",
+            path.display()
+        )
+    })?;
     let device = arguments.backend.device();
-    let stage = Stage { run: &folder, plan: &plan, library: &library, device, resume: false, interrupt: &interrupt };
+    let stage = Stage {
+        run: &folder,
+        plan: &plan,
+        library: &library,
+        device,
+        resume: false,
+        interrupt: &interrupt,
+    };
     let (results, judged) = stage.evaluate(&model)?;
     let page = folder.file("report.html");
     report(&stage, &results, &judged, &page)?;

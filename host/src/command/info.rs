@@ -27,8 +27,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let header = &model.header;
-    let (dimensions, smoother, provenance) = (&header.dimensions, &header.smoother, &header.provenance);
-    let intents: Vec<&str> = dimensions.vocabulary.intents().iter().map(|intent| intent.name()).collect();
+    let (dimensions, smoother, provenance) =
+        (&header.dimensions, &header.smoother, &header.provenance);
+    let intents: Vec<&str> = dimensions
+        .vocabulary
+        .intents()
+        .iter()
+        .map(|intent| intent.name())
+        .collect();
     let sets: Vec<&str> = provenance.data_sets.iter().collect();
     let left_out: Vec<&str> = provenance.subjects_left_out.iter().collect();
     let metrics: Vec<(&str, f32)> = provenance.metrics.iter().collect();
@@ -54,7 +60,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         writeln!(out, "{}", serde_json::to_string_pretty(&value)?)?;
         return Ok(());
     }
-    writeln!(out, "{}: {} bytes, checksum right", path.display(), model.length)?;
+    writeln!(
+        out,
+        "{}: {} bytes, checksum right",
+        path.display(),
+        model.length
+    )?;
     writeln!(out, "intents       {}", intents.join(", "))?;
     writeln!(
         out,
@@ -66,7 +77,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "smoother      {:?} of {:?}, look-ahead {} samples, hold {} samples",
         smoother.reading, smoother.likelihood, smoother.look_ahead, smoother.hold
     )?;
-    writeln!(out, "trained on    {} (seed {}, revision {})", sets.join(", "), provenance.seed, provenance.git_revision)?;
+    writeln!(
+        out,
+        "trained on    {} (seed {}, revision {})",
+        sets.join(", "),
+        provenance.seed,
+        provenance.git_revision
+    )?;
     writeln!(out, "never saw     {}", left_out.join(", "))?;
     for (name, value) in metrics {
         writeln!(out, "measured      {name} {value:.3}")?;

@@ -35,14 +35,21 @@ enum Which {
 
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
-#[command(after_help = "Over a recording: one line a sample, `label` (class number of the smoothed label booked at the instant it\n\
+#[command(
+    after_help = "Over a recording: one line a sample, `label` (class number of the smoothed label booked at the instant it\n\
     speaks of, -1 before the first) and the logits of the sample's patch when it was the newest.\n\
     Over a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
     Examples:\n  myointent predict --model m.intent --recording r.npy --out labels.csv\n  \
-    myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy")]
+    myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
+)]
 pub struct Arguments {
     /// Model file.
-    #[arg(long, value_name = "FILE.intent", conflicts_with = "run", required_unless_present = "run")]
+    #[arg(
+        long,
+        value_name = "FILE.intent",
+        conflicts_with = "run",
+        required_unless_present = "run"
+    )]
     model: Option<PathBuf>,
     /// Run folder whose checkpoint is used.
     #[arg(long, value_name = "DIR")]
@@ -78,7 +85,10 @@ struct Matrix {
 /// When the model is refused, the input cannot be read or the output cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !matches!(extension(&arguments.out), "npy" | "csv") {
-        bail!("{}: expected a name that ends in .npy or .csv", arguments.out.display());
+        bail!(
+            "{}: expected a name that ends in .npy or .csv",
+            arguments.out.display()
+        );
     }
     let matrix = if let Some(path) = &arguments.window {
         over_window(arguments, &window(path)?)?
@@ -92,27 +102,43 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn extension(path: &Path) -> &str {
-    path.extension().and_then(|extension| extension.to_str()).unwrap_or_default()
+    path.extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or_default()
 }
 
 /// Rows of every patch, number of classes and how they are smoothed.
-fn rows(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<(Vec<Rows>, usize, Settings)> {
+fn rows(
+    arguments: &Arguments,
+    emg: &[CleanSample],
+) -> anyhow::Result<(Vec<Rows>, usize, Settings)> {
     if let Some(path) = &arguments.model {
         let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-        let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
+        let model =
+            Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
         let classes = model.header.dimensions.vocabulary.classes();
-        return Ok((integer_rows(&model, emg)?, classes, settings(&model.header.smoother)));
+        return Ok((
+            integer_rows(&model, emg)?,
+            classes,
+            settings(&model.header.smoother),
+        ));
     }
     let (folder, plan) = run_of(arguments)?;
     let device = arguments.backend.device().inner();
     let classes = plan.preset.classes;
     let rows = match arguments.which {
         Which::Teacher => {
-            let model = folder.load_model(teacher::training::NAME, plan.preset.teacher.init(classes, &device))?;
+            let model = folder.load_model(
+                teacher::training::NAME,
+                plan.preset.teacher.init(classes, &device),
+            )?;
             teacher_rows(&model.valid(), plan.preset.teacher.patch, emg, &device)
         }
         Which::Student => {
-            let model = folder.load_model(distillation::NAME, plan.preset.student.init(classes, &device))?;
+            let model = folder.load_model(
+                distillation::NAME,
+                plan.preset.student.init(classes, &device),
+            )?;
             student_rows(&model.valid(), emg, &device)
         }
     };
@@ -120,7 +146,10 @@ fn rows(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<(Vec<Rows>
 }
 
 fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, Plan)> {
-    let path = arguments.run.as_deref().context("no model: give --model or --run")?;
+    let path = arguments
+        .run
+        .as_deref()
+        .context("no model: give --model or --run")?;
     let folder = RunFolder::open(path)?;
     let plan = Plan::load(&folder)?;
     Ok((folder, plan))
@@ -137,7 +166,9 @@ fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<
             None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
         }
     }
-    let columns = std::iter::once("label".to_owned()).chain(names(classes, "logit_".to_owned())).collect();
+    let columns = std::iter::once("label".to_owned())
+        .chain(names(classes, "logit_".to_owned()))
+        .collect();
     Ok(Matrix { columns, values })
 }
 
@@ -147,29 +178,60 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
         let (folder, plan) = run_of(arguments)?;
         let device = arguments.backend.device().inner();
         let classes = plan.preset.classes;
-        let model = folder.load_model(teacher::training::NAME, plan.preset.teacher.init(classes, &device))?.valid();
+        let model = folder
+            .load_model(
+                teacher::training::NAME,
+                plan.preset.teacher.init(classes, &device),
+            )?
+            .valid();
         let mut input = Vec::with_capacity(WINDOW * CHANNELS);
         crate::corpus::Variation::NONE.write(&emg, &mut input);
-        let output = model.forward(inference_input(input, plan.preset.teacher.patch, classes, &device));
-        let columns = names(classes, String::new()).chain(["mask".to_owned()]).collect();
-        return Ok(Matrix { columns, values: numbers(output.intent) });
+        let output = model.forward(inference_input(
+            input,
+            plan.preset.teacher.patch,
+            classes,
+            &device,
+        ));
+        let columns = names(classes, String::new())
+            .chain(["mask".to_owned()])
+            .collect();
+        return Ok(Matrix {
+            columns,
+            values: numbers(output.intent),
+        });
     }
     let (rows, classes, _) = rows(arguments, &emg)?;
-    let columns = (0..LOOK_BACK).flat_map(|back| names(classes, format!("back{back}_"))).collect();
-    let values = rows.iter().flatten().flat_map(|row| &row[..classes]).copied().collect();
+    let columns = (0..LOOK_BACK)
+        .flat_map(|back| names(classes, format!("back{back}_")))
+        .collect();
+    let values = rows
+        .iter()
+        .flatten()
+        .flat_map(|row| &row[..classes])
+        .copied()
+        .collect();
     Ok(Matrix { columns, values })
 }
 
 fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
-    Intent::ALL.into_iter().take(classes).map(move |intent| format!("{prefix}{}", intent.name()))
+    Intent::ALL
+        .into_iter()
+        .take(classes)
+        .map(move |intent| format!("{prefix}{}", intent.name()))
 }
 
 /// Raw samples of a window: integers or floats, values -128..=127.
 fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-    let shape = npyz::NpyFile::new(&bytes[..]).with_context(|| path.display().to_string())?.shape().to_vec();
+    let shape = npyz::NpyFile::new(&bytes[..])
+        .with_context(|| path.display().to_string())?
+        .shape()
+        .to_vec();
     if shape != [WINDOW as u64, CHANNELS as u64] {
-        bail!("{}: expected {WINDOW} x {CHANNELS} raw samples, found shape {shape:?}", path.display());
+        bail!(
+            "{}: expected {WINDOW} x {CHANNELS} raw samples, found shape {shape:?}",
+            path.display()
+        );
     }
     let values = values::<i8>(&bytes)
         .or_else(|| values::<i16>(&bytes))
@@ -178,21 +240,43 @@ fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
         .or_else(|| values::<f32>(&bytes))
         .or_else(|| values::<f64>(&bytes))
         .with_context(|| format!("{}: expected integers or floats", path.display()))?;
-    if let Some(at) = values.iter().position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value)) {
-        bail!("{}: value {} of row {}: expected a raw sample, -128 to 127", path.display(), values[at], at / CHANNELS);
+    if let Some(at) = values
+        .iter()
+        .position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value))
+    {
+        bail!(
+            "{}: value {} of row {}: expected a raw sample, -128 to 127",
+            path.display(),
+            values[at],
+            at / CHANNELS
+        );
     }
     let (rows, _) = values.as_chunks::<CHANNELS>();
     #[expect(clippy::cast_possible_truncation, reason = "just checked")]
-    Ok(rows.iter().map(|row| row.map(|value| value as i8)).collect())
+    Ok(rows
+        .iter()
+        .map(|row| row.map(|value| value as i8))
+        .collect())
 }
 
 /// Values in row order, if the file holds this type.
-fn values<T: npyz::Deserialize + Copy + num_traits::AsPrimitive<f64>>(bytes: &[u8]) -> Option<Vec<f64>> {
+fn values<T: npyz::Deserialize + Copy + num_traits::AsPrimitive<f64>>(
+    bytes: &[u8],
+) -> Option<Vec<f64>> {
     let file = npyz::NpyFile::new(bytes).ok()?;
     let by_column = file.order() == npyz::Order::Fortran;
-    let values: Vec<f64> = file.into_vec::<T>().ok()?.into_iter().map(num_traits::AsPrimitive::as_).collect();
+    let values: Vec<f64> = file
+        .into_vec::<T>()
+        .ok()?
+        .into_iter()
+        .map(num_traits::AsPrimitive::as_)
+        .collect();
     if by_column {
-        return Some((0..values.len()).map(|at| values[at % CHANNELS * WINDOW + at / CHANNELS]).collect());
+        return Some(
+            (0..values.len())
+                .map(|at| values[at % CHANNELS * WINDOW + at / CHANNELS])
+                .collect(),
+        );
     }
     Some(values)
 }
@@ -204,7 +288,11 @@ fn write(matrix: &Matrix, path: &Path) -> anyhow::Result<()> {
     let mut out = BufWriter::new(File::create(&partial)?);
     if extension(path) == "npy" {
         let shape = [(matrix.values.len() / width) as u64, width as u64];
-        let mut npy = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut out).begin_nd()?;
+        let mut npy = npyz::WriteOptions::new()
+            .default_dtype()
+            .shape(&shape)
+            .writer(&mut out)
+            .begin_nd()?;
         npy.extend(matrix.values.iter().copied())?;
         npy.finish()?;
         out.flush()?;

@@ -22,12 +22,22 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(name) = &arguments.name {
         // As it was written, comments included, once it is known to be good.
         Preset::find(name)?;
-        let text = BUILT_IN.iter().find(|(known, _)| known == name).map(|(_, text)| (*text).to_owned());
-        write!(out, "{}", text.map_or_else(|| std::fs::read_to_string(name), Ok)?)?;
+        let text = BUILT_IN
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, text)| (*text).to_owned());
+        write!(
+            out,
+            "{}",
+            text.map_or_else(|| std::fs::read_to_string(name), Ok)?
+        )?;
         return Ok(());
     }
     for (name, text) in BUILT_IN {
-        let about: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("# ")).collect();
+        let about: Vec<&str> = text
+            .lines()
+            .map_while(|line| line.strip_prefix("# "))
+            .collect();
         writeln!(out, "{name:12} {}", about.join(" "))?;
     }
     Ok(())

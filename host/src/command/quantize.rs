@@ -28,9 +28,19 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
     let (folder, plan, library) = begun(&arguments.run)?;
-    let out = arguments.out.clone().unwrap_or_else(|| folder.file(super::quickstart::MODEL));
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| folder.file(super::quickstart::MODEL));
     let device = arguments.backend.device();
-    let stage = Stage { run: &folder, plan: &plan, library: &library, device, resume: false, interrupt: &interrupt };
+    let stage = Stage {
+        run: &folder,
+        plan: &plan,
+        library: &library,
+        device,
+        resume: false,
+        interrupt: &interrupt,
+    };
     let bytes = stage.quantize(&out)?;
     println!("{} ({} bytes)", out.display(), bytes.len());
     Ok(())

@@ -27,8 +27,10 @@ const USUAL_PLACES: [&str; 2] = ["data", "../shared/data"];
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]
-#[command(after_help = "Recordings are taken from --data, else MYOINTENT_DATA, else ./data or ../shared/data; without any,\n\
-    synthetic ones are made. The output says which, and who was left out.")]
+#[command(
+    after_help = "Recordings are taken from --data, else MYOINTENT_DATA, else ./data or ../shared/data; without any,\n\
+    synthetic ones are made. The output says which, and who was left out."
+)]
 pub struct Arguments {
     /// Folder for checkpoints, metrics, model file and report.
     #[arg(long, value_name = "DIR", default_value = "runs/quickstart")]
@@ -57,23 +59,48 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut preset = Preset::find(&arguments.preset)?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);
     // Damage in recordings that the user did not choose must not stop a first try; it is told.
-    let found = USUAL_PLACES.iter().map(Path::new).find(|place| place.is_dir());
+    let found = USUAL_PLACES
+        .iter()
+        .map(Path::new)
+        .find(|place| place.is_dir());
     let given = arguments.data.data.as_deref();
     let skip_bad = arguments.data.skip_bad || given.is_none();
     let data = given.or(found);
     let library = recordings(data, skip_bad, preset.seed)?;
 
     let folder = RunFolder::open(&arguments.run)?;
-    let plan = if arguments.resume { Plan::load(&folder)? } else { Plan::new(preset, &library, data, skip_bad)? };
+    let plan = if arguments.resume {
+        Plan::load(&folder)?
+    } else {
+        Plan::new(preset, &library, data, skip_bad)?
+    };
     plan.save(&folder)?;
-    progress::say(&format!("training on {} subjects: {}", plan.split.training.len(), plan.split.training.join(", ")));
-    progress::say(&format!("left out, never trained on: {}", plan.split.held_out.join(", ")));
+    progress::say(&format!(
+        "training on {} subjects: {}",
+        plan.split.training.len(),
+        plan.split.training.join(", ")
+    ));
+    progress::say(&format!(
+        "left out, never trained on: {}",
+        plan.split.held_out.join(", ")
+    ));
     for (data_set, lag) in &plan.lags {
-        progress::say(&format!("labels of {} are moved by {} ms", data_set.name(), lag.samples * 5));
+        progress::say(&format!(
+            "labels of {} are moved by {} ms",
+            data_set.name(),
+            lag.samples * 5
+        ));
     }
 
     let device = arguments.backend.device();
-    let stage = Stage { run: &folder, plan: &plan, library: &library, device, resume: arguments.resume, interrupt: &interrupt };
+    let stage = Stage {
+        run: &folder,
+        plan: &plan,
+        library: &library,
+        device,
+        resume: arguments.resume,
+        interrupt: &interrupt,
+    };
     stage.train()?;
     stage.distill()?;
     let model = folder.file(MODEL);
@@ -85,12 +112,21 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     report(&stage, &results, &judged, &page)?;
 
     let mut out = std::io::stdout().lock();
-    writeln!(out, "recordings: {}", data.map_or_else(|| "synthetic".to_owned(), |path| path.display().to_string()))?;
+    writeln!(
+        out,
+        "recordings: {}",
+        data.map_or_else(|| "synthetic".to_owned(), |path| path.display().to_string())
+    )?;
     writeln!(out, "left out:   {}\n", results.held_out.join(", "))?;
     for table in tables(&results) {
         writeln!(out, "{}", table.plain())?;
     }
-    writeln!(out, "model file: {} ({} bytes)", model.display(), bytes.len())?;
+    writeln!(
+        out,
+        "model file: {} ({} bytes)",
+        model.display(),
+        bytes.len()
+    )?;
     writeln!(out, "report:     {}", page.display())?;
     Ok(())
 }
@@ -99,7 +135,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// When the page cannot be written.
-pub fn report(stage: &Stage<'_>, results: &Results, judged: &Judged, page: &Path) -> anyhow::Result<()> {
+pub fn report(
+    stage: &Stage<'_>,
+    results: &Results,
+    judged: &Judged,
+    page: &Path,
+) -> anyhow::Result<()> {
     let (plan, preset) = (stage.plan, &stage.plan.preset);
     let mut data = ReportData {
         title: format!("Intent from muscles alone: preset {}", preset.name),
@@ -113,15 +154,31 @@ pub fn report(stage: &Stage<'_>, results: &Results, judged: &Judged, page: &Path
         ..ReportData::default()
     };
     data.provenance = vec![
-        ("recordings".to_owned(), plan.data.as_ref().map_or_else(|| "synthetic".to_owned(), |_| data_sets(plan))),
+        (
+            "recordings".to_owned(),
+            plan.data
+                .as_ref()
+                .map_or_else(|| "synthetic".to_owned(), |_| data_sets(plan)),
+        ),
         ("left out".to_owned(), plan.split.held_out.join(", ")),
-        ("chose the checkpoint".to_owned(), plan.split.validation.join(", ")),
+        (
+            "chose the checkpoint".to_owned(),
+            plan.split.validation.join(", "),
+        ),
         ("seed".to_owned(), preset.seed.to_string()),
-        ("revision".to_owned(), plan.git_revision.clone().unwrap_or_else(|| "unknown".to_owned())),
+        (
+            "revision".to_owned(),
+            plan.git_revision
+                .clone()
+                .unwrap_or_else(|| "unknown".to_owned()),
+        ),
         ("look-ahead".to_owned(), results.reading.name().to_owned()),
     ];
     for (data_set, lag) in &plan.lags {
-        data.provenance.push((format!("label lag of {}", data_set.name()), format!("{} ms", lag.samples * 5)));
+        data.provenance.push((
+            format!("label lag of {}", data_set.name()),
+            format!("{} ms", lag.samples * 5),
+        ));
     }
     data.notes = vec![
         "Labels of these recordings are cues: muscles follow a few tenths of a second later. Tables show both, labels as published and labels moved by one constant a data set, estimated on training subjects.".to_owned(),
@@ -131,10 +188,18 @@ pub fn report(stage: &Stage<'_>, results: &Results, judged: &Judged, page: &Path
         let settings = judged.reading.settings();
         let vocabulary = preset.vocabulary();
         // The recording with the most changes shows most.
-        let changes = |labels: &[Option<_>]| labels.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        if let Some(at) = (0..judged.trials.len()).max_by_key(|&at| changes(&judged.trials[at].moved)) {
+        let changes =
+            |labels: &[Option<_>]| labels.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        if let Some(at) =
+            (0..judged.trials.len()).max_by_key(|&at| changes(&judged.trials[at].moved))
+        {
             let trial = &judged.trials[at];
-            let track = track(&integer.rows[at], trial.emg.len(), vocabulary.classes(), settings)?;
+            let track = track(
+                &integer.rows[at],
+                trial.emg.len(),
+                vocabulary.classes(),
+                settings,
+            )?;
             data.timelines.push(
                 Timeline {
                     subject: trial.subject.clone(),
@@ -150,7 +215,11 @@ pub fn report(stage: &Stage<'_>, results: &Results, judged: &Judged, page: &Path
         let counts = confusion(integer, &judged.trials, vocabulary, judged.reading)?;
         data.confusion = Some(Confusion {
             names: counts.intents.iter().map(|&name| name.to_owned()).collect(),
-            counts: counts.counts.iter().map(|row| row[..vocabulary.classes()].to_vec()).collect(),
+            counts: counts
+                .counts
+                .iter()
+                .map(|row| row[..vocabulary.classes()].to_vec())
+                .collect(),
         });
         data.offsets_ms = offsets(stage, judged)?;
     }
@@ -162,7 +231,11 @@ pub fn report(stage: &Stage<'_>, results: &Results, judged: &Judged, page: &Path
 const SHOWN: usize = 4000;
 
 fn data_sets(plan: &Plan) -> String {
-    plan.lags.keys().map(|data_set| data_set.name()).collect::<Vec<_>>().join(", ")
+    plan.lags
+        .keys()
+        .map(|data_set| data_set.name())
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Offsets of the integer student's followed transitions, in ms.
@@ -171,16 +244,30 @@ fn offsets(stage: &Stage<'_>, judged: &Judged) -> anyhow::Result<Vec<f64>> {
     if let Some(integer) = judged.candidates.last() {
         let vocabulary = stage.plan.preset.vocabulary();
         for (trial, rows) in judged.trials.iter().zip(&integer.rows) {
-            let track = track(rows, trial.emg.len(), vocabulary.classes(), judged.reading.settings())?;
+            let track = track(
+                rows,
+                trial.emg.len(),
+                vocabulary.classes(),
+                judged.reading.settings(),
+            )?;
             let first = track.spoken.iter().position(Option::is_some).unwrap_or(0);
             let score = crate::metric::summary::RecordingScore::new(
                 &trial.subject,
                 &trial.name,
                 &trial.moved[first..],
                 &track.spoken[first..],
-                &crate::metric::transition::Rule { buffer: BUFFERS[BUFFERS.len() - 1], ..Default::default() },
+                &crate::metric::transition::Rule {
+                    buffer: BUFFERS[BUFFERS.len() - 1],
+                    ..Default::default()
+                },
             )?;
-            offsets.extend(score.transitions.offsets().into_iter().map(|samples| f64::from(samples) * 5.0));
+            offsets.extend(
+                score
+                    .transitions
+                    .offsets()
+                    .into_iter()
+                    .map(|samples| f64::from(samples) * 5.0),
+            );
         }
     }
     Ok(offsets)
@@ -192,20 +279,34 @@ fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
     for name in ["teacher", "student"] {
         let lines: Vec<EpochMetrics> = run.lines(&format!("{name}.jsonl"))?;
         let mut curves: Vec<Curve> = Vec::new();
-        let mut add = |name: String, step: usize, value: f64| match curves.iter_mut().find(|curve| curve.name == name) {
+        let mut add = |name: String, step: usize, value: f64| match curves
+            .iter_mut()
+            .find(|curve| curve.name == name)
+        {
             Some(curve) => curve.points.push((step as f64, value)),
-            None => curves.push(Curve { name, points: vec![(step as f64, value)] }),
+            None => curves.push(Curve {
+                name,
+                points: vec![(step as f64, value)],
+            }),
         };
         for line in &lines {
             for (what, value) in line.train.iter().filter(|(what, _)| what != "emg") {
                 add(format!("training {what}"), line.epoch, *value);
             }
-            for (what, value) in line.validation.iter().filter(|(what, _)| what == "intent" || what == "label") {
+            for (what, value) in line
+                .validation
+                .iter()
+                .filter(|(what, _)| what == "intent" || what == "label")
+            {
                 add(format!("validation {what}"), line.epoch, *value);
             }
         }
         if !curves.is_empty() {
-            panels.push(Panel { title: format!("Loss of the {name}"), step: "epoch".to_owned(), curves });
+            panels.push(Panel {
+                title: format!("Loss of the {name}"),
+                step: "epoch".to_owned(),
+                curves,
+            });
         }
     }
     Ok(panels)

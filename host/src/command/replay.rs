@@ -17,8 +17,10 @@ use crate::student::any_encoder::{WithEncoder, with_encoder};
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
-#[command(after_help = "The board's clock starts with the first sample; samples come two at a time, every 10 ms.\n\
-    Lines are the device's, byte for byte: see the README for what they mean.")]
+#[command(
+    after_help = "The board's clock starts with the first sample; samples come two at a time, every 10 ms.\n\
+    Lines are the device's, byte for byte: see the README for what they mean."
+)]
 pub struct Arguments {
     /// Model file.
     #[arg(value_name = "FILE.intent")]
@@ -46,15 +48,33 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let recording = one_recording(&arguments.recording, arguments.name.as_deref())?;
-    let pace = if arguments.real_time { Some(Instant::now()) } else { None };
+    let pace = if arguments.real_time {
+        Some(Instant::now())
+    } else {
+        None
+    };
     let mut out = BufWriter::new(std::io::stdout().lock());
     if arguments.speed {
         let start = Instant::now();
         let mut lines = 0_usize;
-        let task = Replay { settings: settings(&model.header.smoother), samples: &recording.samples, pace, tell: |_: &str| { lines += 1; Ok(()) } };
+        let task = Replay {
+            settings: settings(&model.header.smoother),
+            samples: &recording.samples,
+            pace,
+            tell: |_: &str| {
+                lines += 1;
+                Ok(())
+            },
+        };
         with_encoder(&model, task)??;
         let taken = start.elapsed().as_secs_f64();
-        writeln!(out, "{:.0} x real time: {:.1} s of EMG in {:.4} s, {lines} lines", recording.seconds() / taken, recording.seconds(), taken)?;
+        writeln!(
+            out,
+            "{:.0} x real time: {:.1} s of EMG in {:.4} s, {lines} lines",
+            recording.seconds() / taken,
+            recording.seconds(),
+            taken
+        )?;
         return Ok(());
     }
     let task = Replay {
@@ -79,14 +99,23 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
     let mut library = load(path, &LoadOptions::default())?;
     let full = |recording: &Recording| format!("{}/{}", recording.subject, recording.name);
     if let Some(name) = name {
-        library.recordings.retain(|recording| full(recording) == name);
+        library
+            .recordings
+            .retain(|recording| full(recording) == name);
     }
     match library.recordings.len() {
-        0 => bail!("{}: no recording{} found", path.display(), name.map(|name| format!(" {name}")).unwrap_or_default()),
+        0 => bail!(
+            "{}: no recording{} found",
+            path.display(),
+            name.map(|name| format!(" {name}")).unwrap_or_default()
+        ),
         1 => Ok(library.recordings.remove(0)),
         several => {
             let first = full(&library.recordings[0]);
-            bail!("{}: {several} recordings found, one expected: give one file, or --name such as {first}", path.display())
+            bail!(
+                "{}: {several} recordings found, one expected: give one file, or --name such as {first}",
+                path.display()
+            )
         }
     }
 }
@@ -106,10 +135,16 @@ impl<'m, T: FnMut(&str) -> std::io::Result<()>> WithEncoder<'m> for Replay<'_, T
         let first = pipeline.state_report();
         (self.tell)(&first.to_string())?;
         for (index, pair) in self.samples.chunks(2).enumerate() {
-            #[expect(clippy::cast_possible_truncation, reason = "a recording is shorter than 49 days")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a recording is shorter than 49 days"
+            )]
             let now = Millis(index as u32 * 2 * SAMPLE_PERIOD_MS);
             if let Some(start) = self.pace {
-                std::thread::sleep((start + Duration::from_millis(now.0.into())).saturating_duration_since(Instant::now()));
+                std::thread::sleep(
+                    (start + Duration::from_millis(now.0.into()))
+                        .saturating_duration_since(Instant::now()),
+                );
             }
             for &sample in pair {
                 self.report(pipeline.sample(now, sample))?;

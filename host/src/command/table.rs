@@ -9,13 +9,22 @@ use crate::stage::Results;
 #[must_use]
 pub fn tables(results: &Results) -> Vec<Table> {
     let published = |truth: Truth| {
-        let lines = results.published.iter().filter(move |verdict| verdict.truth == truth);
+        let lines = results
+            .published
+            .iter()
+            .filter(move |verdict| verdict.truth == truth);
         lines.collect::<Vec<_>>()
     };
     let reading = results.reading;
     [
-        ("Labels moved by each data set's lag: where the muscles answer", published(Truth::Moved)),
-        ("Labels as published: the cues, as the paper scores", published(Truth::Published)),
+        (
+            "Labels moved by each data set's lag: where the muscles answer",
+            published(Truth::Moved),
+        ),
+        (
+            "Labels as published: the cues, as the paper scores",
+            published(Truth::Published),
+        ),
         (
             "The same people in random order and rhythm, labels moved",
             results.spliced.iter().collect(),
@@ -31,18 +40,33 @@ fn table(caption: &str, verdicts: &[&Verdict], reading: LookAhead) -> Table {
     let mut table = Table::new(
         caption,
         [
-            "recordings", "model", "look-ahead", "raw", "TA 60", "TA 120", "TA 200", "offset ms", "median",
-            "emitted ms", "subjects", "changes",
+            "recordings",
+            "model",
+            "look-ahead",
+            "raw",
+            "TA 60",
+            "TA 120",
+            "TA 200",
+            "offset ms",
+            "median",
+            "emitted ms",
+            "subjects",
+            "changes",
         ],
     );
-    let mut sets: Vec<&str> = verdicts.iter().map(|verdict| verdict.data_set.as_str()).collect();
+    let mut sets: Vec<&str> = verdicts
+        .iter()
+        .map(|verdict| verdict.data_set.as_str())
+        .collect();
     sets.sort_unstable();
     sets.dedup();
     for set in sets {
         let shown = verdicts
             .iter()
             .filter(|verdict| verdict.data_set == set)
-            .filter(|verdict| verdict.look_ahead == LookAhead::None || verdict.look_ahead == reading);
+            .filter(|verdict| {
+                verdict.look_ahead == LookAhead::None || verdict.look_ahead == reading
+            });
         for verdict in shown {
             table.push(line(verdict));
         }
@@ -54,7 +78,10 @@ fn line(verdict: &Verdict) -> Vec<String> {
     let widest = &verdict.spoken[BUFFERS.len() - 1];
     let accuracy = |summary: &Summary| share(summary.transition_accuracy);
     let offset = |summary: &Summary| {
-        summary.offset.as_ref().map_or_else(none, |offset| format!("{:+.0}", offset.signed.mean))
+        summary
+            .offset
+            .as_ref()
+            .map_or_else(none, |offset| format!("{:+.0}", offset.signed.mean))
     };
     let mut cells = vec![
         verdict.data_set.clone(),
@@ -65,7 +92,10 @@ fn line(verdict: &Verdict) -> Vec<String> {
     cells.extend(verdict.spoken.iter().map(accuracy));
     cells.extend([
         offset(widest),
-        widest.offset.as_ref().map_or_else(none, |offset| format!("{:+.0}", offset.signed_median)),
+        widest
+            .offset
+            .as_ref()
+            .map_or_else(none, |offset| format!("{:+.0}", offset.signed_median)),
         offset(&verdict.emitted),
         widest.subjects.len().to_string(),
         widest.events.to_string(),

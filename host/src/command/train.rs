@@ -13,8 +13,10 @@ use crate::stage::Stage;
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  myointent train --preset cpu --data recordings --run runs/mine\n  \
-    myointent train --run runs/mine --resume\n  myointent presets cpu > mine.toml   # edit, then --preset mine.toml")]
+#[command(
+    after_help = "Examples:\n  myointent train --preset cpu --data recordings --run runs/mine\n  \
+    myointent train --run runs/mine --resume\n  myointent presets cpu > mine.toml   # edit, then --preset mine.toml"
+)]
 pub struct Arguments {
     /// Built-in preset (quickstart, cpu, paper) or a TOML file.
     #[arg(long, default_value = "cpu")]
@@ -46,7 +48,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let mut preset = Preset::find(&arguments.preset)?;
         preset.seed = arguments.seed.unwrap_or(preset.seed);
         let library = arguments.data.load(preset.seed)?;
-        let plan = Plan::new(preset, &library, arguments.data.data.as_deref(), arguments.data.skip_bad)?;
+        let plan = Plan::new(
+            preset,
+            &library,
+            arguments.data.data.as_deref(),
+            arguments.data.skip_bad,
+        )?;
         let folder = RunFolder::open(&arguments.run)?;
         plan.save(&folder)?;
         (folder, plan, library)

@@ -9,10 +9,10 @@ use thiserror::Error;
 use super::track::{Track, track};
 use super::trial::Trial;
 use crate::estimate::Rows;
-use crate::metric::summary::{RecordingScore, Summary, summary};
-use crate::metric::transition::Rule;
 use crate::metric::MetricError;
 use crate::metric::confusion::Confusion;
+use crate::metric::summary::{RecordingScore, Summary, summary};
+use crate::metric::transition::Rule;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
 pub const BUFFERS: [usize; 3] = [60, 120, 200];
@@ -58,9 +58,18 @@ impl LookAhead {
     pub const fn settings(self) -> Settings {
         let paper = Settings::PAPER_IN_PATCHES;
         match self {
-            Self::None => Settings { look_ahead: 0, ..paper },
-            Self::AllRows => Settings { reading: Reading::AllRowsFrom, ..paper },
-            Self::SameInstant => Settings { reading: Reading::SameInstant, ..paper },
+            Self::None => Settings {
+                look_ahead: 0,
+                ..paper
+            },
+            Self::AllRows => Settings {
+                reading: Reading::AllRowsFrom,
+                ..paper
+            },
+            Self::SameInstant => Settings {
+                reading: Reading::SameInstant,
+                ..paper
+            },
         }
     }
 }
@@ -121,7 +130,10 @@ pub fn judge(
                 Truth::Published => trial.published.as_ref()?,
                 Truth::Moved => &trial.moved,
             };
-            Some(score(trial, rows, labels, vocabulary, look_ahead.settings()).map(|scores| (trial.data_set.name(), scores)))
+            Some(
+                score(trial, rows, labels, vocabulary, look_ahead.settings())
+                    .map(|scores| (trial.data_set.name(), scores)),
+            )
         })
         .collect::<Result<_, _>>()?;
     let mut sets: Vec<&str> = scored.iter().map(|(set, _)| *set).collect();
@@ -131,8 +143,18 @@ pub fn judge(
         sets.push(ALL);
     }
     let verdict = |set: &str| {
-        let chosen = || scored.iter().filter(move |(own, _)| set == ALL || *own == set);
-        let of = |book: usize| summary(&chosen().map(|(_, scores)| scores[book].clone()).collect::<Vec<_>>());
+        let chosen = || {
+            scored
+                .iter()
+                .filter(move |(own, _)| set == ALL || *own == set)
+        };
+        let of = |book: usize| {
+            summary(
+                &chosen()
+                    .map(|(_, scores)| scores[book].clone())
+                    .collect::<Vec<_>>(),
+            )
+        };
         Verdict {
             model: candidate.name.clone(),
             data_set: set.to_owned(),
@@ -159,9 +181,18 @@ fn score(
     let Track { spoken, emitted } = track(rows, trial.emg.len(), vocabulary.classes(), settings)?;
     // Like the reference at a recording's end, its start is judged only once there is a label.
     let first = spoken.iter().position(Option::is_some).unwrap_or(0);
-    let rule = |buffer| Rule { buffer, ..Rule::default() };
+    let rule = |buffer| Rule {
+        buffer,
+        ..Rule::default()
+    };
     let score = |book: &[Option<Intent>], buffer| {
-        RecordingScore::new(&trial.subject, &trial.name, &labels[first..], &book[first..], &rule(buffer))
+        RecordingScore::new(
+            &trial.subject,
+            &trial.name,
+            &labels[first..],
+            &book[first..],
+            &rule(buffer),
+        )
     };
     let mut scores = Vec::with_capacity(BUFFERS.len() + 1);
     for buffer in BUFFERS {
@@ -183,7 +214,12 @@ pub fn confusion(
 ) -> Result<Confusion, JudgeError> {
     let mut confusion = Confusion::new(vocabulary);
     for (trial, rows) in trials.iter().zip(&candidate.rows) {
-        let track = track(rows, trial.emg.len(), vocabulary.classes(), look_ahead.settings())?;
+        let track = track(
+            rows,
+            trial.emg.len(),
+            vocabulary.classes(),
+            look_ahead.settings(),
+        )?;
         confusion.add(&trial.moved, &track.spoken)?;
     }
     Ok(confusion)

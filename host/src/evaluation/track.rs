@@ -23,13 +23,21 @@ pub struct Track {
 ///
 /// # Errors
 /// When the settings do not fit the rows.
-pub fn track(rows: &[Rows], samples: usize, classes: usize, settings: Settings) -> Result<Track, SettingsError> {
+pub fn track(
+    rows: &[Rows],
+    samples: usize,
+    classes: usize,
+    settings: Settings,
+) -> Result<Track, SettingsError> {
     let mut smoother = Smoother::<MAX_CLASSES, LOOK_BACK>::new(settings, classes)?;
     let mut spoken = vec![None; samples];
     let mut emitted = vec![None; samples];
     let mut held_until = 0;
     for (patch, rows) in rows.iter().enumerate() {
-        #[expect(clippy::cast_possible_truncation, reason = "a recording is shorter than 248 days")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a recording is shorter than 248 days"
+        )]
         let window_end = SampleIndex((patch * PATCH + PATCH - 1) as u32);
         if let Some(decision) = smoother.push(window_end, rows) {
             let label = Intent::from_class(decision.class);
@@ -57,10 +65,16 @@ mod tests {
 
     #[test]
     fn look_ahead_moves_the_emitted_book_and_not_the_spoken_one() {
-        let patches: Vec<Rows> = (0..40).map(|patch| rows(usize::from(patch >= 20) * 2)).collect();
+        let patches: Vec<Rows> = (0..40)
+            .map(|patch| rows(usize::from(patch >= 20) * 2))
+            .collect();
         let track = track(&patches, 400, 3, Settings::PAPER_IN_PATCHES).unwrap();
-        let first = |book: &[Option<Intent>]| book.iter().position(|&label| label == Some(Intent::Close));
-        let (spoken, emitted) = (first(&track.spoken).unwrap(), first(&track.emitted).unwrap());
+        let first =
+            |book: &[Option<Intent>]| book.iter().position(|&label| label == Some(Intent::Close));
+        let (spoken, emitted) = (
+            first(&track.spoken).unwrap(),
+            first(&track.emitted).unwrap(),
+        );
         assert_eq!(emitted - spoken, 50);
         assert_eq!(track.emitted.last(), Some(&Some(Intent::Close)));
         assert_eq!(track.spoken.last(), Some(&None));
@@ -69,6 +83,12 @@ mod tests {
     #[test]
     fn a_recording_shorter_than_the_look_ahead_has_no_label() {
         let track = track(&[rows(1); 3], 30, 3, Settings::PAPER_IN_PATCHES).unwrap();
-        assert!(track.spoken.iter().chain(&track.emitted).all(Option::is_none));
+        assert!(
+            track
+                .spoken
+                .iter()
+                .chain(&track.emitted)
+                .all(Option::is_none)
+        );
     }
 }

@@ -29,13 +29,19 @@ pub struct Trial {
 /// Held-out recordings as published.
 #[must_use]
 pub fn published(plan: &Plan, library: &Library) -> Vec<Trial> {
-    plan.held_out(library).into_iter().map(|recording| trial(plan, recording)).collect()
+    plan.held_out(library)
+        .into_iter()
+        .map(|recording| trial(plan, recording))
+        .collect()
 }
 
 /// Validation recordings as published: what settings may be chosen on.
 #[must_use]
 pub fn validation(plan: &Plan, library: &Library) -> Vec<Trial> {
-    plan.validation_recordings(library).into_iter().map(|recording| trial(plan, recording)).collect()
+    plan.validation_recordings(library)
+        .into_iter()
+        .map(|recording| trial(plan, recording))
+        .collect()
 }
 
 /// One minute of each held-out subject in random order and rhythm: what a model that has learnt
@@ -45,7 +51,10 @@ pub fn spliced(plan: &Plan, library: &Library) -> Vec<Trial> {
     const SECONDS: f64 = 60.0;
     let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
     for recording in plan.held_out(library) {
-        by_set.entry(recording.data_set).or_default().push(recording);
+        by_set
+            .entry(recording.data_set)
+            .or_default()
+            .push(recording);
     }
     by_set
         .values()

@@ -11,7 +11,7 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
 use super::model::Student;
 use crate::corpus::{Augmentation, Corpus, Variation, patch_labels};
 use crate::estimate::{Rows, numbers, padded};
-use crate::fit::{Learner, Pace, Part, fit};
+use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
 use crate::run_folder::{RunError, RunFolder};
 
@@ -135,7 +135,10 @@ struct Questions {
     label: Tensor<4, Int>,
     labelled: Tensor<3>,
     teacher: Option<(Tensor<4>, Tensor<3>)>,
+    /// Labelled answers.
     answers: f64,
+    /// Answers that the teacher gives too.
+    taught: f64,
 }
 
 impl StudentLearner<'_> {
@@ -176,7 +179,7 @@ impl StudentLearner<'_> {
         let mut labelled = vec![0.0_f32; b * patches * LOOK_BACK];
         let mut logits = vec![0.0_f32; b * patches * LOOK_BACK * classes];
         let mut taught = vec![0.0_f32; b * patches * LOOK_BACK];
-        let mut answers = 0.0;
+        let (mut answers, mut taught_answers) = (0.0, 0.0);
         for (row, excerpt) in excerpts.iter().enumerate() {
             let lesson = &lessons[excerpt.lesson];
             let end = (excerpt.start + patches).min(lesson.patches());
@@ -201,6 +204,7 @@ impl StudentLearner<'_> {
                     }
                     if let Some(rows) = &lesson.teacher {
                         taught[cell] = 1.0;
+                        taught_answers += 1.0;
                         logits[cell * classes..(cell + 1) * classes]
                             .copy_from_slice(&rows[patch - WINDOW_PATCHES][back][..classes]);
                     }
@@ -223,6 +227,7 @@ impl StudentLearner<'_> {
                 )
             }),
             answers,
+            taught: taught_answers,
         }
     }
 
@@ -236,21 +241,26 @@ impl StudentLearner<'_> {
 
     /// Divergence from the softened teacher, mean over its answers, scaled by the temperature's
     /// square so that its gradient keeps its size.
-    fn teacher_loss(&self, logits: &Tensor<4>, teacher: &(Tensor<4>, Tensor<3>)) -> Tensor<1> {
+    fn teacher_loss(
+        &self,
+        logits: &Tensor<4>,
+        (teacher, taught): &(Tensor<4>, Tensor<3>),
+        answers: f64,
+    ) -> Tensor<1> {
         let cold = 1.0 / self.config.temperature;
-        let target = softmax(teacher.0.clone() * cold, 3);
-        let target_log = log_softmax(teacher.0.clone() * cold, 3);
+        let target = softmax(teacher.clone() * cold, 3);
+        let target_log = log_softmax(teacher.clone() * cold, 3);
         let divergence = (target * (target_log - log_softmax(logits.clone() * cold, 3)))
             .sum_dim(3)
             .squeeze_dim::<3>(3);
-        let answers = teacher.1.clone().sum().clamp_min(1.0);
-        (divergence * teacher.1.clone()).sum() / answers * self.config.temperature.powi(2)
+        (divergence * taught.clone()).sum() * (self.config.temperature.powi(2) / answers.max(1.0))
     }
 }
 
 impl Learner for StudentLearner<'_> {
     type Model = Student;
     type Item = Vec<Excerpt>;
+    type Shard = Questions;
 
     fn name(&self) -> &'static str {
         NAME
@@ -271,13 +281,21 @@ impl Learner for StudentLearner<'_> {
         self.config.steps
     }
 
-    fn loss(
-        &self,
-        model: &Student,
-        item: &Vec<Excerpt>,
-        _: &mut ChaCha8Rng,
-    ) -> (Tensor<1>, Vec<Part>) {
-        let questions = self.questions(&self.lessons, item, self.config.patches, self.device);
+    fn shards(&self, item: &Self::Item, _: &mut ChaCha8Rng) -> Vec<Questions> {
+        let mut shards: Vec<Questions> = item
+            .chunks(item.len().div_ceil(SHARDS))
+            .map(|part| self.questions(&self.lessons, part, self.config.patches, self.device))
+            .collect();
+        // Means are over the whole batch, as if it had been computed in one piece.
+        let answers = shards.iter().map(|questions| questions.answers).sum();
+        let taught = shards.iter().map(|questions| questions.taught).sum();
+        for questions in &mut shards {
+            (questions.answers, questions.taught) = (answers, taught);
+        }
+        shards
+    }
+
+    fn loss(&self, model: &Student, questions: Questions) -> (Tensor<1>, Vec<Part>) {
         let logits = model.forward(questions.emg.clone());
         let label = Self::label_loss(&logits, &questions);
         let part = |name, loss: &Tensor<1>| Part {
@@ -289,7 +307,7 @@ impl Learner for StudentLearner<'_> {
         let share = self.config.teacher_share;
         let total = match &questions.teacher {
             Some(teacher) if share > 0.0 => {
-                let divergence = self.teacher_loss(&logits, teacher);
+                let divergence = self.teacher_loss(&logits, teacher, questions.taught);
                 parts.push(part("teacher", &divergence));
                 divergence * share + label * (1.0 - share)
             }

@@ -23,9 +23,20 @@ pub fn quantize(
     smoother: SmootherDefaults,
     provenance: ProvenanceParts,
 ) -> Result<Vec<u8>, ModelError> {
-    let StudentConfig { d_model, layers, span, companding, .. } = preset.student;
+    let StudentConfig {
+        d_model,
+        layers,
+        span,
+        companding,
+        ..
+    } = preset.student;
     ModelParts {
-        dimensions: Dimensions { width: d_model, layers, span, vocabulary: preset.vocabulary() },
+        dimensions: Dimensions {
+            width: d_model,
+            layers,
+            span,
+            vocabulary: preset.vocabulary(),
+        },
         companding: match companding {
             Companding::Linear => model_file::Companding::Linear,
             Companding::SquareRoot => model_file::Companding::SquareRoot,
@@ -55,13 +66,19 @@ pub fn quantize(
 /// Rows of a model file are outputs; Burn keeps inputs by outputs.
 fn linear(linear: &Linear) -> LinearParts {
     let rows = numbers(linear.weight.val().transpose());
-    let bias = linear.bias.as_ref().map_or_else(|| vec![0.0; linear.weight.dims()[1]], parameter);
+    let bias = linear
+        .bias
+        .as_ref()
+        .map_or_else(|| vec![0.0; linear.weight.dims()[1]], parameter);
     LinearParts::quantized(&rows, bias)
 }
 
 fn norm(norm: &LayerNorm) -> NormParts {
     let gain = parameter(&norm.gamma);
-    let bias = norm.beta.as_ref().map_or_else(|| vec![0.0; gain.len()], parameter);
+    let bias = norm
+        .beta
+        .as_ref()
+        .map_or_else(|| vec![0.0; gain.len()], parameter);
     NormParts { gain, bias }
 }
 

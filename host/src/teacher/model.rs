@@ -5,14 +5,14 @@
 //! is the same code.
 
 use burn::module::{Module, Param};
-use burn::nn::{
-    Dropout, DropoutConfig, Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig,
-};
+use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
 use burn::tensor::activation::{gelu, softmax};
-use burn::tensor::{Device, Tensor};
+use burn::tensor::{Device, Tensor, TensorData};
+use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, WINDOW};
 
+use super::dropout::Dropout;
 use crate::corpus::Companding;
 
 /// Dimensions of a teacher.
@@ -58,7 +58,7 @@ impl TeacherConfig {
             emg_mask: small.init([d], device),
             emg_modality: small.init([d], device),
             intent_modality: small.init([d], device),
-            position: small.init([self.tokens(), d], device),
+            position: Param::from_tensor(waves(self.tokens(), d, device)),
             intent_embedding: Initializer::Normal {
                 mean: 0.0,
                 std: 1.0,
@@ -80,11 +80,29 @@ impl TeacherConfig {
             norm2: LayerNormConfig::new(d).init(device),
             linear1: LinearConfig::new(d, self.feed_forward).init(device),
             linear2: LinearConfig::new(self.feed_forward, d).init(device),
-            dropout: DropoutConfig::new(self.dropout).init(),
-            attention_dropout: DropoutConfig::new(self.attention_dropout).init(),
+            dropout: self.dropout,
+            attention_dropout: self.attention_dropout,
             heads: self.heads,
         }
     }
+}
+
+/// Learned positions start as waves of many lengths: from noise, a model of few steps does not
+/// find out which EMG token lies beside which intent token.
+fn waves(tokens: usize, d: usize, device: &Device) -> Tensor<2> {
+    let values: Vec<f32> = (0..tokens * d)
+        .map(|at| {
+            let (token, feature) = ((at / d) as f32, at % d);
+            let length = 1000.0_f32.powf((feature / 2 * 2) as f32 / d as f32);
+            let phase = token / length;
+            if feature % 2 == 0 {
+                phase.sin()
+            } else {
+                phase.cos()
+            }
+        })
+        .collect();
+    Tensor::from_data(TensorData::new(values, [tokens, d]), device)
 }
 
 /// The paper's model: two token sequences of one window, concatenated, encoded together.
@@ -112,8 +130,8 @@ pub struct TeacherLayer {
     norm2: LayerNorm,
     linear1: Linear,
     linear2: Linear,
-    dropout: Dropout,
-    attention_dropout: Dropout,
+    dropout: f64,
+    attention_dropout: f64,
     heads: usize,
 }
 
@@ -140,14 +158,29 @@ pub struct TeacherOutput {
 }
 
 impl Teacher {
-    /// Runs a batch of windows through the encoder.
+    /// Runs a batch of windows through the encoder, nothing dropped.
     #[must_use]
     pub fn forward(&self, input: TeacherInput) -> TeacherOutput {
+        self.run(input, &mut Dropout::off())
+    }
+
+    /// Runs a batch in training: what is dropped comes from the caller's generator, so that batches
+    /// on several threads stay reproducible.
+    #[must_use]
+    pub fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
+        self.run(input, &mut Dropout::from(rng))
+    }
+
+    fn run(&self, input: TeacherInput, dropout: &mut Dropout) -> TeacherOutput {
         let [batch, tokens, width] = input.emg.dims();
         let [classes, d] = self.intent_embedding.dims();
         let position = self.position.val().unsqueeze::<3>();
 
-        let emg = if self.square_root { input.emg.sqrt() } else { input.emg };
+        let emg = if self.square_root {
+            input.emg.sqrt()
+        } else {
+            input.emg
+        };
         // The mask vector replaces the token after the norm, so it is itself not normed.
         let emg = self.emg_norm.forward(self.emg_embedding.forward(emg));
         let hidden = input.emg_mask.clone() * self.emg_mask.val().reshape([1, 1, d]);
@@ -167,7 +200,7 @@ impl Teacher {
         let mut x = Tensor::cat(vec![emg, intent], 1);
         let block = input.blocked.map(|blocked| Block::new(blocked, tokens));
         for layer in &self.layers {
-            x = layer.forward(x, block.as_ref());
+            x = layer.forward(x, block.as_ref(), dropout);
         }
         let emg = x.clone().slice([0..batch, 0..tokens]);
         let intent = x.slice([0..batch, tokens..2 * tokens]);
@@ -217,15 +250,15 @@ impl Block {
 }
 
 impl TeacherLayer {
-    fn forward(&self, x: Tensor<3>, block: Option<&Block>) -> Tensor<3> {
-        let attended = self.attention(self.norm1.forward(x.clone()), block);
-        let x = x + self.dropout.forward(attended);
+    fn forward(&self, x: Tensor<3>, block: Option<&Block>, dropout: &mut Dropout) -> Tensor<3> {
+        let attended = self.attention(self.norm1.forward(x.clone()), block, dropout);
+        let x = x + dropout.drop(attended, self.dropout);
         let hidden = gelu(self.linear1.forward(self.norm2.forward(x.clone())));
-        let hidden = self.linear2.forward(self.dropout.forward(hidden));
-        x + self.dropout.forward(hidden)
+        let hidden = self.linear2.forward(dropout.drop(hidden, self.dropout));
+        x + dropout.drop(hidden, self.dropout)
     }
 
-    fn attention(&self, x: Tensor<3>, block: Option<&Block>) -> Tensor<3> {
+    fn attention(&self, x: Tensor<3>, block: Option<&Block>, dropout: &mut Dropout) -> Tensor<3> {
         let [batch, tokens, d] = x.dims();
         let width = d / self.heads;
         let qkv = self
@@ -240,7 +273,7 @@ impl TeacherLayer {
         if let Some(block) = block {
             scores = scores + block.bias.clone();
         }
-        let weights = self.attention_dropout.forward(softmax(scores, 3));
+        let weights = dropout.drop(softmax(scores, 3), self.attention_dropout);
         let mut attended = weights
             .matmul(part(2))
             .swap_dims(1, 2)

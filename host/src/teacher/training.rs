@@ -13,7 +13,7 @@ use super::model::{Teacher, TeacherOutput};
 use super::window::{Batch, Example, batch, examples, inference_input};
 use crate::corpus::{Augmentation, Corpus, Variation};
 use crate::estimate::{best_class, numbers};
-use crate::fit::{Learner, Pace, Part, fit};
+use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
 use crate::run_folder::{RunError, RunFolder};
 
@@ -93,6 +93,7 @@ pub fn train(
 impl Learner for TeacherLearner<'_> {
     type Model = Teacher;
     type Item = Vec<Example>;
+    type Shard = (Batch, ChaCha8Rng);
 
     fn name(&self) -> &'static str {
         NAME
@@ -111,15 +112,26 @@ impl Learner for TeacherLearner<'_> {
         self.examples.len().div_ceil(self.config.batch)
     }
 
-    fn loss(
-        &self,
-        model: &Teacher,
-        item: &Self::Item,
-        rng: &mut ChaCha8Rng,
-    ) -> (Tensor<1>, Vec<Part>) {
+    fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard> {
         let variation = self.config.augmentation.as_ref();
-        let batch = batch(self.corpus, item, self.patch, variation, rng, self.device);
-        let (emg, intent) = losses(&model.forward(batch.input.clone()), &batch);
+        let mut shards: Vec<Self::Shard> = item
+            .chunks(item.len().div_ceil(SHARDS))
+            .map(|part| {
+                let batch = batch(self.corpus, part, self.patch, variation, rng, self.device);
+                (batch, ChaCha8Rng::from_rng(rng))
+            })
+            .collect();
+        // Means are over the whole batch, as if it had been computed in one piece.
+        let emg_cells = shards.iter().map(|(batch, _)| batch.emg_cells).sum();
+        let intent_samples = shards.iter().map(|(batch, _)| batch.intent_samples).sum();
+        for (batch, _) in &mut shards {
+            (batch.emg_cells, batch.intent_samples) = (emg_cells, intent_samples);
+        }
+        shards
+    }
+
+    fn loss(&self, model: &Teacher, (batch, rng): Self::Shard) -> (Tensor<1>, Vec<Part>) {
+        let (emg, intent) = losses(&model.forward_dropping(batch.input.clone(), rng), &batch);
         let total = emg.clone() + intent.clone();
         (total, parts(emg, intent, &batch))
     }
