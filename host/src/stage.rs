@@ -293,22 +293,38 @@ impl Stage<'_> {
         &self,
         name: &str,
         trials: &[Trial],
-        rows: impl Fn(&[CleanSample]) -> Vec<Rows>,
+        rows: impl Fn(&[CleanSample]) -> Vec<Rows> + Sync,
     ) -> Result<Candidate, RunError> {
-        let bar = progress::bar(trials.len(), name);
-        let mut all = Vec::with_capacity(trials.len());
-        for trial in trials {
-            if self.interrupt.asked() {
-                return Err(self.run.interrupted());
-            }
-            all.push(rows(&trial.emg));
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+        let streams: Vec<&[CleanSample]> =
+            trials.iter().map(|trial| trial.emg.as_slice()).collect();
+        let rows = self.ask(name, &streams, rows)?;
         Ok(Candidate {
             name: name.to_owned(),
-            rows: all,
+            rows,
         })
+    }
+
+    /// A model's rows over many streams, as many streams at once as there are cores.
+    fn ask(
+        &self,
+        name: &str,
+        streams: &[&[CleanSample]],
+        rows: impl Fn(&[CleanSample]) -> Vec<Rows> + Sync,
+    ) -> Result<Vec<Vec<Rows>>, RunError> {
+        let bar = progress::bar(streams.len(), name);
+        let all = streams
+            .par_iter()
+            .map(|emg| {
+                if self.interrupt.asked() {
+                    return Err(self.run.interrupted());
+                }
+                let rows = rows(emg);
+                bar.inc(1);
+                Ok(rows)
+            })
+            .collect();
+        bar.finish_and_clear();
+        all
     }
 
     /// The reading that follows more transitions of the validation subjects; all rows on a tie.
@@ -396,16 +412,9 @@ impl Stage<'_> {
         let model = self.teacher()?;
         let plain = self.device.clone().inner();
         let patch = self.plan.preset.teacher.patch;
-        let bar = progress::bar(streams.len(), "asking the teacher");
-        let mut all = Vec::with_capacity(streams.len());
-        for emg in streams {
-            if self.interrupt.asked() {
-                return Err(self.run.interrupted().into());
-            }
-            all.push(teacher_rows(&model, patch, emg, &plain));
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+        let all = self.ask("asking the teacher", streams, |emg| {
+            teacher_rows(&model, patch, emg, &plain)
+        })?;
         write_whole(&path, &pack(&all, key))?;
         Ok(all)
     }
