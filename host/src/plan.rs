@@ -251,7 +251,7 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
         }
     }
     let data = &preset.data;
-    let mut listed = |list: &[String], share: f64| {
+    let listed = |list: &[String], share: f64| {
         let mut chosen = Vec::new();
         let mut counts = BTreeMap::new();
         for (&data_set, known) in &subjects {

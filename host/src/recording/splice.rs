@@ -7,7 +7,8 @@
 //! transition, from somewhere in the middle of one run to somewhere in the middle of the next.
 //! Pieces are then joined at random so that labels fit: a piece that starts in label A follows one
 //! that ended in A. A run of none (`scissor`) is a label like any other here, and its pieces are
-//! kept: without them rest would never follow a gesture that nobody knows.
+//! kept: without them rest would never follow a gesture that nobody knows. Recordings of one steady
+//! label (minutes of rest) go in between as random crops.
 //!
 //! Where nobody recorded a transition (`cote-allard`: steady holds), random crops of the holds are
 //! joined instead, rest between two gestures or not. That gives the changes between open and
@@ -26,6 +27,10 @@ use super::{Recording, lag, runs};
 
 /// Samples of a crop of a steady hold: 0.6 to 3 s.
 const HOLD: Range<usize> = 120..601;
+/// Chance that a steady recording goes on with the label at hand, before the next transition.
+const STEADY: f64 = 0.3;
+/// Samples of such a crop: 1 to 5 s.
+const STEADY_FOR: Range<usize> = 200..1000;
 /// How often rest comes between two steady gestures.
 const REST_BETWEEN: f64 = 0.6;
 
@@ -110,9 +115,12 @@ struct Piece<'a> {
 
 /// What a subject's recordings are good for.
 enum Material<'a> {
-    Transitions(Vec<Piece<'a>>),
-    Holds(BTreeMap<Intent, Vec<&'a Source<'a>>>),
+    Transitions(Vec<Piece<'a>>, Holds<'a>),
+    Holds(Holds<'a>),
 }
+
+/// Recordings of one steady label, by label.
+type Holds<'a> = BTreeMap<Intent, Vec<&'a Source<'a>>>;
 
 type Joined = (Vec<shared::units::Sample>, Vec<Option<Intent>>);
 
@@ -128,9 +136,6 @@ impl<'a> Material<'a> {
                 break;
             }
         }
-        if !pieces.is_empty() {
-            return Self::Transitions(pieces);
-        }
         let mut holds: BTreeMap<Intent, Vec<_>> = BTreeMap::new();
         for source in sources {
             if let [run] = runs(&source.labels)[..]
@@ -139,12 +144,16 @@ impl<'a> Material<'a> {
                 holds.entry(intent).or_default().push(source);
             }
         }
-        Self::Holds(holds)
+        if pieces.is_empty() {
+            Self::Holds(holds)
+        } else {
+            Self::Transitions(pieces, holds)
+        }
     }
 
     fn walk(&self, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
         match self {
-            Self::Transitions(pieces) => walk_transitions(pieces, samples, random),
+            Self::Transitions(pieces, holds) => walk_transitions(pieces, holds, samples, random),
             Self::Holds(holds) => walk_holds(holds, samples, random),
         }
     }
@@ -172,12 +181,24 @@ fn transitions<'a>(source: &'a Source<'a>) -> Vec<Piece<'a>> {
 /// Next label first, then one of its pieces: a gesture recorded often does not come more often.
 fn walk_transitions(
     pieces: &[Piece<'_>],
+    holds: &Holds<'_>,
     samples: usize,
     random: &mut ChaCha8Rng,
 ) -> Option<Joined> {
     let mut joined = Joined::default();
     let mut label = pieces.choose(random)?.from;
     while joined.0.len() < samples {
+        // Now and then a steady recording of the same label, longer than any cue: rest lasts in life.
+        if let Some(steady) = label.and_then(|intent| holds.get(&intent))
+            && random.random_bool(STEADY)
+        {
+            let source = steady.choose(random)?;
+            let all = source.recording.samples.len();
+            let length = random.random_range(STEADY_FOR).min(all);
+            let start = random.random_range(0..=all - length);
+            append(&mut joined, source, start..start + length, samples);
+            continue;
+        }
         let here: Vec<_> = pieces.iter().filter(|p| p.from == label).collect();
         let nexts: Vec<_> = here
             .iter()
@@ -196,11 +217,7 @@ fn walk_transitions(
     Some(joined)
 }
 
-fn walk_holds(
-    holds: &BTreeMap<Intent, Vec<&Source<'_>>>,
-    samples: usize,
-    random: &mut ChaCha8Rng,
-) -> Option<Joined> {
+fn walk_holds(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
     let gestures: Vec<Intent> = holds
         .keys()
         .copied()
@@ -296,6 +313,26 @@ mod tests {
             (R, 200),
         ];
         recording("a", &round.repeat(3))
+    }
+
+    #[test]
+    fn steady_recordings_come_in_between_transitions() {
+        let cued = recording("a", &[(R, 400), (C, 400), (R, 400)]);
+        let mut steady = recording("a", &[(R, 3000)]);
+        steady.samples.fill([77; 8]);
+        let options = SpliceOptions {
+            samples: 20_000,
+            ..OPTIONS
+        };
+        let spliced = splice(&[&cued, &steady], &options);
+        let marked = spliced[0]
+            .samples
+            .iter()
+            .zip(&spliced[0].labels)
+            .filter(|(sample, _)| **sample == [77; 8]);
+        let labels: BTreeSet<_> = marked.clone().map(|(_, &label)| label).collect();
+        assert_eq!(labels, BTreeSet::from([R]));
+        assert!(marked.count() > 1000);
     }
 
     #[test]
