@@ -1,0 +1,84 @@
+//! The report of a run: one HTML file that stands alone, and the tables that the terminal shows too.
+//!
+//! Everything is drawn here and nothing is computed: numbers come in as they will be read. The file
+//! carries its pictures and its style, so it can be mailed, archived and opened without a network.
+
+mod canvas;
+mod confusion;
+mod curves;
+mod offsets;
+mod page;
+mod table;
+mod timeline;
+
+use std::{fs, io, path::Path, path::PathBuf};
+
+pub use self::{
+    confusion::Confusion,
+    curves::{Curve, Panel},
+    table::Table,
+    timeline::{Timeline, timeline_svg},
+};
+
+/// All that a report shows; what is empty is left out of the page.
+#[derive(Clone, Debug, Default)]
+pub struct ReportData {
+    /// Headline.
+    pub title: String,
+    /// One sentence under the headline: what was measured, and on whom.
+    pub summary: String,
+    /// What produced the numbers: name and value, in the order to be shown.
+    pub provenance: Vec<(String, String)>,
+    /// Tables, the most important first.
+    pub tables: Vec<Table>,
+    /// Held-out recordings with true and emitted labels.
+    pub timelines: Vec<Timeline>,
+    /// Learning curves, one picture per panel.
+    pub panels: Vec<Panel>,
+    /// True against emitted intents, in samples.
+    pub confusion: Option<Confusion>,
+    /// Emitted minus true instant of every matched transition, in milliseconds: positive is late.
+    pub offsets_ms: Vec<f64>,
+    /// What a reader must know before believing the numbers; one paragraph each.
+    pub notes: Vec<String>,
+}
+
+/// Why a report was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The file could not be written whole; nothing of an older one was touched.
+    #[error("report {}: cannot be written ({source}): check the folder, its rights and its space", path.display())]
+    Write {
+        /// Where the report was to go.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A picture could not be laid out.
+    #[error("report: the picture {picture:?} cannot be drawn ({reason}): this is a bug")]
+    Draw {
+        /// Title of the picture.
+        picture: String,
+        /// What the drawing said.
+        reason: String,
+    },
+}
+
+/// Writes the report to `path`, under a temporary name first and renamed when whole.
+///
+/// # Errors
+/// [`ReportError::Write`] when the file system refuses, [`ReportError::Draw`] never with finite sizes.
+pub fn write_html(data: &ReportData, path: &Path) -> Result<(), ReportError> {
+    let html = page::html(data)?;
+    let failed = |source| ReportError::Write {
+        path: path.to_owned(),
+        source,
+    };
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(".part");
+    fs::write(&unfinished, html).map_err(failed)?;
+    fs::rename(&unfinished, path).map_err(failed)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,220 @@
+//! Tables, for the terminal, for Markdown and for the page.
+
+use std::fmt::Write as _;
+
+use super::canvas::escape;
+
+/// Rows of text under a header. A row shorter than the header ends in empty cells.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Table {
+    /// What the table shows, and how; above it everywhere, may be empty.
+    pub caption: String,
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// An empty table with these columns.
+    #[must_use]
+    pub fn new<S: Into<String>>(
+        caption: impl Into<String>,
+        header: impl IntoIterator<Item = S>,
+    ) -> Self {
+        Self {
+            caption: caption.into(),
+            header: header.into_iter().map(Into::into).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Appends a row.
+    pub fn push<S: Into<String>>(&mut self, row: impl IntoIterator<Item = S>) {
+        self.rows.push(row.into_iter().map(Into::into).collect());
+    }
+
+    /// Aligned columns for a terminal: numbers to the right, the rest to the left.
+    #[must_use]
+    pub fn plain(&self) -> String {
+        let columns = self.columns();
+        let mut out = self.caption_line("", "\n");
+        let mut line = |cells: &[String]| {
+            let padded: Vec<_> = columns
+                .iter()
+                .enumerate()
+                .map(|(i, column)| column.pad(cell(cells, i)))
+                .collect();
+            out.push_str(padded.join("  ").trim_end());
+            out.push('\n');
+        };
+        line(&self.header);
+        line(
+            &columns
+                .iter()
+                .map(|column| "-".repeat(column.width))
+                .collect::<Vec<_>>(),
+        );
+        self.rows.iter().for_each(|row| line(row));
+        out
+    }
+
+    /// A table of GitHub's Markdown, aligned in the source too.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let columns = self.columns();
+        let mut out = self.caption_line("", "\n\n");
+        let mut line = |cells: &[String]| {
+            for (i, column) in columns.iter().enumerate() {
+                let _ = write!(
+                    out,
+                    "| {} ",
+                    column.pad(&cell(cells, i).replace('|', "\\|"))
+                );
+            }
+            out.push_str("|\n");
+        };
+        line(&self.header);
+        let rule = |column: &Column| {
+            let end = if column.numeric { ":" } else { "-" };
+            "-".repeat(column.width.max(2) - 1) + end
+        };
+        line(&columns.iter().map(rule).collect::<Vec<_>>());
+        self.rows.iter().for_each(|row| line(row));
+        out
+    }
+
+    /// A table of the page.
+    pub(super) fn html(&self) -> String {
+        let columns = self.columns();
+        let mut out = String::from("<div class=\"wide\"><table>");
+        if !self.caption.is_empty() {
+            let _ = write!(out, "<caption>{}</caption>", escape(&self.caption));
+        }
+        let mut line = |tag: &str, cells: &[String]| {
+            out.push_str("<tr>");
+            for (i, column) in columns.iter().enumerate() {
+                let class = if column.numeric {
+                    " class=\"number\""
+                } else {
+                    ""
+                };
+                let _ = write!(out, "<{tag}{class}>{}</{tag}>", escape(cell(cells, i)));
+            }
+            out.push_str("</tr>\n");
+        };
+        line("th", &self.header);
+        self.rows.iter().for_each(|row| line("td", row));
+        out.push_str("</table></div>\n");
+        out
+    }
+
+    fn caption_line(&self, before: &str, after: &str) -> String {
+        if self.caption.is_empty() {
+            String::new()
+        } else {
+            format!("{before}{}{after}", self.caption)
+        }
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let column = |i: usize| {
+            let cells = || self.rows.iter().map(move |row| cell(row, i));
+            Column {
+                width: cells()
+                    .chain([cell(&self.header, i)])
+                    .map(width)
+                    .max()
+                    .unwrap_or(0),
+                numeric: !self.rows.is_empty() && cells().all(is_number_or_empty),
+            }
+        };
+        (0..self.header.len()).map(column).collect()
+    }
+}
+
+struct Column {
+    width: usize,
+    numeric: bool,
+}
+
+impl Column {
+    fn pad(&self, text: &str) -> String {
+        let blanks = " ".repeat(self.width.saturating_sub(width(text)));
+        if self.numeric {
+            blanks + text
+        } else {
+            text.to_owned() + &blanks
+        }
+    }
+}
+
+fn cell(row: &[String], i: usize) -> &str {
+    row.get(i).map_or("", String::as_str)
+}
+
+fn width(text: &str) -> usize {
+    text.chars().count()
+}
+
+/// Whether a cell belongs to a column of numbers: `0.91`, `+160 ms`, `0.75 ± 0.04`, `-`, nothing.
+fn is_number_or_empty(text: &str) -> bool {
+    let unsigned = text.trim_start_matches(['+', '-', '−', '±']);
+    unsigned.is_empty() || unsigned.starts_with(|c: char| c.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scores() -> Table {
+        let mut table = Table::new("Held-out subjects", ["system", "raw", "offset"]);
+        table.push(["teacher", "0.81", "+160 ms"]);
+        table.push(["student, i8", "0.8", "-"]);
+        table
+    }
+
+    #[test]
+    fn numbers_align_to_the_right_in_a_terminal() {
+        let expected = "\
+Held-out subjects
+system        raw   offset
+-----------  ----  -------
+teacher      0.81  +160 ms
+student, i8   0.8        -
+";
+        assert_eq!(scores().plain(), expected);
+    }
+
+    #[test]
+    fn markdown_says_the_alignment_in_its_rule() {
+        let expected = "\
+Held-out subjects
+
+| system      |  raw |  offset |
+| ----------- | ---: | ------: |
+| teacher     | 0.81 | +160 ms |
+| student, i8 |  0.8 |       - |
+";
+        assert_eq!(scores().markdown(), expected);
+    }
+
+    #[test]
+    fn a_bar_in_a_cell_does_not_open_a_column() {
+        let mut table = Table::new("", ["a"]);
+        table.push(["x|y"]);
+        assert!(table.markdown().contains("x\\|y"));
+    }
+
+    #[test]
+    fn short_rows_end_in_empty_cells() {
+        let mut table = Table::new("", ["a", "b"]);
+        table.push(["x"]);
+        assert_eq!(table.plain(), "a  b\n-  -\nx\n");
+        assert!(
+            table
+                .html()
+                .contains("<td>x</td><td class=\"number\"></td>")
+        );
+    }
+}
