@@ -1,5 +1,5 @@
-//! The board's program, as far as it goes: it starts, takes the safe state, looks at the model
-//! region, tells on the UART what it found, and stays safe.
+//! The board's program, as far as it goes: it starts, takes the safe state, judges the model file,
+//! tells on the UART what it found, and stays safe.
 //!
 //! No radio and no inference yet, so no label is ever valid. What it proves is that `shared` fits a
 //! core without operating system or heap, and that the memory map holds.
@@ -22,6 +22,12 @@ mod device {
     use embassy_executor::Spawner;
     use embassy_time::{Duration, Ticker};
     use panic_probe as _;
+    use shared::{
+        model_file::Model,
+        report_line::{Counters, Kind, Report},
+        safe_state::{Event, SafeState, Start},
+        units::{Millis, SampleIndex},
+    };
 
     use crate::{board::Board, model_region};
 
@@ -32,13 +38,32 @@ mod device {
     async fn main(_spawner: Spawner) {
         // The outputs come first: from reset to here every pin floats.
         let mut board = Board::start();
-        let region = model_region::bytes();
-        let state = model_region::state(region);
-        defmt::info!("safe state, model region {}", state);
+        let mut guard = SafeState::new(Start::Boot);
+        match Model::parse(model_region::bytes()) {
+            Ok(model) => defmt::info!(
+                "model of {} bytes, width {}",
+                model.length,
+                model.header.dimensions.width
+            ),
+            Err(error) => {
+                guard.handle(Millis(0), Event::ModelRefused);
+                defmt::error!("{}", defmt::Display2Format(&error));
+                // A comment for whoever reads along; parsers skip what does not start with $.
+                let _ = write!(board.uart, "# {error}\r\n");
+            }
+        }
 
         let mut every = Ticker::every(REPORT_PERIOD);
-        loop {
-            let _ = write!(board.uart, "safe model={}\r\n", state.name());
+        for sequence in 0.. {
+            let report = Report {
+                kind: Kind::State,
+                sequence,
+                instant: SampleIndex(0),
+                emitted: SampleIndex(0),
+                status: guard.status(),
+                counters: Counters::default(),
+            };
+            let _ = write!(board.uart, "{report}");
             every.next().await;
         }
     }

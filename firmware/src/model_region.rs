@@ -2,36 +2,6 @@
 //!
 //! It is flashed apart from the program, so it may hold nothing, an old model or noise.
 
-use defmt::Format;
-
-/// What lies in the region, as far as the first bytes tell.
-#[derive(Clone, Copy, PartialEq, Eq, Format)]
-pub enum State {
-    /// Nothing was written since the flash was erased.
-    Erased,
-    /// Something was written; whether it is a model is not looked into yet.
-    Written,
-}
-
-impl State {
-    /// The word on the UART line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Erased => "erased",
-            Self::Written => "written",
-        }
-    }
-}
-
-/// Tells an erased region from a written one.
-pub fn state(region: &[u8]) -> State {
-    if region.iter().all(|&byte| byte == 0xFF) {
-        State::Erased
-    } else {
-        State::Written
-    }
-}
-
 /// The whole region, in place.
 #[expect(
     unsafe_code,

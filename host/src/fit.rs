@@ -184,7 +184,7 @@ pub fn fit<L: Learner>(
 /// Gradients of a step: each shard on a thread of its own, summed in the shards' order.
 ///
 /// Two graphs side by side keep two cores busier than one graph whose small operations are split.
-fn gradients<L: Learner>(
+pub fn gradients<L: Learner>(
     learner: &L,
     model: &L::Model,
     shards: Vec<L::Shard>,
@@ -192,8 +192,10 @@ fn gradients<L: Learner>(
     let done: Vec<_> = shards
         .into_par_iter()
         .map(|shard| {
-            let (loss, parts) = learner.loss(model, shard);
-            (GradientsParams::from_grads(loss.backward(), model), parts)
+            // Leaves of its own: graphs that share a leaf are one graph, gone with the first backward pass.
+            let model = model.valid().train();
+            let (loss, parts) = learner.loss(&model, shard);
+            (GradientsParams::from_grads(loss.backward(), &model), parts)
         })
         .collect();
     let mut sum = GradientsAccumulator::new();

@@ -16,7 +16,7 @@ use crate::plan::Plan;
 use crate::preset::Preset;
 use crate::progress;
 use crate::report::{self, Confusion, Curve, Panel, ReportData, Timeline};
-use crate::run_folder::{RunError, RunFolder};
+use crate::run_folder::{RunError, RunFolder, write_whole};
 use crate::stage::{Judged, Results, Stage};
 
 /// Name of the model file in a run folder.
@@ -224,6 +224,10 @@ pub fn report(
         data.offsets_ms = offsets(stage, judged)?;
     }
     report::write_html(&data, page)?;
+    if let Some(timeline) = data.timelines.first() {
+        let picture = report::timeline_svg(timeline)?;
+        write_whole(&page.with_file_name("timeline.svg"), picture.as_bytes())?;
+    }
     Ok(())
 }
 

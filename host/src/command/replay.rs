@@ -91,6 +91,27 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The lines of a whole recording.
+///
+/// # Errors
+/// When the model is refused or the recording cannot be read.
+pub fn lines(model: &[u8], recording: &std::path::Path) -> anyhow::Result<String> {
+    let model = Model::parse(model)?;
+    let recording = one_recording(recording, None)?;
+    let mut lines = String::new();
+    let task = Replay {
+        settings: settings(&model.header.smoother),
+        samples: &recording.samples,
+        pace: None,
+        tell: |line: &str| {
+            lines.push_str(line);
+            Ok(())
+        },
+    };
+    with_encoder(&model, task)??;
+    Ok(lines)
+}
+
 /// The recording at a path, by name where there are several.
 ///
 /// # Errors

@@ -57,7 +57,8 @@ impl Lesson {
     }
 }
 
-struct StudentLearner<'a> {
+/// A student's training, batch by batch.
+pub struct StudentLearner<'a> {
     config: &'a Distillation,
     /// Patches of context before a patch's answer counts.
     context: usize,
@@ -85,14 +86,7 @@ pub fn train(
     resume: bool,
     interrupt: &Interrupt,
 ) -> Result<Student, RunError> {
-    let learner = StudentLearner {
-        config,
-        context: span,
-        classes: corpus.vocabulary.classes(),
-        lessons: lessons(corpus, teacher),
-        checks: lessons(validation, None),
-        device,
-    };
+    let learner = learner(span, corpus, teacher, validation, config, device);
     let pace = Pace {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
@@ -101,6 +95,26 @@ pub fn train(
         seed,
     };
     fit(&learner, model, pace, device, run, resume, interrupt)
+}
+
+/// What a student learns from.
+#[must_use]
+pub fn learner<'a>(
+    span: usize,
+    corpus: &Corpus,
+    teacher: Option<Vec<Vec<Rows>>>,
+    validation: &Corpus,
+    config: &'a Distillation,
+    device: &'a Device,
+) -> StudentLearner<'a> {
+    StudentLearner {
+        config,
+        context: span,
+        classes: corpus.vocabulary.classes(),
+        lessons: lessons(corpus, teacher),
+        checks: lessons(validation, None),
+        device,
+    }
 }
 
 fn lessons(corpus: &Corpus, teacher: Option<Vec<Vec<Rows>>>) -> Vec<Lesson> {
@@ -124,13 +138,14 @@ fn lessons(corpus: &Corpus, teacher: Option<Vec<Vec<Rows>>>) -> Vec<Lesson> {
 
 /// A piece of a lesson.
 #[derive(Clone, Copy)]
-struct Excerpt {
+pub struct Excerpt {
     lesson: usize,
     start: usize,
     variation: Variation,
 }
 
-struct Questions {
+/// A batch: what the student hears, and what it should have answered.
+pub struct Questions {
     emg: Tensor<3>,
     label: Tensor<4, Int>,
     labelled: Tensor<3>,

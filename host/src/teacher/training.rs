@@ -42,7 +42,8 @@ pub struct TeacherTraining {
     pub augmentation: Option<Augmentation>,
 }
 
-struct TeacherLearner<'a> {
+/// A teacher's training, batch by batch.
+pub struct TeacherLearner<'a> {
     patch: usize,
     corpus: &'a Corpus,
     validation: &'a Corpus,
@@ -70,16 +71,7 @@ pub fn train(
     resume: bool,
     interrupt: &Interrupt,
 ) -> Result<Teacher, RunError> {
-    let learner = TeacherLearner {
-        patch,
-        corpus,
-        validation,
-        config,
-        examples: examples(corpus, config.stride, &config.tasks),
-        checks: examples(validation, config.stride, &config.tasks),
-        seed,
-        device,
-    };
+    let learner = learner(patch, corpus, validation, config, seed, device);
     let pace = Pace {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
@@ -88,6 +80,28 @@ pub fn train(
         seed,
     };
     fit(&learner, model, pace, device, run, resume, interrupt)
+}
+
+/// What a teacher of `patch` samples a token learns from.
+#[must_use]
+pub fn learner<'a>(
+    patch: usize,
+    corpus: &'a Corpus,
+    validation: &'a Corpus,
+    config: &'a TeacherTraining,
+    seed: u64,
+    device: &'a Device,
+) -> TeacherLearner<'a> {
+    TeacherLearner {
+        patch,
+        corpus,
+        validation,
+        config,
+        examples: examples(corpus, config.stride, &config.tasks),
+        checks: examples(validation, config.stride, &config.tasks),
+        seed,
+        device,
+    }
 }
 
 impl Learner for TeacherLearner<'_> {

@@ -1,0 +1,204 @@
+//! The main job, small: made-up recordings to a judged model file, through the command line itself.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use myointent::command::Cli;
+use myointent::recording::synth::{self, SynthOptions};
+use myointent::stage::integer_rows;
+use shared::model_file::Model;
+use shared::preprocess::clean;
+use shared::report_line::{Kind, Report};
+
+/// A preset that trains in seconds; what it learns is beside the point.
+fn small_preset(folder: &Path) -> PathBuf {
+    let text = myointent::preset::BUILT_IN[0].1;
+    let text = text
+        .replace("name = \"quickstart\"", "name = \"small\"")
+        .replace("spliced_seconds = 120.0", "spliced_seconds = 20.0")
+        .replace("stride = 150", "stride = 600")
+        .replace("epochs = 4", "epochs = 1")
+        .replace("steps = 150", "steps = 4")
+        .replace("batch = 32", "batch = 8")
+        .replace("d_model = 64", "d_model = 48")
+        .replace("feed_forward = 256", "feed_forward = 64");
+    let path = folder.join("small.toml");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+fn myointent(arguments: &[&str]) -> bool {
+    let line = std::iter::once("myointent").chain(arguments.iter().copied());
+    Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+}
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Writes made-up recordings of four people and returns their folder and one file.
+fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
+    let data = folder.join("data");
+    let options = SynthOptions {
+        subjects: 4,
+        recordings: 1,
+        seconds: 30,
+        ..SynthOptions::default()
+    };
+    let files = synth::write(&options, &data).unwrap();
+    (data, files[0].clone())
+}
+
+fn quickstart(folder: &Path, run: &str) -> PathBuf {
+    let (data, _) = recordings(folder);
+    let preset = small_preset(folder);
+    let run = folder.join(run);
+    let path = |path: &Path| path.to_str().unwrap().to_owned();
+    assert!(myointent(&[
+        "quickstart",
+        "--preset",
+        &path(&preset),
+        "--data",
+        &path(&data),
+        "--run",
+        &path(&run)
+    ]));
+    run
+}
+
+#[test]
+fn quickstart_leaves_a_model_a_table_and_a_page() {
+    let folder = folder("quickstart");
+    let run = quickstart(&folder, "run");
+    let bytes = fs::read(run.join("student.intent")).unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    assert_eq!(model.header.dimensions.width, 48);
+    assert!(model.header.provenance.subjects_left_out.iter().count() > 0);
+    assert!(model.header.provenance.metrics.iter().count() > 0);
+
+    let results: serde_json::Value =
+        serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
+    let models: std::collections::BTreeSet<_> = results["published"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|line| line["model"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        models.into_iter().collect::<Vec<_>>(),
+        ["float student", "integer student", "teacher"]
+    );
+    let page = fs::read_to_string(run.join("report.html")).unwrap();
+    assert!(page.contains("</svg>") && page.contains("integer student"));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_model_file_bit_for_bit() {
+    let folder = folder("seed");
+    let once = fs::read(quickstart(&folder, "once").join("student.intent")).unwrap();
+    let again = fs::read(quickstart(&folder, "again").join("student.intent")).unwrap();
+    assert!(once == again, "two runs of one seed differ");
+}
+
+#[test]
+fn an_integer_student_repeats_itself_and_stays_near_its_float_twin() {
+    let folder = folder("twins");
+    let run = quickstart(&folder, "run");
+    let (_, file) = recordings(&folder);
+    let bytes = fs::read(run.join("student.intent")).unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    let recording = myointent::recording::load(&file, &Default::default())
+        .unwrap()
+        .recordings
+        .remove(0);
+    let emg: Vec<_> = clean(recording.samples).collect();
+    let rows = integer_rows(&model, &emg).unwrap();
+    assert_eq!(rows, integer_rows(&model, &emg).unwrap());
+
+    let out = folder.join("float.csv");
+    let path = |path: &Path| path.to_str().unwrap().to_owned();
+    assert!(myointent(&[
+        "predict",
+        "--run",
+        &path(&run),
+        "--recording",
+        &path(&file),
+        "--out",
+        &path(&out)
+    ]));
+    let text = fs::read_to_string(&out).unwrap();
+    let float: Vec<Vec<f32>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(float.len(), emg.len());
+    let (mut largest, mut worst) = (0.0_f32, 0.0_f32);
+    for (patch, rows) in rows.iter().enumerate() {
+        for class in 0..3 {
+            let logit = float[patch * 10][class + 1];
+            largest = largest.max(logit.abs());
+            worst = worst.max((logit - rows[0][class]).abs());
+        }
+    }
+    // Weights keep 7 bits: a few hundredths of the largest logit.
+    assert!(
+        worst < 0.05 * largest + 0.02,
+        "off by {worst}, logits up to {largest}"
+    );
+}
+
+#[test]
+fn replay_prints_lines_that_a_device_would_and_only_after_three_seconds() {
+    let folder = folder("replay");
+    let run = quickstart(&folder, "run");
+    let (_, file) = recordings(&folder);
+    let bytes = fs::read(run.join("student.intent")).unwrap();
+    let lines = myointent::command::replay::lines(&bytes, &file).unwrap();
+    let reports: Vec<Report> = lines
+        .lines()
+        .map(|line| Report::parse(format!("{line}\r\n").as_bytes()).unwrap())
+        .collect();
+    assert!(
+        reports
+            .windows(2)
+            .all(|pair| pair[1].sequence == pair[0].sequence + 1)
+    );
+    assert!(!reports[0].status.valid());
+    let labels: Vec<&Report> = reports
+        .iter()
+        .filter(|report| report.kind == Kind::Label)
+        .collect();
+    // 30 s less the 3 s of the first window and 0.25 s of look-ahead, a label every 0.1 s.
+    assert!(
+        (260..=268).contains(&labels.len()),
+        "{} labels",
+        labels.len()
+    );
+    for label in labels {
+        assert!(label.emitted.0 >= 600);
+        // The look-ahead, and the one sample that the median lags.
+        assert_eq!(label.emitted.since(label.instant), 51);
+    }
+}
+
+#[test]
+fn a_damaged_model_file_is_refused_with_its_reason() {
+    let folder = folder("damage");
+    let run = quickstart(&folder, "run");
+    let (_, file) = recordings(&folder);
+    let mut bytes = fs::read(run.join("student.intent")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    let error = format!(
+        "{:#}",
+        myointent::command::replay::lines(&bytes, &file).unwrap_err()
+    );
+    assert!(error.contains("checksum"), "{error}");
+}
