@@ -1,16 +1,20 @@
-//! What training and replaying cost on this machine: `cargo bench -p myointent`.
+//! What training and replaying cost on this machine: `cargo bench -p myointent`; with
+//! `--features ndarray` both CPU backends, side by side.
 
 use std::hint::black_box;
 use std::time::Duration;
 
 use burn::tensor::Device;
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use myointent::corpus::{Corpus, Stream};
-use myointent::fit::{Learner as _, optimizer};
+use myointent::fit::{Learner, gradients, optimizer};
 use myointent::preset::{BUILT_IN, Preset};
 use myointent::recording::synth::{self, SynthOptions};
 use myointent::stage::{integer_rows, settings};
 use myointent::student::any_encoder::{WithEncoder, with_encoder};
+use myointent::student::distillation;
+use myointent::teacher;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Vocabulary;
@@ -30,10 +34,19 @@ fn recording() -> myointent::recording::Recording {
     synth::generate(&options).remove(0)
 }
 
+/// Every CPU backend that is compiled in, so that one run compares them.
+fn devices() -> Vec<(&'static str, Device)> {
+    vec![
+        #[cfg(feature = "flex")]
+        ("flex", Device::flex()),
+        #[cfg(feature = "ndarray")]
+        ("ndarray", Device::ndarray()),
+    ]
+}
+
 /// One optimizer step of every preset's teacher and student, at the preset's batch; the paper's
 /// teacher at a batch of 8.
 fn training(criterion: &mut Criterion) {
-    let device = Device::default().autodiff();
     let recording = recording();
     let stream = Stream {
         emg: clean(recording.samples.iter().copied()).collect(),
@@ -52,47 +65,66 @@ fn training(criterion: &mut Criterion) {
         if name == "paper" {
             preset.teacher_training.batch = 8;
         }
-        let learner = myointent::teacher::training::learner(
-            preset.teacher.patch,
-            &corpus,
-            &corpus,
-            &preset.teacher_training,
-            42,
-            &device,
-        );
-        let mut model = Some(preset.teacher.init(3, &device));
-        let mut adam = optimizer(0.01);
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let item = learner.epoch(&mut rng).remove(0);
-        group.bench_function(format!("{name} teacher, batch {}", item.len()), |bencher| {
-            bencher.iter(|| {
-                let before = model.take().expect("put back below");
-                let (gradients, _) =
-                    myointent::fit::gradients(&learner, &before, learner.shards(&item, &mut rng));
-                model = Some(adam.step(1e-4, before, gradients));
-            });
-        });
-        let learner = myointent::student::distillation::learner(
-            preset.student.span,
-            &corpus,
-            None,
-            &corpus,
-            &preset.distillation,
-            &device,
-        );
-        let mut model = Some(preset.student.init(3, &device));
-        let mut adam = optimizer(0.01);
-        let item = learner.epoch(&mut rng).remove(0);
-        group.bench_function(format!("{name} student, batch {}", item.len()), |bencher| {
-            bencher.iter(|| {
-                let before = model.take().expect("put back below");
-                let (gradients, _) =
-                    myointent::fit::gradients(&learner, &before, learner.shards(&item, &mut rng));
-                model = Some(adam.step(1e-4, before, gradients));
-            });
-        });
+        for (backend, device) in devices() {
+            let device = device.autodiff();
+            let learner = teacher::training::learner(
+                preset.teacher.patch,
+                &corpus,
+                &corpus,
+                &preset.teacher_training,
+                42,
+                &device,
+            );
+            let title = format!(
+                "{name} teacher, batch {}, {backend}",
+                preset.teacher_training.batch
+            );
+            steps(
+                &mut group,
+                &title,
+                &learner,
+                preset.teacher.init(3, &device),
+            );
+            let learner = distillation::learner(
+                preset.student.span,
+                &corpus,
+                None,
+                &corpus,
+                &preset.distillation,
+                &device,
+            );
+            let title = format!(
+                "{name} student, batch {}, {backend}",
+                preset.distillation.batch
+            );
+            steps(
+                &mut group,
+                &title,
+                &learner,
+                preset.student.init(3, &device),
+            );
+        }
     }
     group.finish();
+}
+
+fn steps<L: Learner>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    title: &str,
+    learner: &L,
+    model: L::Model,
+) {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut model = Some(model);
+    let mut adam = optimizer(0.01);
+    let item = learner.epoch(&mut rng).remove(0);
+    group.bench_function(title, |bencher| {
+        bencher.iter(|| {
+            let before = model.take().expect("put back below");
+            let (gradients, _) = gradients(learner, &before, learner.shards(&item, &mut rng));
+            model = Some(adam.step(1e-4, before, gradients));
+        });
+    });
 }
 
 struct Stream60<'s>(&'s [Sample], shared::smoother::Settings);

@@ -83,9 +83,7 @@ pub enum LabelLag {
 #[derive(Debug, Error)]
 pub enum PresetError {
     /// Neither a built-in name nor a readable file.
-    #[error(
-        "preset {name}: no built-in preset of that name (there are {known}) and no such file: {source}"
-    )]
+    #[error("preset {name}: no built-in preset of that name (there are {known}) and no such file")]
     Missing {
         /// What was asked for.
         name: String,

@@ -18,7 +18,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum RunError {
     /// A file cannot be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}")]
     Io {
         /// The file.
         path: PathBuf,
@@ -57,6 +57,19 @@ impl RunFolder {
     pub fn open(path: impl Into<PathBuf>) -> Result<Self, RunError> {
         let path = path.into();
         fs::create_dir_all(&path).map_err(|source| RunError::Io {
+            path: path.clone(),
+            source,
+        })?;
+        Ok(Self { path })
+    }
+
+    /// Opens a folder that an earlier command has made.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn existing(path: impl Into<PathBuf>) -> Result<Self, RunError> {
+        let path = path.into();
+        fs::metadata(&path).map_err(|source| RunError::Io {
             path: path.clone(),
             source,
         })?;

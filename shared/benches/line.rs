@@ -5,11 +5,14 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use shared::{
     encoder::{Encoder, Patch},
-    intent::Vocabulary,
+    intent::{MAX_CLASSES, Vocabulary},
     model_file::{
         Dimensions, Model,
         samples::{Noise, random_model},
     },
+    preprocess::Preprocessor,
+    smoother::{Settings, Smoother},
+    units::{LOOK_BACK, PATCH, Sample, SampleIndex},
 };
 
 fn encoder<const D: usize, const L: usize, const SPAN: usize>(bench: &mut Criterion) {
@@ -42,5 +45,43 @@ fn encoder<const D: usize, const L: usize, const SPAN: usize>(bench: &mut Criter
     });
 }
 
-criterion_group!(line, encoder::<64, 2, 27>, encoder::<96, 3, 18>);
+/// Median and rectification of one patch's ten samples.
+fn preprocessing(bench: &mut Criterion) {
+    let mut noise = Noise(3);
+    let samples: Vec<Sample> = (0..PATCH)
+        .map(|_| core::array::from_fn(|_| noise.bits() as i8))
+        .collect();
+    let mut preprocessor = Preprocessor::new();
+    bench.bench_function("preprocess ten samples", |bencher| {
+        bencher.iter(|| {
+            for &sample in black_box(&samples) {
+                black_box(preprocessor.push(sample));
+            }
+        });
+    });
+}
+
+/// One patch's rows through the paper's look-ahead.
+fn smoother(bench: &mut Criterion) {
+    let mut noise = Noise(4);
+    let mut rows = [[0.0; MAX_CLASSES]; LOOK_BACK];
+    rows.as_flattened_mut().fill_with(|| noise.signed());
+    let mut smoother = Smoother::<MAX_CLASSES, LOOK_BACK>::new(Settings::PAPER_IN_PATCHES, 3)
+        .expect("the defaults");
+    let mut end = 0;
+    bench.bench_function("smooth one patch", |bencher| {
+        bencher.iter(|| {
+            end += PATCH as u32;
+            smoother.push(SampleIndex(end), black_box(&rows))
+        });
+    });
+}
+
+criterion_group!(
+    line,
+    preprocessing,
+    encoder::<64, 2, 27>,
+    encoder::<96, 3, 18>,
+    smoother
+);
 criterion_main!(line);

@@ -80,13 +80,12 @@ impl DataArguments {
 /// # Errors
 /// When the folder holds no plan or the recordings cannot be read.
 pub fn begun(run: &Path) -> anyhow::Result<(RunFolder, Plan, Library)> {
-    let folder = RunFolder::open(run)?;
-    let plan = Plan::load(&folder).with_context(|| {
-        format!(
-            "{}: no run has begun here; start with `myointent train --run {0}`",
-            run.display()
-        )
-    })?;
+    let (folder, plan) = RunFolder::existing(run)
+        .and_then(|folder| Plan::load(&folder).map(|plan| (folder, plan)))
+        .with_context(|| {
+            let run = run.display();
+            format!("no run has begun in {run}; start with `myointent train --run {run}`")
+        })?;
     let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
     Ok((folder, plan, library))
 }

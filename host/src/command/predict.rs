@@ -150,7 +150,7 @@ fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, Plan)> {
         .run
         .as_deref()
         .context("no model: give --model or --run")?;
-    let folder = RunFolder::open(path)?;
+    let folder = RunFolder::existing(path)?;
     let plan = Plan::load(&folder)?;
     Ok((folder, plan))
 }

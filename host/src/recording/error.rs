@@ -166,7 +166,7 @@ impl fmt::Display for Remedy {
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file system refused.
-    #[error("cannot read or write {}: {source}", path.display())]
+    #[error("cannot read or write {}", path.display())]
     Io {
         /// File or folder.
         path: PathBuf,

@@ -47,7 +47,7 @@ pub struct ReportData {
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The file could not be written whole; nothing of an older one was touched.
-    #[error("report {}: cannot be written ({source}): check the folder, its rights and its space", path.display())]
+    #[error("report {}: cannot be written: check the folder, its rights and its space", path.display())]
     Write {
         /// Where the report was to go.
         path: PathBuf,
