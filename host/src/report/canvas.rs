@@ -48,7 +48,7 @@ svg [fill='#667085']{fill:#9AA4B0}svg [stroke='#667085']{stroke:#9AA4B0}\
 svg [fill='#E2E6EB']{fill:#2D353F}svg [stroke='#E2E6EB']{stroke:#2D353F}\
 svg [fill='#52606D']{fill:#A9B4C0}svg [stroke='#52606D']{stroke:#A9B4C0}\
 svg [fill='#B8C0CA']{fill:#56616E}\
-svg [fill='#0072B2']{fill:#3D9BD6}svg [stroke='#0072B2']{stroke:#3D9BD6}\
+svg [fill='#0072B2']{fill:#2B83C0}svg [stroke='#0072B2']{stroke:#2B83C0}\
 }";
 
 /// Colour of an intent in every picture: rest is grey, so that what moves stands out.

@@ -167,8 +167,8 @@ fn traces(area: &Area<'_>, axis: &Axis, emg: &[CleanSample]) -> Drawn {
             base - (part * f64::from((STRIP - 3) * SCALE)).round() as i32
         };
         let mut outline = vec![(axis.at(0), base)];
-        for sample in 0..emg.len() {
-            let (x, y) = (axis.at(sample), y(emg[sample][channel]));
+        for (sample, values) in emg.iter().enumerate() {
+            let (x, y) = (axis.at(sample), y(values[channel]));
             match outline.last_mut() {
                 Some(last) if last.0 == x => last.1 = last.1.min(y),
                 _ => outline.push((x, y)),
@@ -221,11 +221,12 @@ fn band(area: &Area<'_>, axis: &Axis, top: i32, name: &str, labels: &[Option<Int
             [(left, low), (right, high)],
             intent_colour(intent).filled(),
         ))?;
-        if right - left > 9 * SCALE * intent.name().len() as i32 {
-            let colour = if matches!(intent, Intent::Open) {
-                WHITE
-            } else {
-                BLACK
+        if right - left > (6 * intent.name().len() as i32 + 6) * SCALE {
+            // Readable on the band: grey turns with the screen, and so must the word on it.
+            let colour = match intent {
+                Intent::Relax => INK,
+                Intent::Open => WHITE,
+                _ => BLACK,
             };
             let style = text(11.0, colour, HPos::Center, VPos::Center);
             area.draw(&Text::new(
@@ -280,7 +281,7 @@ fn seconds(area: &Area<'_>, axis: &Axis, look_ahead: usize) -> Drawn {
         ))?;
     }
     let remark = format!(
-        "black bar: look-ahead of {} ms, from the instant a new label speaks of until it is emitted",
+        "short bars: look-ahead of {} ms, from the instant a new label speaks of until it is emitted",
         look_ahead * SAMPLE_PERIOD_MS as usize
     );
     let place = ((WIDTH - RIGHT) * SCALE, (AXIS + 29) * SCALE);
