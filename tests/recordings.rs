@@ -9,22 +9,16 @@ use myointent::recording::splice::{SpliceOptions, splice};
 use myointent::recording::{
     Fault, Library, LoadError, LoadOptions, Place, Recording, Remedy, lag, load, runs,
 };
+use myointent_tests::{data, skip};
 use shared::intent::{Intent, Vocabulary};
 
 /// The folder of one set, or none: then the skip has been announced.
 fn folder(test: &str, set: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("MYOINTENT_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")),
-        PathBuf::from,
-    );
-    let folder = root.join(set);
+    let folder = data(test)?.join(set);
     if folder.is_dir() {
         return Some(folder);
     }
-    println!(
-        "SKIPPED {test}: no recordings in {} (set MYOINTENT_DATA)",
-        folder.display()
-    );
+    skip(test, &format!("no folder {}", folder.display()));
     None
 }
 
@@ -36,11 +30,8 @@ fn read(test: &str, set: &str) -> Option<Library> {
 /// `myo-readings` is large; its tests share one reading.
 fn myo_readings(test: &str) -> Option<&'static Library> {
     static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
-    let library = LIBRARY.get_or_init(|| read(test, "myo-readings")).as_ref();
-    if library.is_none() {
-        println!("SKIPPED {test}: no recordings of myo-readings");
-    }
-    library
+    folder(test, "myo-readings")?;
+    LIBRARY.get_or_init(|| read(test, "myo-readings")).as_ref()
 }
 
 fn seconds(recordings: &[Recording]) -> usize {

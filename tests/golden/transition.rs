@@ -1,23 +1,17 @@
 //! Transition accuracy equals the reference's on all of its cases, verdict by verdict.
 
-use std::path::PathBuf;
-
 use myointent::metric::MetricError;
 use myointent::metric::raw_accuracy::raw_accuracy;
 use myointent::metric::transition::{Rule, TransitionScore, Windows, score};
 use serde_json::Value;
 use shared::intent::Intent;
 
-/// The golden numbers of one folder, or none: then the skip has been announced.
+/// A file of golden numbers, or none: then the skip has been announced.
 fn golden(test: &str, file: &str) -> Option<String> {
-    let root = std::env::var_os("MYOINTENT_GOLDEN").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/golden")),
-        PathBuf::from,
-    );
-    let path = root.join(file);
+    let path = myointent_tests::golden(test)?.join(file);
     let text = std::fs::read_to_string(&path);
     if let Err(error) = &text {
-        println!("SKIPPED {test}: {} cannot be read: {error}", path.display());
+        myointent_tests::skip(test, &format!("{} cannot be read: {error}", path.display()));
     }
     text.ok()
 }
