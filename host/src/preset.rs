@@ -172,14 +172,17 @@ impl Preset {
         if Vocabulary::with_classes(self.classes).is_none() {
             return refuse("classes", self.classes.to_string(), "3 or 6");
         }
-        if teacher.patch == 0 || WINDOW % teacher.patch != 0 {
+        if teacher.patch == 0 || !WINDOW.is_multiple_of(teacher.patch) {
             return refuse(
                 "teacher.patch",
                 teacher.patch.to_string(),
                 "a divisor of 600",
             );
         }
-        if teacher.heads == 0 || teacher.d_model == 0 || teacher.d_model % teacher.heads != 0 {
+        if teacher.heads == 0
+            || teacher.d_model == 0
+            || !teacher.d_model.is_multiple_of(teacher.heads)
+        {
             return refuse(
                 "teacher.heads",
                 teacher.heads.to_string(),
@@ -200,7 +203,10 @@ impl Preset {
                 "one task or more",
             );
         }
-        if student.heads == 0 || student.d_model == 0 || student.d_model % student.heads != 0 {
+        if student.heads == 0
+            || student.d_model == 0
+            || !student.d_model.is_multiple_of(student.heads)
+        {
             return refuse(
                 "student.heads",
                 student.heads.to_string(),

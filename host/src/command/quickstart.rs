@@ -269,7 +269,6 @@ fn offsets(stage: &Stage<'_>, judged: &Judged) -> anyhow::Result<Vec<f64>> {
                 score
                     .transitions
                     .offsets()
-                    .into_iter()
                     .map(|samples| f64::from(samples) * 5.0),
             );
         }

@@ -131,7 +131,7 @@ impl StudentLayer {
             .forward(x)
             .reshape([batch, patches, 3, self.heads, width])
             .permute([2, 0, 3, 1, 4]);
-        let part = |i: usize| qkv.clone().slice([i..i + 1]).squeeze_dim::<4>(0);
+        let part = |i: usize| qkv.clone().slice_dim(0, i..i + 1).squeeze_dim::<4>(0);
         let query = part(0) * (1.0 / (width as f32).sqrt());
         let scores = query.matmul(part(1).swap_dims(2, 3)) + self.band(patches);
         let attended = softmax(scores, 3)

@@ -266,7 +266,7 @@ impl TeacherLayer {
             .forward(x)
             .reshape([batch, tokens, 3, self.heads, width])
             .permute([2, 0, 3, 1, 4]);
-        let part = |i: usize| qkv.clone().slice([i..i + 1]).squeeze_dim::<4>(0);
+        let part = |i: usize| qkv.clone().slice_dim(0, i..i + 1).squeeze_dim::<4>(0);
         // Scaling the queries touches d values a token instead of one a pair.
         let query = part(0) * (1.0 / (width as f32).sqrt());
         let mut scores = query.matmul(part(1).swap_dims(2, 3));
