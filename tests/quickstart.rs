@@ -17,9 +17,10 @@ fn small_preset(folder: &Path) -> PathBuf {
     let text = myointent::preset::BUILT_IN[0].1;
     let text = text
         .replace("name = \"quickstart\"", "name = \"small\"")
-        .replace("spliced_seconds = 120.0", "spliced_seconds = 20.0")
+        .replace("spliced_seconds = 180.0", "spliced_seconds = 20.0")
         .replace("stride = 150", "stride = 600")
-        .replace("epochs = 4", "epochs = 1")
+        .replace("epochs = 5", "epochs = 1")
+        .replace("epochs = 6", "epochs = 1")
         .replace("steps = 150", "steps = 4")
         .replace("batch = 32", "batch = 8")
         .replace("d_model = 64", "d_model = 48")
