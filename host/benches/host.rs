@@ -34,6 +34,10 @@ fn recording() -> myointent::recording::Recording {
     synth::generate(&options).remove(0)
 }
 
+#[cfg_attr(
+    feature = "ndarray",
+    expect(deprecated, reason = "compared on purpose, see docs/decisions.md")
+)]
 /// Every CPU backend that is compiled in, so that one run compares them.
 fn devices() -> Vec<(&'static str, Device)> {
     vec![

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 use shared::preprocess::clean;
-use shared::units::SAMPLE_RATE_HZ;
+use shared::units::{SAMPLE_RATE_HZ, Sample};
 use thiserror::Error;
 
 use crate::corpus::{Corpus, Stream};
@@ -150,6 +150,16 @@ impl Plan {
         )
     }
 
+    /// Samples of a recording as models get them, electrodes aligned if the preset says so.
+    #[must_use]
+    pub fn samples(&self, recording: &Recording) -> Vec<Sample> {
+        if self.preset.data.align_electrodes {
+            recording.aligned_samples()
+        } else {
+            recording.samples.clone()
+        }
+    }
+
     /// What is trained on.
     #[must_use]
     pub fn training(&self, library: &Library) -> Corpus {
@@ -192,6 +202,7 @@ impl Plan {
             .iter()
             .map(|&recording| Recording {
                 labels: recording.labels_in(vocabulary),
+                samples: self.samples(recording),
                 ..recording.clone()
             })
             .collect();
@@ -222,7 +233,7 @@ impl Plan {
         for recordings in by_set.values() {
             if self.preset.data.as_published {
                 streams.extend(recordings.iter().map(|recording| Stream {
-                    emg: clean(recording.samples.iter().copied()).collect(),
+                    emg: clean(self.samples(recording)).collect(),
                     labels: self.moved_labels(recording),
                 }));
             }

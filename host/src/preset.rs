@@ -59,6 +59,8 @@ pub struct DataChoice {
     pub validation_share: f64,
     /// Where the labels of each training recording lie in time.
     pub label_lag: LabelLag,
+    /// Whether data sets that wear the band turned are turned into the common frame.
+    pub align_electrodes: bool,
     /// Seconds of spliced recordings made for each subject and data set, in random order and rhythm.
     pub spliced_seconds: f64,
     /// Whether recordings are also used as published, order and rhythm included.

@@ -55,7 +55,7 @@ impl BackendArguments {
             #[cfg(feature = "flex")]
             Some(Backend::Flex) => Device::flex(),
             #[cfg(feature = "ndarray")]
-            Some(Backend::Ndarray) => Device::ndarray(),
+            Some(Backend::Ndarray) => ndarray(),
             #[cfg(feature = "cuda")]
             Some(Backend::Cuda) => Device::cuda(0),
             #[cfg(feature = "wgpu")]
@@ -63,6 +63,13 @@ impl BackendArguments {
         };
         plain.autodiff()
     }
+}
+
+/// Burn 0.22 deprecates this backend in favour of `flex`; it stays selectable while it is there.
+#[cfg(feature = "ndarray")]
+#[expect(deprecated, reason = "selectable on purpose, see docs/decisions.md")]
+fn ndarray() -> Device {
+    Device::ndarray()
 }
 
 impl DataArguments {

@@ -75,7 +75,7 @@ fn trial(plan: &Plan, recording: &Recording) -> Trial {
         data_set: recording.data_set,
         subject: recording.subject.clone(),
         name: recording.name.clone(),
-        emg: clean(recording.samples.iter().copied()).collect(),
+        emg: clean(plan.samples(recording)).collect(),
         published: Some(recording.labels_in(plan.preset.vocabulary())),
         moved: plan.moved_labels(recording),
     }

@@ -27,7 +27,7 @@ mod table;
 use std::path::PathBuf;
 
 use shared::intent::{Intent, Vocabulary};
-use shared::units::{SAMPLE_RATE_HZ, Sample};
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
 
 pub use error::{Fault, LoadError, Place, Remedy};
 pub use library::{Library, LoadOptions, Repeat, Skipped, load};
@@ -91,6 +91,21 @@ impl DataSet {
         }
     }
 
+    /// Places that the electrodes must be turned by, up the ring, for the set to lie in the common frame:
+    /// wrist extension is strongest on the third channel there, as in `ss-stm` and `myo-readings`.
+    ///
+    /// `cote-allard` has it on the second, `one-subject-myo` on the fourth. `roshambo` records no
+    /// extension; its pattern of open against close agrees best with `cote-allard`'s turned by this
+    /// one place (mean correlation over pairs of people 0.35, 0.12 as recorded).
+    #[must_use]
+    pub const fn electrode_turn(self) -> usize {
+        match self {
+            Self::CoteAllard => 1,
+            Self::OneSubjectMyo => CHANNELS - 1,
+            _ => 0,
+        }
+    }
+
     /// Whether rest that follows a gesture may still hold the gesture until its end.
     ///
     /// `ss-stm` has nominal times only and its gestures are let go up to 1.5 s late.
@@ -126,6 +141,17 @@ impl Recording {
     #[must_use]
     pub fn has_labels(&self) -> bool {
         self.labels.iter().any(Option::is_some)
+    }
+
+    /// The samples with the electrodes turned into the common frame ([`DataSet::electrode_turn`]).
+    #[must_use]
+    pub fn aligned_samples(&self) -> Vec<Sample> {
+        let turn = self.data_set.electrode_turn();
+        let turned = |mut sample: Sample| {
+            sample.rotate_right(turn);
+            sample
+        };
+        self.samples.iter().copied().map(turned).collect()
     }
 
     /// Duration in seconds.
