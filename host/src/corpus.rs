@@ -34,20 +34,6 @@ impl Corpus {
             .sum::<usize>() as f64
             / 200.0
     }
-
-    /// Labelled samples of each class.
-    #[must_use]
-    pub fn class_counts(&self) -> Vec<usize> {
-        let mut counts = vec![0; self.vocabulary.classes()];
-        for intent in self
-            .streams
-            .iter()
-            .flat_map(|stream| stream.labels.iter().flatten())
-        {
-            counts[intent.class()] += 1;
-        }
-        counts
-    }
 }
 
 /// How EMG amplitudes are compressed before the patch embedding.

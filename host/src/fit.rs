@@ -2,7 +2,7 @@
 
 use burn::module::Module;
 use burn::optim::{AdamWConfig, GradientsAccumulator, GradientsParams, ModuleOptimizer};
-use burn::tensor::{Device, Tensor};
+use burn::tensor::Tensor;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -105,7 +105,6 @@ pub fn fit<L: Learner>(
     learner: &L,
     mut model: L::Model,
     pace: Pace,
-    device: &Device,
     run: &RunFolder,
     resume: bool,
     interrupt: &Interrupt,
@@ -129,7 +128,6 @@ pub fn fit<L: Learner>(
     for epoch in state.epochs_done..pace.epochs {
         let mut rng = ChaCha8Rng::seed_from_u64(pace.seed);
         rng.set_stream(1 + epoch as u64);
-        device.seed(pace.seed.wrapping_add(epoch as u64));
         let bar = progress::bar(
             steps,
             &format!("{name} epoch {}/{}", epoch + 1, pace.epochs),

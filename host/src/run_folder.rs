@@ -82,12 +82,6 @@ impl RunFolder {
         self.path.join(name)
     }
 
-    /// The folder itself.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The error that ends an interrupted run.
     #[must_use]
     pub fn interrupted(&self) -> RunError {

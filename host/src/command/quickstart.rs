@@ -8,7 +8,7 @@ use shared::units::LOOK_AHEAD;
 
 use super::arguments::{BackendArguments, DataArguments, recordings};
 use super::table::tables;
-use crate::evaluation::judge::{BUFFERS, confusion};
+use crate::evaluation::judge::{confusion, offsets};
 use crate::evaluation::track::track;
 use crate::fit::EpochMetrics;
 use crate::interrupt::Interrupt;
@@ -221,7 +221,10 @@ pub fn report(
                 .map(|row| row[..vocabulary.classes()].to_vec())
                 .collect(),
         });
-        data.offsets_ms = offsets(stage, judged)?;
+        data.offsets_ms = offsets(integer, &judged.trials, vocabulary, judged.reading)?
+            .into_iter()
+            .map(|samples| f64::from(samples) * 5.0)
+            .collect();
     }
     report::write_html(&data, page)?;
     if let Some(timeline) = data.timelines.first() {
@@ -240,40 +243,6 @@ fn data_sets(plan: &Plan) -> String {
         .map(|data_set| data_set.name())
         .collect::<Vec<_>>()
         .join(", ")
-}
-
-/// Offsets of the integer student's followed transitions, in ms.
-fn offsets(stage: &Stage<'_>, judged: &Judged) -> anyhow::Result<Vec<f64>> {
-    let mut offsets = Vec::new();
-    if let Some(integer) = judged.candidates.last() {
-        let vocabulary = stage.plan.preset.vocabulary();
-        for (trial, rows) in judged.trials.iter().zip(&integer.rows) {
-            let track = track(
-                rows,
-                trial.emg.len(),
-                vocabulary.classes(),
-                judged.reading.settings(),
-            )?;
-            let first = track.spoken.iter().position(Option::is_some).unwrap_or(0);
-            let score = crate::metric::summary::RecordingScore::new(
-                &trial.subject,
-                &trial.name,
-                &trial.moved[first..],
-                &track.spoken[first..],
-                &crate::metric::transition::Rule {
-                    buffer: BUFFERS[BUFFERS.len() - 1],
-                    ..Default::default()
-                },
-            )?;
-            offsets.extend(
-                score
-                    .transitions
-                    .offsets()
-                    .map(|samples| f64::from(samples) * 5.0),
-            );
-        }
-    }
-    Ok(offsets)
 }
 
 /// Learning curves of whatever was trained in the folder.

@@ -202,6 +202,25 @@ fn score(
     Ok(scores)
 }
 
+/// Offsets of the changes that a candidate follows within the widest buffer, in samples, labels
+/// moved and booked at the instant they speak of.
+///
+/// # Errors
+/// When a metric or the smoother refuses.
+pub fn offsets(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Vec<i32>, JudgeError> {
+    let mut offsets = Vec::new();
+    for (trial, rows) in trials.iter().zip(&candidate.rows) {
+        let scores = score(trial, rows, &trial.moved, vocabulary, look_ahead.settings())?;
+        offsets.extend(scores[BUFFERS.len() - 1].transitions.offsets());
+    }
+    Ok(offsets)
+}
+
 /// True against spoken intents over all trials.
 ///
 /// # Errors

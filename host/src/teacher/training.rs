@@ -79,7 +79,7 @@ pub fn train(
         weight_decay: config.weight_decay,
         seed,
     };
-    fit(&learner, model, pace, device, run, resume, interrupt)
+    fit(&learner, model, pace, run, resume, interrupt)
 }
 
 /// What a teacher of `patch` samples a token learns from.
