@@ -4,12 +4,9 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-mod firmware;
-mod size;
-mod toolchain;
-
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use xtask::{firmware, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
