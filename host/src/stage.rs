@@ -9,7 +9,7 @@ use burn::tensor::Device;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use shared::model_file::{Model, ProvenanceParts, SmootherDefaults};
-use shared::smoother::{Likelihood, Reading, Settings};
+use shared::smoother::{Likelihood, Reading};
 use shared::units::{CleanSample, HOLD, LOOK_AHEAD, PATCH, WINDOW_PATCHES};
 
 use crate::estimate::{Rows, padded, student_rows, teacher_rows};
@@ -443,18 +443,6 @@ pub fn integer_rows(model: &Model<'_>, emg: &[CleanSample]) -> anyhow::Result<Ve
         .map(|patch| encoder.step(patch))
         .skip(WINDOW_PATCHES)
         .collect())
-}
-
-/// The smoother that a model file asks for.
-#[must_use]
-pub fn settings(smoother: &SmootherDefaults) -> Settings {
-    Settings {
-        reading: smoother.reading,
-        likelihood: smoother.likelihood,
-        look_ahead: smoother.look_ahead / PATCH,
-        hold: smoother.hold / PATCH,
-        ..Settings::PAPER_IN_PATCHES
-    }
 }
 
 /// What a model file says about the integer student's accuracy.

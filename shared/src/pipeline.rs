@@ -35,6 +35,9 @@ pub trait Encode {
     /// The memory before the first patch.
     fn fresh(&self) -> Self::State;
 
+    /// Forgets all patches in place: a device has no stack for a second memory.
+    fn reset(&self, state: &mut Self::State);
+
     /// Takes the next patch, oldest sample first.
     fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits;
 }
@@ -63,12 +66,13 @@ impl IntoIterator for Reports {
 }
 
 /// From samples to reports.
-#[derive(Clone, Debug)]
-pub struct Pipeline<E: Encode> {
+#[derive(Debug)]
+pub struct Pipeline<'s, E: Encode> {
     preprocessor: Preprocessor,
     ring: SampleRing,
     encoder: E,
-    state: E::State,
+    /// Lent, because it is large and must not move through a device's stack.
+    state: &'s mut E::State,
     smoother: Smoother<MAX_CLASSES, LOOK_BACK>,
     guard: SafeState,
     counters: Counters,
@@ -79,17 +83,23 @@ pub struct Pipeline<E: Encode> {
     sequence: u32,
 }
 
-impl<E: Encode> Pipeline<E> {
-    /// A line before its first sample, in the safe state.
+impl<'s, E: Encode> Pipeline<'s, E> {
+    /// A line before its first sample, in the safe state. What `state` remembers is forgotten.
     ///
     /// # Errors
     /// Refuses settings, or a number of classes, that the smoother refuses.
-    pub fn new(encoder: E, settings: Settings, start: Start) -> Result<Self, SettingsError> {
+    pub fn new(
+        encoder: E,
+        state: &'s mut E::State,
+        settings: Settings,
+        start: Start,
+    ) -> Result<Self, SettingsError> {
+        encoder.reset(state);
         Ok(Self {
             preprocessor: Preprocessor::new(),
             ring: SampleRing::new(),
             smoother: Smoother::new(settings, encoder.classes())?,
-            state: encoder.fresh(),
+            state,
             encoder,
             guard: SafeState::new(start),
             counters: Counters::default(),
@@ -184,7 +194,7 @@ impl<E: Encode> Pipeline<E> {
         let Some(patch) = self.ring.push(clean) else {
             return;
         };
-        let rows = self.encoder.step(&mut self.state, patch);
+        let rows = self.encoder.step(self.state, patch);
         let window_full = self.ring.is_full();
         if !window_full {
             return;
@@ -213,7 +223,7 @@ impl<E: Encode> Pipeline<E> {
         self.counters.resets = self.counters.resets.saturating_add(1);
         self.preprocessor = Preprocessor::new();
         self.ring.reset();
-        self.state = self.encoder.fresh();
+        self.encoder.reset(self.state);
         self.smoother.restart();
     }
 

@@ -20,7 +20,7 @@ use crate::estimate::{Rows, numbers, student_rows, teacher_rows};
 use crate::evaluation::track::track;
 use crate::plan::Plan;
 use crate::run_folder::RunFolder;
-use crate::stage::{integer_rows, settings};
+use crate::stage::integer_rows;
 use crate::student::distillation;
 use crate::teacher::{self, window::inference_input};
 
@@ -120,7 +120,7 @@ fn rows(
         return Ok((
             integer_rows(&model, emg)?,
             classes,
-            settings(&model.header.smoother),
+            model.header.smoother.in_patches(),
         ));
     }
     let (folder, plan) = run_of(arguments)?;

@@ -12,7 +12,6 @@ use shared::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 use crate::recording::{LoadOptions, Recording, load};
-use crate::stage::settings;
 use crate::student::any_encoder::{WithEncoder, with_encoder};
 
 /// Arguments of `replay`.
@@ -58,7 +57,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let start = Instant::now();
         let mut lines = 0_usize;
         let task = Replay {
-            settings: settings(&model.header.smoother),
+            settings: model.header.smoother.in_patches(),
             samples: &recording.samples,
             pace,
             tell: |_: &str| {
@@ -78,7 +77,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let task = Replay {
-        settings: settings(&model.header.smoother),
+        settings: model.header.smoother.in_patches(),
         samples: &recording.samples,
         pace,
         tell: |line: &str| {
@@ -100,7 +99,7 @@ pub fn lines(model: &[u8], recording: &std::path::Path) -> anyhow::Result<String
     let recording = one_recording(recording, None)?;
     let mut lines = String::new();
     let task = Replay {
-        settings: settings(&model.header.smoother),
+        settings: model.header.smoother.in_patches(),
         samples: &recording.samples,
         pace: None,
         tell: |line: &str| {
@@ -152,7 +151,8 @@ impl<'m, T: FnMut(&str) -> std::io::Result<()>> WithEncoder<'m> for Replay<'_, T
     type Output = anyhow::Result<()>;
 
     fn run<E: Encode<State: Send> + Send + 'm>(mut self, encoder: E) -> anyhow::Result<()> {
-        let mut pipeline = Pipeline::new(encoder, self.settings, Start::Boot)?;
+        let mut state = encoder.fresh();
+        let mut pipeline = Pipeline::new(encoder, &mut state, self.settings, Start::Boot)?;
         let first = pipeline.state_report();
         (self.tell)(&first.to_string())?;
         for (index, pair) in self.samples.chunks(2).enumerate() {

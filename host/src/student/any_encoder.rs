@@ -102,7 +102,7 @@ impl<E: Encode<State: Send> + Send> AnyEncoder for Running<E> {
     }
 
     fn reset(&mut self) {
-        self.state = self.encoder.fresh();
+        self.encoder.reset(&mut self.state);
     }
 
     fn step(&mut self, patch: &Patch) -> Logits {

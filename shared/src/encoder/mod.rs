@@ -13,6 +13,7 @@
 //!    `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`;
 //! 3. [`look_back_head`]: `W_h norm(h) + b_h`, six rows of classes, the newest patch first.
 
+pub mod any_shape;
 pub mod attention;
 pub mod feed_forward;
 pub mod linear;
@@ -198,6 +199,10 @@ impl<const D: usize, const L: usize, const SPAN: usize> Encode for Encoder<'_, D
 
     fn fresh(&self) -> Self::State {
         self.fresh()
+    }
+
+    fn reset(&self, state: &mut Self::State) {
+        state.reset();
     }
 
     fn step(&self, state: &mut Self::State, patch: &Patch) -> Logits {

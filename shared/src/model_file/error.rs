@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::{FORMAT_VERSION, MAGIC};
 use crate::{
-    encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH},
+    encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, any_shape::SHAPES},
     units::{LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES},
 };
 
@@ -236,6 +236,19 @@ pub enum ModelError {
     Shape {
         /// Width, layers, span of the encoder.
         expected: (usize, usize, usize),
+        /// The model's width.
+        width: usize,
+        /// The model's layers.
+        layers: usize,
+        /// The model's span.
+        span: usize,
+    },
+    /// A good model of a shape that this program has no encoder for.
+    #[error(
+        "model of width {width}, {layers} layers, span {span}; this program runs (width, layers, \
+         span) {SHAPES:?}: train one of these"
+    )]
+    ShapeNotCompiled {
         /// The model's width.
         width: usize,
         /// The model's layers.

@@ -8,7 +8,7 @@ use super::error::{Excerpt, ModelError};
 use crate::{
     encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, receptive_field},
     intent::Vocabulary,
-    smoother::{Likelihood, Reading},
+    smoother::{Likelihood, Reading, Settings},
     units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES},
 };
 
@@ -50,6 +50,20 @@ pub struct SmootherDefaults {
     pub look_ahead: usize,
     /// Samples that a label is held: whole patches, at least one.
     pub hold: usize,
+}
+
+impl SmootherDefaults {
+    /// The settings of a smoother that takes one row a patch.
+    #[must_use]
+    pub const fn in_patches(&self) -> Settings {
+        Settings {
+            reading: self.reading,
+            likelihood: self.likelihood,
+            look_ahead: self.look_ahead / PATCH,
+            hold: self.hold / PATCH,
+            ..Settings::PAPER_IN_PATCHES
+        }
+    }
 }
 
 /// Where a model comes from.

@@ -7,7 +7,7 @@ use crate::preprocess::clean;
 use crate::safe_state::Cause;
 use crate::units::CHANNELS;
 use proptest::prelude::*;
-use std::{vec, vec::Vec};
+use std::{boxed::Box, vec, vec::Vec};
 
 /// Says of each patch, whenever asked, the class that the patch's channel 0 spells out. Stricter
 /// than a model: it minds that patches are whole and never more than the stream gave.
@@ -24,6 +24,10 @@ impl Encode for Spelled {
         Vec::new()
     }
 
+    fn reset(&self, state: &mut Self::State) {
+        state.clear();
+    }
+
     fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits {
         let sum: usize = patch.iter().map(|sample| usize::from(sample[0])).sum();
         state.push(sum % 3);
@@ -36,8 +40,9 @@ impl Encode for Spelled {
     }
 }
 
-fn pipeline() -> Pipeline<Spelled> {
-    Pipeline::new(Spelled, Settings::PAPER_IN_PATCHES, Start::Boot).unwrap()
+fn pipeline() -> Pipeline<'static, Spelled> {
+    let state = Box::leak(Box::new(Spelled.fresh()));
+    Pipeline::new(Spelled, state, Settings::PAPER_IN_PATCHES, Start::Boot).unwrap()
 }
 
 /// Ten of these spell class `value`.
@@ -50,7 +55,7 @@ fn at(index: u32) -> Millis {
     Millis(index * 5)
 }
 
-fn feed(pipeline: &mut Pipeline<Spelled>, from: u32, count: u32, value: i8) -> Vec<Report> {
+fn feed(pipeline: &mut Pipeline<'_, Spelled>, from: u32, count: u32, value: i8) -> Vec<Report> {
     (from..from + count)
         .flat_map(|index| pipeline.sample(at(index), spelling(value)))
         .collect()
@@ -133,7 +138,11 @@ fn six_lost_samples_reset_the_window() {
         resets: 1,
     };
     assert_eq!(pipeline.counters(), expected);
-    assert_eq!(pipeline.state, Spelled.fresh(), "the model still remembers");
+    assert_eq!(
+        *pipeline.state,
+        Spelled.fresh(),
+        "the model still remembers"
+    );
     // A second gap before any sample has nothing to give up.
     assert_eq!(lines(pipeline.gap(at(668), 1)), []);
     assert_eq!(pipeline.counters().resets, 1);
@@ -161,7 +170,11 @@ fn silence_and_disconnection_give_up_the_window() {
         [(Kind::State, 660, 660, silent)]
     );
     assert_eq!(pipeline.status(), silent);
-    assert_eq!(pipeline.state, Spelled.fresh(), "the model still remembers");
+    assert_eq!(
+        *pipeline.state,
+        Spelled.fresh(),
+        "the model still remembers"
+    );
     let gone = Status::Safe(Cause::Disconnected);
     assert_eq!(
         lines(pipeline.disconnected(Millis(4000))),
@@ -191,11 +204,12 @@ fn a_model_of_too_many_classes_is_refused() {
             7
         }
         fn fresh(&self) {}
+        fn reset(&self, (): &mut ()) {}
         fn step(&self, (): &mut (), _: &[CleanSample; PATCH]) -> LookBackLogits {
             [[0.0; MAX_CLASSES]; LOOK_BACK]
         }
     }
-    let refused = Pipeline::new(Seven, Settings::PAPER_IN_PATCHES, Start::Boot).err();
+    let refused = Pipeline::new(Seven, &mut (), Settings::PAPER_IN_PATCHES, Start::Boot).err();
     assert_eq!(refused, Some(SettingsError::Classes { most: 6, found: 7 }));
 }
 
