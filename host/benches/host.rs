@@ -11,7 +11,7 @@ use myointent::corpus::{Corpus, Stream};
 use myointent::fit::{Learner, gradients, optimizer};
 use myointent::preset::{BUILT_IN, Preset};
 use myointent::recording::synth::{self, SynthOptions};
-use myointent::stage::{integer_rows, settings};
+use myointent::stage::integer_rows;
 use myointent::student::any_encoder::{WithEncoder, with_encoder};
 use myointent::student::distillation;
 use myointent::teacher;
@@ -137,8 +137,9 @@ impl<'m> WithEncoder<'m> for Stream60<'_> {
     type Output = usize;
 
     fn run<E: Encode<State: Send> + Send + 'm>(self, encoder: E) -> usize {
-        let mut pipeline =
-            Pipeline::new(encoder, self.1, Start::Boot).expect("a model's own settings");
+        let mut state = encoder.fresh();
+        let mut pipeline = Pipeline::new(encoder, &mut state, self.1, Start::Boot)
+            .expect("a model's own settings");
         let mut lines = 0;
         for (index, &sample) in self.0.iter().enumerate() {
             lines += pipeline
@@ -172,7 +173,7 @@ fn replay(criterion: &mut Criterion) {
                 &model,
                 Stream60(
                     black_box(&recording.samples),
-                    settings(&model.header.smoother),
+                    model.header.smoother.in_patches(),
                 ),
             )
             .expect("a compiled shape")

@@ -17,6 +17,7 @@ pub mod encoder;
 pub mod intent;
 pub mod kernels;
 pub mod model_file;
+pub mod myo;
 pub mod numbering;
 pub mod pipeline;
 pub mod preprocess;

@@ -1,20 +1,84 @@
-//! Builds the board's image and weighs it against the budgets of the design.
+//! Builds the images of the boards and weighs them against the budgets of the design.
 
-use std::{env, fs, path::PathBuf};
+use std::{env, fmt, fs, path::PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 
 use crate::{
     size::{self, Size},
-    toolchain::{self, TARGET},
+    toolchain::{self, TARGET, Toolchain},
 };
 
 /// Flash for code and constants, the SoftDevice's and the model's own excluded.
-const FLASH_BUDGET: u64 = 160 * 1024;
+pub const FLASH_BUDGET: u64 = 160 * 1024;
 /// Static RAM, the SoftDevice's own and the stack excluded.
-const RAM_BUDGET: u64 = 48 * 1024;
+pub const RAM_BUDGET: u64 = 48 * 1024;
+/// Least that must be left for the stack.
+pub const STACK_BUDGET: u64 = 12 * 1024;
 
 const PACKAGE: &str = "myointent-firmware";
+const PROFILE: &str = "firmware";
+
+/// A program for one board with one radio.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Image {
+    /// nRF52840 under the SoftDevice S140.
+    Nrf52840S140,
+    /// nRF52840 with the controller linked in.
+    Nrf52840Sdc,
+    /// nRF52832 under the SoftDevice S132.
+    Nrf52832S132,
+    /// QEMU's `mps2-an386`.
+    Emulator,
+}
+
+impl Image {
+    /// Every image.
+    pub const ALL: [Self; 4] = [
+        Self::Nrf52840S140,
+        Self::Nrf52840Sdc,
+        Self::Nrf52832S132,
+        Self::Emulator,
+    ];
+
+    /// Its name, and its file's.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nrf52840S140 => "nrf52840-s140",
+            Self::Nrf52840Sdc => "nrf52840-sdc",
+            Self::Nrf52832S132 => "nrf52832-s132",
+            Self::Emulator => "emulator",
+        }
+    }
+
+    /// The firmware's features that make it.
+    const fn features(self) -> &'static str {
+        match self {
+            Self::Nrf52840S140 => "nrf52840,radio-softdevice",
+            Self::Nrf52840Sdc => "nrf52840,radio-trouble",
+            Self::Nrf52832S132 => "nrf52832,radio-softdevice",
+            Self::Emulator => "emulator",
+        }
+    }
+
+    /// RAM that `memory.x` gives it.
+    #[must_use]
+    pub const fn ram(self) -> u64 {
+        match self {
+            Self::Nrf52840S140 => (256 - 16) * 1024,
+            Self::Nrf52840Sdc => 256 * 1024,
+            Self::Nrf52832S132 => (64 - 16) * 1024,
+            Self::Emulator => 64 * 1024,
+        }
+    }
+}
+
+impl fmt::Display for Image {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
 
 /// How to build.
 #[derive(clap::Args)]
@@ -25,51 +89,124 @@ pub struct Arguments {
     /// Refuses to change Cargo.lock.
     #[arg(long)]
     locked: bool,
+    /// Builds this one only.
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Image::ALL.map(Image::name)))]
+    image: Option<String>,
 }
 
-/// Builds, prints the sizes, and fails where the image is over its budget.
+/// Builds, prints a table of sizes, and fails where an image is over a budget.
+///
+/// # Errors
+/// When there is no toolchain, an image does not build, or is too large.
 pub fn build(arguments: &Arguments) -> Result<()> {
     let toolchain = toolchain::find(arguments.install)?;
     println!("{toolchain}");
+    let mut rows = Vec::new();
+    for image in Image::ALL {
+        if arguments
+            .image
+            .as_deref()
+            .is_none_or(|name| name == image.name())
+        {
+            let file = build_image(&toolchain, image, arguments.locked)?;
+            println!("{}", file.display());
+            rows.push((image, measure(&file)?));
+        }
+    }
+    println!("\n{}", Table(&rows));
+    rows.iter()
+        .try_for_each(|&(image, size)| within_budget(image, size))
+}
 
+/// Builds an image; gives its ELF file.
+///
+/// # Errors
+/// When it does not build.
+pub fn build_image(toolchain: &Toolchain, image: Image, locked: bool) -> Result<PathBuf> {
     let directory = target_directory();
     let mut cargo = toolchain.cargo("build");
     // --package keeps the host's crates, and their features, out of the build.
     cargo
-        .args(["--release", "--package", PACKAGE])
+        .args(["--profile", PROFILE, "--package", PACKAGE])
+        .args(["--no-default-features", "--features", image.features()])
         .env("CARGO_TARGET_DIR", &directory);
-    if arguments.locked {
+    if locked {
         cargo.arg("--locked");
     }
     let status = cargo.status().context("cargo cannot be run")?;
-    ensure!(status.success(), "the image did not build");
+    ensure!(status.success(), "the image {image} did not build");
 
-    let image = directory.join(TARGET).join("release").join(PACKAGE);
-    let bytes = fs::read(&image).with_context(|| format!("{} cannot be read", image.display()))?;
-    let size =
-        size::measure(&bytes).with_context(|| format!("{} cannot be measured", image.display()))?;
-    println!("{}\n{size}", image.display());
-    within_budget(size)
+    // Every image is built to one name: keep each by its own.
+    let built = directory.join(TARGET).join(PROFILE).join(PACKAGE);
+    let kept = directory.join(image.name()).with_extension("elf");
+    fs::copy(&built, &kept)
+        .with_context(|| format!("{} cannot be copied to {}", built.display(), kept.display()))?;
+    Ok(kept)
+}
+
+/// The size of an image.
+///
+/// # Errors
+/// When the file is no ELF image.
+pub fn measure(file: &PathBuf) -> Result<Size> {
+    let bytes = fs::read(file).with_context(|| format!("{} cannot be read", file.display()))?;
+    size::measure(&bytes).with_context(|| format!("{} cannot be measured", file.display()))
 }
 
 /// A folder of its own, so that two cargo versions do not rebuild each other's work in turns.
-fn target_directory() -> PathBuf {
+pub fn target_directory() -> PathBuf {
     let workspace = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     let shared =
         env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
     shared.join("cross")
 }
 
-fn within_budget(size: Size) -> Result<()> {
+struct Table<'r>(&'r [(Image, Size)]);
+
+impl fmt::Display for Table<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kib = |bytes: u64| bytes as f64 / 1024.0;
+        writeln!(
+            f,
+            "| image, KiB    | code  | constants | flash | of  | static RAM | of | left for the stack |"
+        )?;
+        writeln!(
+            f,
+            "|---------------|-------|-----------|-------|-----|------------|----|--------------------|"
+        )?;
+        for &(image, size) in self.0 {
+            writeln!(
+                f,
+                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:3} | {:10.1} | {:2} | {:18.1} |",
+                kib(size.text),
+                kib(size.rodata),
+                kib(size.flash()),
+                FLASH_BUDGET / 1024,
+                kib(size.ram()),
+                RAM_BUDGET / 1024,
+                kib(image.ram().saturating_sub(size.ram())),
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn within_budget(image: Image, size: Size) -> Result<()> {
     ensure!(
         size.flash() <= FLASH_BUDGET,
-        "flash: {} bytes, the budget is {FLASH_BUDGET}",
+        "{image}: {} bytes of flash, the budget is {FLASH_BUDGET}",
         size.flash()
     );
     ensure!(
         size.ram() <= RAM_BUDGET,
-        "RAM: {} bytes, the budget is {RAM_BUDGET}",
+        "{image}: {} bytes of static RAM, the budget is {RAM_BUDGET}",
         size.ram()
+    );
+    ensure!(
+        size.ram() + STACK_BUDGET <= image.ram(),
+        "{image}: {} of {} bytes of RAM taken, {STACK_BUDGET} must be left for the stack",
+        size.ram(),
+        image.ram()
     );
     Ok(())
 }
@@ -86,14 +223,23 @@ mod tests {
             data: 10,
             bss: RAM_BUDGET - 10,
         };
-        assert!(within_budget(full).is_ok());
-        assert!(within_budget(Size { rodata: 1, ..full }).is_err());
-        assert!(
-            within_budget(Size {
-                bss: full.bss + 1,
-                ..full
-            })
-            .is_err()
-        );
+        let image = Image::Nrf52840S140;
+        assert!(within_budget(image, full).is_ok());
+        assert!(within_budget(image, Size { rodata: 1, ..full }).is_err());
+        let more = Size {
+            bss: full.bss + 1,
+            ..full
+        };
+        assert!(within_budget(image, more).is_err());
+    }
+
+    #[test]
+    fn the_small_chip_must_keep_room_for_its_stack() {
+        let left = |stack| Size {
+            bss: Image::Nrf52832S132.ram() - stack,
+            ..Size::default()
+        };
+        assert!(within_budget(Image::Nrf52832S132, left(STACK_BUDGET)).is_ok());
+        assert!(within_budget(Image::Nrf52832S132, left(STACK_BUDGET - 1)).is_err());
     }
 }

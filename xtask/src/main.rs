@@ -18,8 +18,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Step {
-    /// Builds the board's image and prints what it takes of flash and RAM.
-    BuildFirmware(firmware::Arguments),
+    /// Builds the images of all boards and prints what they take of flash and RAM.
+    Images(firmware::Arguments),
     /// Says which toolchain would build the board's image, and installs it if asked.
     Toolchain {
         /// Installs what is missing, as root, with apt-get.
@@ -30,7 +30,7 @@ enum Step {
 
 fn main() -> Result<()> {
     match Arguments::parse().step {
-        Step::BuildFirmware(arguments) => firmware::build(&arguments),
+        Step::Images(arguments) => firmware::build(&arguments),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
     }
 }

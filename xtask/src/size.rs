@@ -1,7 +1,5 @@
 //! What an image takes of flash and RAM, read from its ELF sections.
 
-use std::fmt;
-
 use anyhow::{Context as _, Result};
 use object::{Object as _, ObjectSection as _, SectionKind};
 
@@ -38,28 +36,6 @@ impl Size {
             // Names, debug lines, log strings that stay on the PC.
             _ => {}
         }
-    }
-}
-
-impl fmt::Display for Size {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            text,
-            rodata,
-            data,
-            bss,
-        } = self;
-        writeln!(
-            f,
-            "  text {text}, rodata {rodata}, data {data}, bss {bss} bytes"
-        )?;
-        let kib = |bytes: u64| bytes as f64 / 1024.0;
-        write!(
-            f,
-            "  flash {:.1} KiB, static RAM {:.1} KiB",
-            kib(self.flash()),
-            kib(self.ram())
-        )
     }
 }
 

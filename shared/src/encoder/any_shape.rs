@@ -17,14 +17,12 @@ macro_rules! shapes {
 
         /// An encoder of one of [`SHAPES`].
         #[derive(Clone, Copy, Debug)]
-        #[expect(clippy::large_enum_variant, reason = "all are near the largest")]
         pub enum AnyShape<'m> {
             $($(#[$note])* $name(Encoder<'m, $width, $layers, $span>),)*
         }
 
         /// What the encoder remembers; room for the largest shape.
         #[derive(Clone, Debug)]
-        #[expect(clippy::large_enum_variant, reason = "lies in static memory, once")]
         pub enum AnyState {
             $($(#[$note])* $name(EncoderState<$width, $layers, $span>),)*
         }
@@ -41,6 +39,15 @@ macro_rules! shapes {
                 match (width, layers, span) {
                     $(($width, $layers, $span) => Encoder::new(model).map(Self::$name),)*
                     _ => Err(ModelError::ShapeNotCompiled { width, layers, span }),
+                }
+            }
+
+            /// Makes the state one of this shape, in place: written so that no second state lies on
+            /// the stack, where a device has no room for it.
+            #[inline(never)]
+            fn reshape(&self, state: &mut AnyState) {
+                match self {
+                    $(Self::$name(_) => *state = AnyState::$name(EncoderState::fresh()),)*
                 }
             }
         }
@@ -64,17 +71,18 @@ macro_rules! shapes {
                 match (self, &mut *state) {
                     $((Self::$name(_), AnyState::$name(state)) => state.reset(),)*
                     // Of another shape: happens once, when the model is chosen.
-                    _ => *state = self.fresh(),
+                    _ => self.reshape(state),
                 }
             }
 
             fn step(&self, state: &mut AnyState, patch: &Patch) -> Logits {
-                match (self, &mut *state) {
-                    $((Self::$name(encoder), AnyState::$name(state)) => encoder.step(state, patch),)*
-                    // A state of another shape holds nothing of this stream.
-                    _ => {
-                        *state = self.fresh();
-                        self.step(state, patch)
+                loop {
+                    match (self, &mut *state) {
+                        $((Self::$name(encoder), AnyState::$name(state)) => {
+                            break encoder.step(state, patch);
+                        })*
+                        // A state of another shape holds nothing of this stream.
+                        _ => self.reshape(state),
                     }
                 }
             }

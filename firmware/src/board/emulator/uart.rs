@@ -1,0 +1,60 @@
+//! The CMSDK UART, transmitter by polling. The emulator is as fast as its reader.
+
+use core::fmt;
+
+use super::registers::Register;
+
+const TX_FULL: u32 = 1;
+const TX_ENABLE: u32 = 1;
+/// Smallest divider that the model accepts; the emulator ignores the rate itself.
+const DIVIDER: u32 = 16;
+
+/// One of the UARTs.
+#[derive(Clone, Copy)]
+pub struct Uart {
+    pub(super) data: Register,
+    pub(super) state: Register,
+    pub(super) control: Register,
+    pub(super) interrupt: Register,
+    divider: Register,
+}
+
+impl Uart {
+    /// The line of labels.
+    pub const LABELS: Self = Self::at(0x4000_4000);
+    /// HCI to the Bluetooth controller.
+    pub const HCI: Self = Self::at(0x4000_5000);
+    /// What the pins show.
+    pub const PINS: Self = Self::at(0x4000_6000);
+
+    const fn at(base: usize) -> Self {
+        Self {
+            data: Register::at(base),
+            state: Register::at(base + 0x4),
+            control: Register::at(base + 0x8),
+            interrupt: Register::at(base + 0xc),
+            divider: Register::at(base + 0x10),
+        }
+    }
+
+    /// Switches the transmitter on, and whatever else `control` asks for.
+    pub fn start(self, control: u32) {
+        self.divider.write(DIVIDER);
+        self.control.write(TX_ENABLE | control);
+    }
+
+    /// Sends, waiting for room.
+    pub fn send(self, bytes: &[u8]) {
+        for &byte in bytes {
+            while self.state.read() & TX_FULL != 0 {}
+            self.data.write(byte.into());
+        }
+    }
+}
+
+impl fmt::Write for Uart {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.send(text.as_bytes());
+        Ok(())
+    }
+}

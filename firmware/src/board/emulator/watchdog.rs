@@ -1,0 +1,30 @@
+//! The CMSDK watchdog: counts down, interrupts at zero, resets at the second zero.
+
+use super::{registers::Register, straps};
+
+const LOAD: Register = Register::at(0x4000_8000);
+const CONTROL: Register = Register::at(0x4000_8008);
+const INTERRUPT_AND_RESET: u32 = 0b11;
+const COUNTS_PER_MS: u64 = 25_000;
+
+/// A running watchdog.
+pub struct Watchdog {
+    counts: u32,
+}
+
+impl Watchdog {
+    /// Starts it; it cannot be stopped.
+    pub fn start(period_ms: u32) -> Self {
+        // It resets at its second zero.
+        let counts = u64::from(period_ms) * COUNTS_PER_MS * straps::time_scale() / 2;
+        let counts = u32::try_from(counts).unwrap_or(u32::MAX);
+        LOAD.write(counts);
+        CONTROL.write(INTERRUPT_AND_RESET);
+        Self { counts }
+    }
+
+    /// Begins the period anew.
+    pub fn feed(&mut self) {
+        LOAD.write(self.counts);
+    }
+}

@@ -1,0 +1,94 @@
+//! Bluetooth by Nordic's controller library, linked into the program: no SoftDevice to flash.
+
+use embassy_executor::Spawner;
+use embassy_nrf::{Peri, bind_interrupts, mode::Blocking, pac, peripherals::RNG, rng};
+use nrf_mpsl::MultiprotocolServiceLayer;
+use nrf_sdc::{Builder, Mem, SoftdeviceController};
+use static_cell::StaticCell;
+
+use crate::radio::{self, follow::Follower};
+
+bind_interrupts!(struct Interrupts {
+    EGU0_SWI0 => nrf_mpsl::LowPrioInterruptHandler;
+    CLOCK_POWER => nrf_mpsl::ClockInterruptHandler;
+    RADIO => nrf_mpsl::HighPrioInterruptHandler;
+    TIMER0 => nrf_mpsl::HighPrioInterruptHandler;
+    RTC0 => nrf_mpsl::HighPrioInterruptHandler;
+});
+
+/// Bytes of an L2CAP packet of an armband's notification, and how many may wait: 200 ms.
+const RECEIVE_BYTES: u16 = 27;
+const RECEIVE_COUNT: u8 = 20;
+const SEND_BYTES: u16 = 27;
+const SEND_COUNT: u8 = 3;
+/// Link, scanner and initiator by the formulas of `sdc.h` come to under 3 KiB; the controller
+/// says at start if it needs more.
+const CONTROLLER_BYTES: usize = 3584;
+
+/// The peripherals that the library claims.
+pub struct RadioParts {
+    pub(super) mpsl: nrf_mpsl::Peripherals<'static>,
+    pub(super) controller: nrf_sdc::Peripherals<'static>,
+    pub(super) random: Peri<'static, RNG>,
+}
+
+/// Follows the armband for ever.
+///
+/// # Panics
+///
+/// If the library refuses its peripherals or needs more memory than it is given.
+pub async fn run_radio(spawner: Spawner, parts: RadioParts, follower: &Follower<'_>) {
+    static MPSL: StaticCell<MultiprotocolServiceLayer<'static>> = StaticCell::new();
+    static RANDOM: StaticCell<rng::Rng<'static, Blocking>> = StaticCell::new();
+    static MEMORY: StaticCell<Mem<CONTROLLER_BYTES>> = StaticCell::new();
+
+    let clock = nrf_mpsl::raw::mpsl_clock_lfclk_cfg_t {
+        // The kits' crystal; a board without one takes MPSL_CLOCK_LF_SRC_RC, 16, 2, 500 ppm.
+        source: nrf_mpsl::raw::MPSL_CLOCK_LF_SRC_XTAL as u8,
+        rc_ctiv: 0,
+        rc_temp_ctiv: 0,
+        accuracy_ppm: 20,
+        skip_wait_lfclk_started: false,
+    };
+    let mpsl = match MultiprotocolServiceLayer::new(parts.mpsl, Interrupts, clock) {
+        Ok(mpsl) => &*MPSL.init(mpsl),
+        Err(error) => defmt::panic!("the radio's scheduler refused to start: {}", error),
+    };
+    match run_mpsl(mpsl) {
+        Ok(task) => spawner.spawn(task),
+        Err(_) => defmt::panic!("the radio's scheduler runs already"),
+    }
+    let random = RANDOM.init(rng::Rng::new_blocking(parts.random));
+    let memory = MEMORY.init(Mem::new());
+    let controller = match build(parts.controller, random, mpsl, memory) {
+        Ok(controller) => controller,
+        Err(error) => defmt::panic!("the Bluetooth controller refused to start: {}", error),
+    };
+    radio::trouble::run(controller, own_address(), follower).await;
+}
+
+fn build(
+    peripherals: nrf_sdc::Peripherals<'static>,
+    random: &'static mut rng::Rng<'static, Blocking>,
+    mpsl: &'static MultiprotocolServiceLayer<'static>,
+    memory: &'static mut Mem<CONTROLLER_BYTES>,
+) -> Result<SoftdeviceController<'static>, nrf_sdc::Error> {
+    Builder::new()?
+        .support_scan()
+        .support_central()
+        .central_count(1)?
+        .buffer_cfg(SEND_BYTES, RECEIVE_BYTES, SEND_COUNT, RECEIVE_COUNT)?
+        .build(peripherals, random, mpsl, memory)
+}
+
+/// The random static address that every chip is made with.
+fn own_address() -> [u8; 6] {
+    let [a, b, c, d] = pac::FICR.deviceaddr(0).read().to_le_bytes();
+    let [e, f, ..] = pac::FICR.deviceaddr(1).read().to_le_bytes();
+    [a, b, c, d, e, f | 0xc0]
+}
+
+#[embassy_executor::task]
+async fn run_mpsl(mpsl: &'static MultiprotocolServiceLayer<'static>) -> ! {
+    mpsl.run().await
+}

@@ -1,0 +1,102 @@
+//! Which pin does what: the one place to change for another board.
+//!
+//! The numbers are those of Nordic's development kits, PCA10056 (nRF52840) and PCA10040
+//! (nRF52832): their debugger passes the UART on to USB, the label pins are free on the headers.
+
+use embassy_nrf::{
+    Peri, Peripherals,
+    gpio::{AnyPin, Level, Output, OutputDrive},
+    peripherals,
+};
+use shared::intent::MAX_CLASSES;
+
+/// Level that lights an LED.
+pub const LED_ON: Level = Level::Low;
+/// Level that does not.
+pub const LED_OFF: Level = Level::High;
+
+/// Everything that the program drives, by its purpose.
+pub struct Wiring {
+    /// One pin per intent, in class order: relax, open, close, wave-in, wave-out, pinch.
+    pub intents: [Output<'static>; MAX_CLASSES],
+    /// High while a label is valid.
+    pub valid: Output<'static>,
+    /// LED: a label is valid.
+    pub valid_led: Output<'static>,
+    /// LED: an armband streams.
+    pub armband_led: Output<'static>,
+    /// The UART's pin out, 115200 8N1.
+    pub uart_tx: Peri<'static, AnyPin>,
+    /// The UART itself.
+    pub uart: Peri<'static, peripherals::UARTE0>,
+    /// What the radio needs.
+    pub radio: super::RadioParts,
+    /// The watchdog.
+    pub watchdog: Peri<'static, peripherals::WDT>,
+}
+
+/// Takes every pin, outputs at their safe levels.
+pub fn wire(p: Peripherals) -> Wiring {
+    #[cfg(feature = "nrf52840")]
+    let (relax, others, valid, valid_led, armband_led, uart_tx) = (
+        p.P1_01,
+        [
+            p.P1_02.into(),
+            p.P1_03.into(),
+            p.P1_04.into(),
+            p.P1_05.into(),
+            p.P1_06.into(),
+        ],
+        p.P1_07,
+        p.P0_13,
+        p.P0_14,
+        p.P0_06,
+    );
+    #[cfg(feature = "nrf52832")]
+    let (relax, others, valid, valid_led, armband_led, uart_tx) = (
+        p.P0_11,
+        [
+            p.P0_12.into(),
+            p.P0_13.into(),
+            p.P0_14.into(),
+            p.P0_15.into(),
+            p.P0_16.into(),
+        ],
+        p.P0_22,
+        p.P0_17,
+        p.P0_18,
+        p.P0_06,
+    );
+
+    let output = |pin: Peri<'static, AnyPin>, level| Output::new(pin, level, OutputDrive::Standard);
+    let [open, close, wave_in, wave_out, pinch]: [Peri<'static, AnyPin>; MAX_CLASSES - 1] = others;
+    Wiring {
+        intents: [
+            output(relax.into(), Level::High),
+            output(open, Level::Low),
+            output(close, Level::Low),
+            output(wave_in, Level::Low),
+            output(wave_out, Level::Low),
+            output(pinch, Level::Low),
+        ],
+        valid: output(valid.into(), Level::Low),
+        valid_led: output(valid_led.into(), LED_OFF),
+        armband_led: output(armband_led.into(), LED_OFF),
+        uart_tx: uart_tx.into(),
+        uart: p.UARTE0,
+        #[cfg(feature = "radio-softdevice")]
+        radio: super::RadioParts {},
+        #[cfg(feature = "radio-trouble")]
+        radio: super::RadioParts {
+            mpsl: nrf_mpsl::Peripherals::new(
+                p.RTC0, p.TIMER0, p.TEMP, p.PPI_CH19, p.PPI_CH30, p.PPI_CH31,
+            ),
+            controller: nrf_sdc::Peripherals::new(
+                p.PPI_CH17, p.PPI_CH18, p.PPI_CH20, p.PPI_CH21, p.PPI_CH22, p.PPI_CH23, p.PPI_CH24,
+                p.PPI_CH25, p.PPI_CH26, p.PPI_CH27, p.PPI_CH28, p.PPI_CH29,
+            ),
+            random: p.RNG,
+        },
+        watchdog: p.WDT,
+    }
+}

@@ -1,0 +1,134 @@
+//! From packets to labels.
+
+use embassy_futures::select::{Either, select};
+use embassy_time::{Duration, Instant, Timer};
+use shared::{
+    encoder::any_shape::{AnyShape, AnyState},
+    model_file::{Model, ModelError},
+    numbering::Receiver,
+    pipeline::{Pipeline, Reports},
+    report_line::{Counters, Kind, Report},
+    safe_state::{Event, SafeState, Start},
+    units::{Millis, SampleIndex},
+};
+use static_cell::ConstStaticCell;
+
+use super::{
+    PACKETS,
+    output::{self, Line},
+    watchdog::{self, ROUND},
+};
+use crate::{board::Restart, model_region, radio::follow::now};
+
+/// The encoder's memory, the largest thing in RAM.
+static MEMORY: ConstStaticCell<AnyState> = ConstStaticCell::new(AnyState::EMPTY);
+
+/// Rounds between two tellings of a refused model: together a second, long enough to read and
+/// short enough for whoever connects late.
+const REPEAT: u32 = 2;
+
+/// Why the model region's content cannot be run.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+pub enum Refusal {
+    /// It is no model, or a damaged or foreign one.
+    #[error("model refused: {0}")]
+    Model(#[from] ModelError),
+    /// It asks for a smoother that there is none of.
+    #[error("model refused: {0}")]
+    Smoother(#[from] shared::smoother::SettingsError),
+}
+
+/// The model's encoder and smoother, before the first sample.
+///
+/// # Errors
+/// Tells why the model cannot be run.
+pub fn load(restart: Restart) -> Result<Pipeline<'static, AnyShape<'static>>, Refusal> {
+    let model = Model::parse(model_region::bytes())?;
+    let encoder = AnyShape::new(&model)?;
+    let settings = model.header.smoother.in_patches();
+    Ok(Pipeline::new(
+        encoder,
+        MEMORY.take(),
+        settings,
+        start(restart),
+    )?)
+}
+
+fn start(restart: Restart) -> Start {
+    match restart {
+        Restart::Watchdog => Start::Watchdog,
+        Restart::Power | Restart::Software => Start::Boot,
+    }
+}
+
+/// Runs the model for ever.
+#[embassy_executor::task]
+pub async fn run(pipeline: Pipeline<'static, AnyShape<'static>>) -> ! {
+    let mut pipeline = pipeline;
+    output::say(Line::Report(pipeline.state_report()));
+    let mut receiver = Receiver::new();
+    loop {
+        watchdog::INFERENCE.alive();
+        let silence = wait_for(pipeline.deadline());
+        match select(PACKETS.next(), silence).await {
+            Either::First(packet) => {
+                let received = receiver.take(packet);
+                let now = now();
+                if received.disconnected {
+                    tell(pipeline.disconnected(now));
+                }
+                if received.missing > 0 {
+                    tell(pipeline.gap(now, received.missing));
+                }
+                for sample in received.samples.into_iter().flatten() {
+                    tell(pipeline.sample(now, sample));
+                }
+            }
+            Either::Second(()) => tell(pipeline.tick(now())),
+        }
+        output::status(pipeline.status());
+    }
+}
+
+fn tell(reports: Reports) {
+    for report in reports {
+        output::say(Line::Report(report));
+    }
+}
+
+/// Until the deadline, or for a while if there is none.
+fn wait_for(deadline: Option<Millis>) -> Timer {
+    let wait = deadline.map_or(ROUND, |deadline| {
+        let wait = deadline.since(now());
+        // A deadline that has passed looks like one in 49 days.
+        let passed = wait > i32::MAX.unsigned_abs();
+        Duration::from_millis(if passed { 0 } else { wait.into() }).min(ROUND)
+    });
+    Timer::at(Instant::now() + wait)
+}
+
+/// Says for ever why nothing can be valid.
+#[embassy_executor::task]
+pub async fn refuse(refusal: Refusal, restart: Restart) -> ! {
+    let mut guard = SafeState::new(start(restart));
+    guard.handle(now(), Event::ModelRefused);
+    let mut sequence = 0_u32;
+    loop {
+        output::say(Line::Refused(refusal));
+        output::say(Line::Report(Report {
+            kind: Kind::State,
+            sequence,
+            instant: SampleIndex(0),
+            emitted: SampleIndex(0),
+            status: guard.status(),
+            counters: Counters::default(),
+        }));
+        sequence = sequence.wrapping_add(1);
+        for _ in 0..REPEAT {
+            watchdog::INFERENCE.alive();
+            // No radio runs without a model.
+            watchdog::RADIO.alive();
+            Timer::after(ROUND).await;
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Whether an advertisement is an armband's.
+
+use super::uuid::Uuid;
+
+/// "Incomplete list of 128-bit service UUIDs": what a Myo sends. Its complete twin is taken as well.
+const SOME_UUIDS_128: u8 = 0x06;
+const ALL_UUIDS_128: u8 = 0x07;
+
+/// Whether the advertising data offer the Control service.
+///
+/// The service, never the name: the wearer can change that. Data that break off, or whose lengths
+/// point beyond their end, are taken as far as they go.
+#[must_use]
+pub fn offers_control(data: &[u8]) -> bool {
+    structures(data)
+        .filter(|(kind, _)| matches!(*kind, SOME_UUIDS_128 | ALL_UUIDS_128))
+        .flat_map(|(_, uuids)| uuids.as_chunks::<16>().0)
+        .any(|uuid| *uuid == Uuid::CONTROL.to_le_bytes())
+}
+
+/// The AD structures: a length, a type that it counts, and the rest. A length of zero ends them.
+fn structures(mut data: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
+    core::iter::from_fn(move || {
+        let (length, rest) = data.split_first()?;
+        let (structure, rest) = rest.split_at_checked(usize::from(*length))?;
+        data = rest;
+        let (kind, value) = structure.split_first()?;
+        Some((*kind, value))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    fn listing(kind: u8, uuids: &[Uuid]) -> Vec<u8> {
+        let mut data = Vec::from([1 + 16 * uuids.len() as u8, kind]);
+        data.extend(uuids.iter().flat_map(|uuid| uuid.to_le_bytes()));
+        data
+    }
+
+    /// The payload of a real armband: a padded short name, flags, the list.
+    fn captured() -> Vec<u8> {
+        let mut data = b"\x09\x08Myo\0\0\0\0\0\x02\x01\x06".to_vec();
+        data.extend(listing(0x06, &[Uuid::CONTROL]));
+        data
+    }
+
+    #[test]
+    fn an_armband_is_known_by_either_list() {
+        assert_eq!(captured().len(), 31);
+        assert!(offers_control(&captured()));
+        let others = [Uuid::Vendor(2), Uuid::CONTROL];
+        assert!(offers_control(&listing(0x07, &others)));
+    }
+
+    #[test]
+    fn a_name_or_another_list_is_no_armband() {
+        assert!(!offers_control(b"\x04\x09Myo"));
+        assert!(!offers_control(&listing(0x06, &[Uuid::Vendor(2)])));
+        assert!(!offers_control(&listing(0x15, &[Uuid::CONTROL])));
+    }
+
+    #[test]
+    fn what_breaks_off_or_ends_early_is_no_armband() {
+        let data = captured();
+        for length in 0..data.len() {
+            assert!(!offers_control(&data[..length]), "{length} bytes");
+        }
+        let mut ended = Vec::from([0]);
+        ended.extend(&data);
+        assert!(!offers_control(&ended));
+    }
+
+    proptest! {
+        #[test]
+        fn an_armband_is_known_behind_any_structure(kind in 1u8.., value in prop::collection::vec(any::<u8>(), 0..20)) {
+            let mut data = Vec::from([1 + value.len() as u8, kind]);
+            data.extend(&value);
+            data.extend(listing(0x06, &[Uuid::CONTROL]));
+            prop_assert!(offers_control(&data));
+            // Whatever the length says instead, nothing breaks.
+            for length in 0..=u8::MAX {
+                data[0] = length;
+                let _ = offers_control(&data);
+            }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! What the armband offers, as far as it is used here.
+
+use super::lane::Lane;
+use super::uuid::Uuid;
+
+/// A service of the armband.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Service {
+    /// Firmware version and commands.
+    Control,
+    /// The four lanes of EMG.
+    Emg,
+    /// The SIG's battery service.
+    Battery,
+}
+
+impl Service {
+    /// Every service that is used.
+    pub const ALL: [Self; 3] = [Self::Control, Self::Emg, Self::Battery];
+
+    /// Its UUID.
+    #[must_use]
+    pub const fn uuid(self) -> Uuid {
+        match self {
+            Self::Control => Uuid::CONTROL,
+            Self::Emg => Uuid::Vendor(0x0005),
+            Self::Battery => Uuid::Sig(0x180f),
+        }
+    }
+}
+
+/// A characteristic of the armband.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Characteristic {
+    /// Read: 8 bytes, see [`FirmwareVersion`](super::FirmwareVersion).
+    FirmwareVersion,
+    /// Written **with response** only: a command sent without one vanishes, and no error tells.
+    Command,
+    /// Notifies: two samples in 16 bytes.
+    Emg(Lane),
+    /// Read, and notifies: percent.
+    BatteryLevel,
+}
+
+impl Characteristic {
+    /// Every characteristic that is used.
+    pub const ALL: [Self; 7] = [
+        Self::FirmwareVersion,
+        Self::Command,
+        Self::Emg(Lane::ALL[0]),
+        Self::Emg(Lane::ALL[1]),
+        Self::Emg(Lane::ALL[2]),
+        Self::Emg(Lane::ALL[3]),
+        Self::BatteryLevel,
+    ];
+
+    /// The service that it belongs to.
+    #[must_use]
+    pub const fn service(self) -> Service {
+        match self {
+            Self::FirmwareVersion | Self::Command => Service::Control,
+            Self::Emg(_) => Service::Emg,
+            Self::BatteryLevel => Service::Battery,
+        }
+    }
+
+    /// Its UUID.
+    #[must_use]
+    pub const fn uuid(self) -> Uuid {
+        match self {
+            Self::FirmwareVersion => Uuid::Vendor(0x0201),
+            Self::Command => Uuid::Vendor(0x0401),
+            Self::Emg(lane) => Uuid::Vendor(0x0105 + 0x0100 * lane.number() as u16),
+            Self::BatteryLevel => Uuid::Sig(0x2a19),
+        }
+    }
+
+    /// The characteristic of a UUID; none of those that are not used.
+    #[must_use]
+    pub fn from_uuid(uuid: Uuid) -> Option<Self> {
+        Self::ALL.into_iter().find(|one| one.uuid() == uuid)
+    }
+
+    /// Its place in [`Characteristic::ALL`], 0..=6: an index for an adapter's table of handles.
+    #[must_use]
+    pub const fn place(self) -> usize {
+        match self {
+            Self::FirmwareVersion => 0,
+            Self::Command => 1,
+            Self::Emg(lane) => 2 + lane.number() as usize,
+            Self::BatteryLevel => 6,
+        }
+    }
+}
+
+/// The characteristics that discovery found.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Found(u8);
+
+impl Found {
+    /// None.
+    pub const NONE: Self = Self(0);
+
+    /// These and `characteristic`.
+    #[must_use]
+    pub const fn with(self, characteristic: Characteristic) -> Self {
+        Self(self.0 | 1 << characteristic.place())
+    }
+
+    /// Whether `characteristic` is among them.
+    #[must_use]
+    pub const fn contains(self, characteristic: Characteristic) -> bool {
+        self.0 & (1 << characteristic.place()) != 0
+    }
+
+    /// Whether a stream can be set up: only the battery may be missing.
+    #[must_use]
+    pub const fn suffices(self) -> bool {
+        self.with(Characteristic::BatteryLevel).0 == ALL_FOUND
+    }
+}
+
+const ALL_FOUND: u8 = (1 << Characteristic::ALL.len()) - 1;
+
+impl FromIterator<Characteristic> for Found {
+    fn from_iter<I: IntoIterator<Item = Characteristic>>(found: I) -> Self {
+        found.into_iter().fold(Self::NONE, Self::with)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uuids_and_places_lead_back_to_their_characteristic() {
+        for (place, characteristic) in Characteristic::ALL.into_iter().enumerate() {
+            assert_eq!(characteristic.place(), place);
+            let uuid = characteristic.uuid();
+            assert_eq!(Characteristic::from_uuid(uuid), Some(characteristic));
+        }
+        let imu = Uuid::Vendor(0x0402);
+        assert_eq!(Characteristic::from_uuid(imu), None);
+    }
+
+    #[test]
+    fn the_lanes_have_the_vendors_ids() {
+        let ids = Lane::ALL.map(|lane| Characteristic::Emg(lane).uuid());
+        assert_eq!(ids, [0x0105, 0x0205, 0x0305, 0x0405].map(Uuid::Vendor));
+    }
+
+    #[test]
+    fn only_the_battery_may_be_missing() {
+        for absent in Characteristic::ALL {
+            let found: Found = Characteristic::ALL
+                .into_iter()
+                .filter(|one| *one != absent)
+                .collect();
+            assert!(!found.contains(absent));
+            let optional = absent == Characteristic::BatteryLevel;
+            assert_eq!(found.suffices(), optional, "without {absent:?}");
+        }
+        assert!(
+            Characteristic::ALL
+                .into_iter()
+                .collect::<Found>()
+                .suffices()
+        );
+    }
+}

@@ -1,0 +1,61 @@
+//! The four characteristics that carry EMG in turn.
+
+/// Characteristics that carry EMG.
+pub const LANES: u8 = 4;
+/// Milliseconds between two notifications, whatever their lanes.
+pub const NOTIFICATION_PERIOD_MS: u32 = 10;
+
+/// One of the four EMG characteristics, 0..=3. They take turns, 0 -> 1 -> 2 -> 3 -> 0, a
+/// notification every 10 ms: that is the only trace of order, for a notification has no counter.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Lane(u8);
+
+impl Lane {
+    /// Every lane, in their order.
+    pub const ALL: [Self; LANES as usize] = [Self(0), Self(1), Self(2), Self(3)];
+
+    /// The lane of a number; none from 4 on.
+    #[must_use]
+    pub const fn new(number: u8) -> Option<Self> {
+        if number < LANES {
+            Some(Self(number))
+        } else {
+            None
+        }
+    }
+
+    /// Its number, 0..=3.
+    #[must_use]
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    /// The lane whose turn is next.
+    #[must_use]
+    pub const fn next(self) -> Self {
+        Self((self.0 + 1) % LANES)
+    }
+
+    /// Fewest notifications that must be missing when this lane comes and `expected` was due, 0..=3.
+    /// Any multiple of four more may be.
+    #[must_use]
+    pub const fn missing_since(self, expected: Self) -> u32 {
+        ((self.0 + LANES - expected.0) % LANES) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_take_turns() {
+        for lane in Lane::ALL {
+            let due = lane.next();
+            let missing = [due, due.next(), due.next().next(), lane].map(|l| l.missing_since(due));
+            assert_eq!(missing, [0, 1, 2, 3]);
+            assert_eq!(Lane::new(lane.number()), Some(lane));
+        }
+        assert_eq!(Lane::new(4), None);
+    }
+}

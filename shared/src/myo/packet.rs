@@ -1,0 +1,132 @@
+//! What the armband sends, read by one rule: a minimum length, and bytes beyond it are ignored, for
+//! newer firmware may send more.
+
+use crate::units::{CHANNELS, Sample};
+use core::array::from_fn;
+
+/// Two samples, the older first; the newer follows 5 ms later.
+pub type Pair = [Sample; 2];
+
+/// A value is shorter than it must be.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("expected at least {expected} bytes, found {found}: the value is dropped")]
+pub struct TooShort {
+    /// Bytes that it must have.
+    pub expected: usize,
+    /// Bytes that it has.
+    pub found: usize,
+}
+
+/// The samples of an EMG notification: 2 x 8 x i8, channel 1 first.
+///
+/// # Errors
+/// Fewer than 16 bytes.
+pub fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
+    let bytes = first::<{ 2 * CHANNELS }>(bytes)?;
+    Ok(from_fn(|sample| {
+        from_fn(|channel| bytes[sample * CHANNELS + channel].cast_signed())
+    }))
+}
+
+/// The charge of a Battery Level value, percent 0..=100.
+///
+/// # Errors
+/// No byte at all.
+pub fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
+    let [percent] = *first::<1>(bytes)?;
+    Ok(percent.min(100))
+}
+
+/// The armband's firmware.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct FirmwareVersion {
+    /// Another major version is another protocol.
+    pub major: u16,
+    /// Interface 1.2 is what the vendor describes.
+    pub minor: u16,
+    /// Corrections.
+    pub patch: u16,
+    /// 1 or 2: rev C or rev D.
+    pub hardware: u16,
+}
+
+impl FirmwareVersion {
+    /// The version of a Firmware Version value: 4 x u16, little-endian (the vendor's header claims
+    /// big-endian; armbands disagree).
+    ///
+    /// # Errors
+    /// Fewer than 8 bytes.
+    pub fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
+        let [a, b, c, d, e, f, g, h] = *first::<8>(bytes)?;
+        Ok(Self {
+            major: u16::from_le_bytes([a, b]),
+            minor: u16::from_le_bytes([c, d]),
+            patch: u16::from_le_bytes([e, f]),
+            hardware: u16::from_le_bytes([g, h]),
+        })
+    }
+
+    /// Whether it speaks the protocol of this module. Major 0 used the same numbers differently.
+    #[must_use]
+    pub const fn is_supported(self) -> bool {
+        self.major > 0
+    }
+
+    /// Whether it is older than 1.2, the oldest that the vendor describes: worth a warning, for
+    /// nobody states a minimum for streaming EMG.
+    #[must_use]
+    pub const fn is_dated(self) -> bool {
+        self.major < 1 || self.major == 1 && self.minor < 2
+    }
+}
+
+fn first<const LENGTH: usize>(bytes: &[u8]) -> Result<&[u8; LENGTH], TooShort> {
+    bytes.first_chunk().ok_or(TooShort {
+        expected: LENGTH,
+        found: bytes.len(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIXTEEN: [u8; 16] = [
+        0, 1, 127, 128, 255, 5, 6, 7, // older
+        8, 9, 10, 11, 12, 13, 14, 15, // newer
+    ];
+
+    #[test]
+    fn a_notification_is_two_samples_the_older_first() {
+        let pair = [
+            [0, 1, 127, -128, -1, 5, 6, 7],
+            [8, 9, 10, 11, 12, 13, 14, 15],
+        ];
+        assert_eq!(parse_emg(&SIXTEEN), Ok(pair));
+    }
+
+    #[test]
+    fn a_short_value_is_refused_and_a_long_one_is_cut() {
+        let (expected, found) = (16, 15);
+        let error = TooShort { expected, found };
+        assert_eq!(parse_emg(&SIXTEEN[..15]), Err(error));
+        let mut long = [7; 20];
+        long[..16].copy_from_slice(&SIXTEEN);
+        assert_eq!(parse_emg(&long), parse_emg(&SIXTEEN));
+        assert!(parse_battery(&[]).is_err());
+        assert_eq!(parse_battery(&[55, 9]), Ok(55));
+        assert_eq!(parse_battery(&[255]), Ok(100));
+        assert!(FirmwareVersion::parse(&SIXTEEN[..7]).is_err());
+    }
+
+    #[test]
+    fn the_firmware_of_real_armbands_is_supported() {
+        let version = |bytes: [u8; 8]| FirmwareVersion::parse(&bytes).unwrap();
+        let newest = version([1, 0, 5, 0, 0xb2, 0x07, 2, 0]);
+        assert_eq!((newest.major, newest.minor, newest.patch), (1, 5, 1970));
+        assert!(newest.is_supported() && !newest.is_dated());
+        let dated = version([1, 0, 1, 0, 0xf3, 0x02, 2, 0]);
+        assert!(dated.is_supported() && dated.is_dated());
+        assert!(!version([0, 0, 8, 0, 0, 0, 1, 0]).is_supported());
+    }
+}
