@@ -12,7 +12,7 @@
 //!
 //! * Below 35 ms a packet is on time: jitter of up to 30 ms is ordinary, and a loss makes 40.
 //! * If the lag comes back, everything held is delivered: it follows.
-//! * If it found no new low for 50 ms, it is there to stay: packets were lost. Where among those
+//! * If for 50 ms it neither found a new low nor was there a pause, it is there to stay: packets were lost. Where among those
 //!   held nobody can tell (a stall may end in a loss), so all of them are given up with the lost.
 //! * If too many are held, they are given up, and the question stays open.
 //!
@@ -40,6 +40,10 @@ const STEERING_US: u32 = 5;
 /// A lag without a new low for this long is there to stay. A loss of 13 with this wait is told
 /// within the 200 ms after which the stream would count as silent.
 const PATIENCE_MS: u32 = 50;
+/// A pause that may be a stall with a bunch behind it: longer than jitter makes, shorter than
+/// patience, which a bunch must not outlast unseen.
+const STALL_MS: u32 = 45;
+const _: () = assert!(STALL_MS * 1000 > LATE_US + PERIOD_US - 1 && STALL_MS < PATIENCE_MS);
 /// How much lower a new low must be: less may be jitter around a lag that stays.
 const GAIN_US: u32 = 5_000;
 /// Most packets held: a stall of 200 ms, after which the stream counts as silent anyhow, and some.
@@ -69,7 +73,7 @@ pub(super) struct Pace {
 struct Doubt {
     /// The least lag since, in microseconds.
     least: u32,
-    /// When it last fell by so much that it may come back.
+    /// When a bunch may last have been under way: at a new low, or after a pause.
     at: Millis,
 }
 
@@ -85,7 +89,7 @@ impl Pace {
 
     /// Takes the next packet; gives what is sure to be in order, and how many packets it gave up.
     pub(super) fn push(&mut self, placed: Placed, out: &mut impl FnMut(Ordered)) -> u32 {
-        self.measure(placed);
+        let pause = self.measure(placed);
         if self.lag < LATE_US {
             self.doubt = None;
             for waited in core::mem::take(&mut self.held) {
@@ -96,7 +100,7 @@ impl Pace {
         }
         let (at, lag) = (placed.at, self.lag);
         let doubt = self.doubt.get_or_insert(Doubt { least: lag, at });
-        if lag + GAIN_US <= doubt.least {
+        if lag + GAIN_US <= doubt.least || pause >= STALL_MS {
             doubt.at = at;
         }
         doubt.least = doubt.least.min(lag);
@@ -104,7 +108,8 @@ impl Pace {
         // Never full here: it is emptied below as soon as it is.
         let held = self.held.push(placed);
         if elapsed(placed.at, at) >= PATIENCE_MS {
-            let turns = (least + TURN_US / 2) / TURN_US;
+            // Rounded down but for the tolerance: what is over is lateness, which is never negative.
+            let turns = (least + TURN_US - LATE_US) / TURN_US;
             // The pace may not be later than the quickest packet.
             self.lag -= least.min(turns * TURN_US);
             self.doubt = None;
@@ -116,14 +121,18 @@ impl Pace {
         }
     }
 
-    fn measure(&mut self, placed: Placed) {
+    /// Takes the packet's time; gives the milliseconds since the one before it.
+    fn measure(&mut self, placed: Placed) -> u32 {
         let Some(before) = self.newest.replace(placed.at) else {
-            return;
+            return 0;
         };
         let pause = elapsed(placed.at, before).min(PAUSE_AT_MOST_MS);
         let due = PERIOD_US * (1 + placed.missing);
-        let lag = self.lag + pause * (1000 - STEERING_US);
+        // Not steered in doubt, when no packet may be quick enough to steer against.
+        let steering = if self.doubt.is_none() { STEERING_US } else { 0 };
+        let lag = self.lag + pause * (1000 - steering);
         self.lag = lag.saturating_sub(due).min(LAG_AT_MOST_US);
+        pause
     }
 
     fn give_up(&mut self, unseen: u32, out: &mut impl FnMut(Ordered)) -> u32 {
