@@ -10,7 +10,7 @@
 //!           0  2  1 | 95 85 75 ... 35 | 25    comes back: a stall
 //! ```
 //!
-//! * Below 35 ms a packet is on time: jitter of up to 30 ms is ordinary, and a loss makes 40.
+//! * Below 32 ms a packet is on time: jitter of up to 30 ms is ordinary, and a loss makes 40.
 //! * If the lag comes back, everything held is delivered: it follows.
 //! * If for 50 ms it neither found a new low nor was there a pause, it is there to stay: packets were lost. Where among those
 //!   held nobody can tell (a stall may end in a loss), so all of them are given up with the lost.
@@ -19,8 +19,9 @@
 //! The pace follows a quicker packet at once, so that a stream faster than 100/s never seems to
 //! lose any, and a slower one by 0.5 % at most, which is more than two crystals differ by.
 //!
-//! It cannot see: a loss of four in a faster stream, before the first quick packet has set the pace,
-//! or just when transmission gets quicker by as much as the loss delays.
+//! It cannot see a loss of four in a faster stream, or before the first quick packet has set the
+//! pace, or just when transmission gets quicker by as much as the loss delays: as in a stall that
+//! ends in trickles over more than 50 ms, and was taken for a loss before the true one came.
 
 use super::elapsed;
 use super::lane::{LANES, NOTIFICATION_PERIOD_MS};
@@ -33,8 +34,9 @@ use heapless::Vec;
 const PERIOD_US: u32 = NOTIFICATION_PERIOD_MS * 1000;
 /// Microseconds that a loss invisible to the lanes adds to the lag.
 const TURN_US: u32 = LANES as u32 * PERIOD_US;
-/// Lag from which a packet is no longer on time: jitter 30 ms < this < a loss, 40 ms.
-const LATE_US: u32 = 35_000;
+/// Lag from which a packet is no longer on time: more than jitter, 30 ms, with two roundings of the
+/// clock; less than a loss, 40 ms, with a pace that is known to a few.
+const LATE_US: u32 = 32_000;
 /// Microseconds of lag forgiven per millisecond: 0.5 %.
 const STEERING_US: u32 = 5;
 /// A lag without a new low for this long is there to stay. A loss of 13 with this wait is told
