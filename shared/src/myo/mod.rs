@@ -42,6 +42,7 @@ pub use event::Event;
 pub use lane::Lane;
 pub use packet::{FirmwareVersion, Pair};
 pub use session::{MyoSession, Phase, Settings};
+pub use uuid::Uuid;
 
 use crate::units::Millis;
 
