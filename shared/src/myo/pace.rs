@@ -130,9 +130,7 @@ impl Pace {
         };
         let pause = elapsed(placed.at, before).min(PAUSE_AT_MOST_MS);
         let due = PERIOD_US * (1 + placed.missing);
-        // Not steered in doubt, when no packet may be quick enough to steer against.
-        let steering = if self.doubt.is_none() { STEERING_US } else { 0 };
-        let lag = self.lag + pause * (1000 - steering);
+        let lag = self.lag + pause * (1000 - STEERING_US);
         self.lag = lag.saturating_sub(due).min(LAG_AT_MOST_US);
         pause
     }

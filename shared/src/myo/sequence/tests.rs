@@ -138,6 +138,20 @@ fn a_stall_and_its_bunch_lose_nothing() {
 }
 
 #[test]
+fn a_stall_interrupted_by_a_single_packet_loses_nothing() {
+    // 11 comes at 200 ms, and the others that are due not before another 60 have passed.
+    let at = |n| match n {
+        0..=10 => 10 * n,
+        11 => 200,
+        _ => (10 * n).max(260),
+    };
+    let arrivals: Vec<_> = (0..50).map(|n| (at(n), n)).collect();
+    let (outs, counters) = follow(&arrivals);
+    assert!(outs.into_iter().flatten().eq((0..50).map(Packet)));
+    assert_eq!(counters, Counters::default());
+}
+
+#[test]
 fn a_stall_that_ends_in_a_loss_is_never_contiguous() {
     // 11 ... 14 were kept through a stall; 15 ... 22 had no room; 23 on come in time.
     let mut arrivals: Vec<_> = (0..=10).map(|n| (10 * n, n)).collect();

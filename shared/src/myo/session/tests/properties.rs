@@ -90,14 +90,19 @@ impl Judge {
     }
 
     fn event(&mut self, event: Event<'_>) {
-        let over = match (self.outstanding, event) {
-            (Some(Action::Connect(_)), Event::Connected | Event::ConnectFailed)
-            | (Some(Action::Discover), Event::Discovered(_) | Event::Failed)
-            | (Some(Action::Read(_)), Event::Read(_) | Event::Failed)
-            | (Some(Action::Subscribe(_) | Action::Write(..)), Event::Done | Event::Failed)
-            | (_, Event::Disconnected) => true,
-            _ => false,
-        };
+        let over = matches!(
+            (self.outstanding, event),
+            (
+                Some(Action::Connect(_)),
+                Event::Connected | Event::ConnectFailed
+            ) | (Some(Action::Discover), Event::Discovered(_) | Event::Failed)
+                | (Some(Action::Read(_)), Event::Read(_) | Event::Failed)
+                | (
+                    Some(Action::Subscribe(_) | Action::Write(..)),
+                    Event::Done | Event::Failed
+                )
+                | (_, Event::Disconnected)
+        );
         if over {
             self.outstanding = None;
         }
