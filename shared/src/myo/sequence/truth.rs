@@ -7,8 +7,9 @@
 //! * jitter stays below what a loss of four makes, and so does the stream's deviation from 100/s;
 //! * what a stall held back comes at once when it ends, not in trickles with pauses between;
 //! * packets keep their order but for swaps, and the two places before and behind a swap hold no
-//!   loss and no other swap: `p + 2` and then `p + 1` after a lost `p` are the lanes of a loss of two, and a loss.
-//!   Duplicates come right behind.
+//!   loss and no other swap: `p + 2` and then `p + 1` after a lost `p` are the lanes of a loss of
+//!   two and another of two;
+//! * duplicates come right behind.
 
 use super::tests::{Out, arrival, out};
 use super::*;
