@@ -14,10 +14,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let (flash, ram) = regions();
-    fs::write(
-        out.join("regions.x"),
-        format!("REGION_ALIAS(FLASH, {flash})\nREGION_ALIAS(RAM, {ram})\n"),
-    )?;
+    let mut script = format!("REGION_ALIAS(FLASH, {flash})\nREGION_ALIAS(RAM, {ram})\n");
+    if has("radio-softdevice") {
+        // Two register crates each bring a vector table, embassy-nrf's and nrf-softdevice's, and
+        // they name some interrupts differently. The linker takes the first table and keeps the
+        // other as dead bytes. Whichever it takes, both names must lead to the one handler there
+        // is; `cargo xtask images` looks at the table that came out.
+        println!("cargo:rustc-link-arg-bins=--allow-multiple-definition");
+        script += "EXTERN(UARTE0)\nUARTE0_UART0 = UARTE0;\n";
+        script += "EXTERN(SWI2_EGU2)\nEGU2_SWI2 = SWI2_EGU2;\n";
+        for name in NAMED_TWICE.split_whitespace() {
+            script += &format!("PROVIDE({name} = DefaultHandler);\n");
+        }
+    }
+    fs::write(out.join("regions.x"), script)?;
     fs::copy("../memory.x", out.join("memory.x"))?;
     println!("cargo:rustc-link-search={}", out.display());
     // Without --nmagic the linker pads segments to 64 KiB pages, past the start of flash.
@@ -31,6 +41,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     Ok(())
 }
+
+/// What each of the two register crates calls interrupts that the other calls otherwise.
+const NAMED_TWICE: &str = "
+    AAR_CCM CLOCK_POWER EGU0_SWI0 EGU1_SWI1 EGU3_SWI3 EGU4_SWI4 EGU5_SWI5 SPI2 TWISPI0 TWISPI1
+    CCM_AAR POWER_CLOCK SWI0_EGU0 SWI1_EGU1 SWI3_EGU3 SWI4_EGU4 SWI5_EGU5 SPIM2_SPIS2_SPI2
+    SPIM0_SPIS0_TWIM0_TWIS0_SPI0_TWI0 SPIM1_SPIS1_TWIM1_TWIS1_SPI1_TWI1
+";
 
 /// FLASH and RAM among the regions of `memory.x`.
 fn regions() -> (&'static str, &'static str) {

@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result, ensure};
 use crate::{
     size::{self, Size},
     toolchain::{self, TARGET, Toolchain},
+    vectors,
 };
 
 /// Flash for code and constants, the SoftDevice's and the model's own excluded.
@@ -59,6 +60,18 @@ impl Image {
             Self::Nrf52840Sdc => "nrf52840,radio-trouble",
             Self::Nrf52832S132 => "nrf52832,radio-softdevice",
             Self::Emulator => "emulator",
+        }
+    }
+
+    /// Interrupts that must be served, by number: UART, time, GPIO and the radio's.
+    const fn interrupts(self) -> &'static [usize] {
+        match self {
+            // UARTE0, GPIOTE, RTC1, SWI2.
+            Self::Nrf52840S140 | Self::Nrf52832S132 => &[2, 6, 17, 22],
+            // CLOCK and POWER, RADIO, UARTE0, GPIOTE, TIMER0, RTC0, RTC1, SWI0.
+            Self::Nrf52840Sdc => &[0, 1, 2, 6, 8, 11, 17, 20],
+            // UART1 receiver, TIMER1.
+            Self::Emulator => &[2, 9],
         }
     }
 
@@ -139,8 +152,9 @@ pub fn build_image(toolchain: &Toolchain, image: Image, locked: bool) -> Result<
     // Every image is built to one name: keep each by its own.
     let built = directory.join(TARGET).join(PROFILE).join(PACKAGE);
     let kept = directory.join(image.name()).with_extension("elf");
-    fs::copy(&built, &kept)
-        .with_context(|| format!("{} cannot be copied to {}", built.display(), kept.display()))?;
+    let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
+    vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
+    fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
     Ok(kept)
 }
 

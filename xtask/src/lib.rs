@@ -7,3 +7,4 @@
 pub mod firmware;
 pub mod size;
 pub mod toolchain;
+pub mod vectors;

@@ -1,0 +1,61 @@
+//! Whether the interrupts that a program needs lead anywhere.
+//!
+//! A handler under a name that the vector table does not know links without a word, and on the
+//! board nothing happens. So the table that came out is read.
+
+use anyhow::{Context as _, Result, ensure};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
+
+/// Vectors of the core itself, before the first interrupt.
+const CORE_VECTORS: usize = 16;
+
+/// Fails where one of the interrupts, by number, has no handler of its own.
+///
+/// # Errors
+/// Also when the file is no ELF image of `cortex-m-rt`.
+pub fn check(elf: &[u8], needed: &[usize]) -> Result<()> {
+    let file = object::File::parse(elf).context("not an ELF image")?;
+    let table = file
+        .section_by_name(".vector_table")
+        .context("no section .vector_table")?
+        .data()?;
+    let default = file
+        .symbols()
+        .find(|symbol| symbol.name() == Ok("DefaultHandler_"))
+        .context("no symbol DefaultHandler_")?
+        .address();
+    for &interrupt in needed {
+        let vector = handler(table, interrupt);
+        ensure!(
+            vector.is_some_and(|vector| vector != 0 && vector != default),
+            "interrupt {interrupt} has no handler: it is bound under a name that the vector table \
+             does not know"
+        );
+    }
+    Ok(())
+}
+
+/// The address of an interrupt's handler, the Thumb bit set as a symbol has it.
+fn handler(table: &[u8], interrupt: usize) -> Option<u64> {
+    let (vectors, _) = table.as_chunks::<4>();
+    let vector = vectors.get(CORE_VECTORS + interrupt)?;
+    Some(u32::from_le_bytes(*vector).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interrupts_follow_the_cores_own_vectors() {
+        let table: Vec<u8> = (0..20_u32).flat_map(u32::to_le_bytes).collect();
+        assert_eq!(handler(&table, 0), Some(16));
+        assert_eq!(handler(&table, 3), Some(19));
+        assert_eq!(handler(&table, 4), None);
+    }
+
+    #[test]
+    fn what_is_no_image_is_refused() {
+        assert!(check(b"", &[]).is_err());
+    }
+}
