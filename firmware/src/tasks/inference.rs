@@ -11,11 +11,10 @@ use shared::{
     safe_state::{Event, SafeState, Start},
     units::{Millis, SampleIndex},
 };
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 use super::{
-    PACKETS,
-    output::{self, Line},
+    PACKETS, output,
     watchdog::{self, ROUND},
 };
 use crate::{board::Restart, model_region, radio::follow::now};
@@ -38,20 +37,22 @@ pub enum Refusal {
     Smoother(#[from] shared::smoother::SettingsError),
 }
 
-/// The model's encoder and smoother, before the first sample.
+/// From sample to report, for whichever model lies in flash.
+pub type Line = Pipeline<'static, AnyShape<'static>>;
+
+/// The model's encoder and smoother, before the first sample. To be called once.
 ///
 /// # Errors
 /// Tells why the model cannot be run.
-pub fn load(restart: Restart) -> Result<Pipeline<'static, AnyShape<'static>>, Refusal> {
+// Not inlined: what it needs of the stack is given back before anything else runs.
+#[inline(never)]
+pub fn load(restart: Restart) -> Result<&'static mut Line, Refusal> {
+    static LINE: StaticCell<Line> = StaticCell::new();
     let model = Model::parse(model_region::bytes())?;
     let encoder = AnyShape::new(&model)?;
     let settings = model.header.smoother.in_patches();
-    Ok(Pipeline::new(
-        encoder,
-        MEMORY.take(),
-        settings,
-        start(restart),
-    )?)
+    let line = Pipeline::new(encoder, MEMORY.take(), settings, start(restart))?;
+    Ok(LINE.init(line))
 }
 
 fn start(restart: Restart) -> Start {
@@ -63,9 +64,8 @@ fn start(restart: Restart) -> Start {
 
 /// Runs the model for ever.
 #[embassy_executor::task]
-pub async fn run(pipeline: Pipeline<'static, AnyShape<'static>>) -> ! {
-    let mut pipeline = pipeline;
-    output::say(Line::Report(pipeline.state_report()));
+pub async fn run(pipeline: &'static mut Line) -> ! {
+    output::say(output::Line::Report(pipeline.state_report()));
     let mut receiver = Receiver::new();
     loop {
         watchdog::INFERENCE.alive();
@@ -92,7 +92,7 @@ pub async fn run(pipeline: Pipeline<'static, AnyShape<'static>>) -> ! {
 
 fn tell(reports: Reports) {
     for report in reports {
-        output::say(Line::Report(report));
+        output::say(output::Line::Report(report));
     }
 }
 
@@ -114,8 +114,8 @@ pub async fn refuse(refusal: Refusal, restart: Restart) -> ! {
     guard.handle(now(), Event::ModelRefused);
     let mut sequence = 0_u32;
     loop {
-        output::say(Line::Refused(refusal));
-        output::say(Line::Report(Report {
+        output::say(output::Line::Refused(refusal));
+        output::say(output::Line::Report(Report {
             kind: Kind::State,
             sequence,
             instant: SampleIndex(0),

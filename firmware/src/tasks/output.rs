@@ -12,7 +12,7 @@ use embassy_sync::{
 };
 use embassy_time::with_timeout;
 use shared::{
-    myo::{Address, FirmwareVersion},
+    myo::{Address, Counters, FirmwareVersion},
     report_line::Report,
     safe_state::{Cause, Status},
 };
@@ -38,6 +38,8 @@ pub enum Line {
     Refused(Refusal),
     /// An armband streams.
     Armband(Armband),
+    /// A stream ended; counts of all streams since the start.
+    StreamOver(Counters),
     /// The armband's battery runs low; percent.
     LowBattery(u8),
     /// The inference fell behind, and so many packets were dropped since the start.
@@ -55,7 +57,7 @@ pub struct Armband {
     pub battery: Option<u8>,
 }
 
-/// Longest comment: a refused model's tensor and numbers.
+/// Longest comment: all counters of a stream.
 const MOST_BYTES: usize = 256;
 
 static LINES: Queue<Line, 16> = Queue::new();
@@ -129,6 +131,7 @@ fn text(line: Line) -> heapless::String<MOST_BYTES> {
         ),
         Line::Refused(refusal) => write!(text, "# {refusal}\r\n"),
         Line::Armband(armband) => write!(text, "# {armband}\r\n"),
+        Line::StreamOver(counters) => stream_over(&mut text, counters),
         Line::LowBattery(percent) => write!(text, "# armband battery low: {percent} %\r\n"),
         Line::Dropped(packets) => {
             write!(text, "# inference too slow: {packets} packets dropped\r\n")
@@ -140,6 +143,26 @@ fn text(line: Line) -> heapless::String<MOST_BYTES> {
         let _ = text.push_str("\r\n");
     }
     text
+}
+
+fn stream_over(text: &mut heapless::String<MOST_BYTES>, counters: Counters) -> fmt::Result {
+    let Counters {
+        connections,
+        notifications,
+        lost,
+        given_up,
+        duplicates,
+        reordered,
+        malformed,
+        foreign,
+        ..
+    } = counters;
+    write!(
+        text,
+        "# stream over; since start: connections {connections}, notifications {notifications}, \
+         samples lost {lost}, given up {given_up}, duplicates {duplicates}, swaps {reordered}, \
+         malformed {malformed}, foreign {foreign}\r\n"
+    )
 }
 
 impl fmt::Display for Armband {

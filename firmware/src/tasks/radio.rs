@@ -36,11 +36,15 @@ struct Told {
 impl Told {
     fn news(&self, session: &MyoSession) {
         let phase = session.phase();
-        if self.phase.replace(Some(phase)) != Some(phase) {
+        let before = self.phase.replace(Some(phase));
+        if before != Some(phase) {
             output::armband(phase == Phase::Streaming);
+            if before == Some(Phase::Streaming) {
+                output::say(Line::StreamOver(session.counters()));
+            }
             if phase == Phase::Streaming {
                 output::say(Line::Armband(Armband {
-                    address: None,
+                    address: session.armband(),
                     firmware: session.firmware(),
                     battery: session.battery(),
                 }));

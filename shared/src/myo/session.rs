@@ -83,6 +83,7 @@ pub struct MyoSession {
     sequence: Sequence,
     back_off: BackOff,
     counters: Counters,
+    armband: Option<Address>,
     battery: Option<u8>,
     firmware: Option<FirmwareVersion>,
 }
@@ -97,6 +98,7 @@ impl MyoSession {
             sequence: Sequence::new(),
             back_off: BackOff::new(),
             counters: Counters::default(),
+            armband: None,
             battery: None,
             firmware: None,
         }
@@ -151,6 +153,12 @@ impl MyoSession {
     #[must_use]
     pub const fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// Which armband it connected to, or tried to, last.
+    #[must_use]
+    pub const fn armband(&self) -> Option<Address> {
+        self.armband
     }
 
     /// Charge of the armband in percent, as last told; none of this connection's yet.

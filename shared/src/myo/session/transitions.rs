@@ -19,6 +19,7 @@ impl MyoSession {
     pub(super) fn connect(&mut self, now: Millis, address: Address, act: &mut impl FnMut(Action)) {
         self.state = State::Connecting { since: now };
         act(Action::StopScan);
+        self.armband = Some(address);
         act(Action::Connect(address));
     }
 
