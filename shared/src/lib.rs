@@ -6,11 +6,21 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
 #![deny(unsafe_code)]
+// The unit tests on a core without operating system: started by tests/device/runtime.
+#![cfg_attr(
+    all(test, target_os = "none"),
+    no_main,
+    feature(custom_test_frameworks),
+    reexport_test_harness_main = "run_tests"
+)]
 
 #[cfg(any(test, feature = "write"))]
 extern crate alloc;
-#[cfg(test)]
+#[cfg(all(test, not(target_os = "none")))]
 extern crate std;
+
+#[cfg(all(test, target_os = "none"))]
+test::entry!(run_tests);
 
 pub mod arithmetic;
 pub mod encoder;
