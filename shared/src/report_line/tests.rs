@@ -1,7 +1,11 @@
 //! The line: written, read back, damaged.
 
 use super::*;
-use alloc::{format, string::{String, ToString}, vec::Vec};
+use alloc::{
+    format,
+    string::{String, ToString},
+    vec::Vec,
+};
 use proptest::prelude::*;
 
 const BOOT: Report = Report {

@@ -117,7 +117,10 @@ impl<E: Debug> Outcome for Result<(), E> {
 /// # Errors
 /// Where the test gave an error back, which is printed.
 pub fn assert_test_result(outcome: impl Outcome) -> Result<(), &'static str> {
-    outcome.passed().then_some(()).ok_or("the test gave an error")
+    outcome
+        .passed()
+        .then_some(())
+        .ok_or("the test gave an error")
 }
 
 /// Lists the tests, or runs the one that the command line names.

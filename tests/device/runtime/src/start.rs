@@ -33,7 +33,10 @@ macro_rules! entry {
 
 /// Runs a program once and ends the emulator; for [`entry!`](crate::entry).
 pub fn start(main: fn()) -> ! {
-    #[expect(unsafe_code, reason = "the allocator cannot know that it is given memory once")]
+    #[expect(
+        unsafe_code,
+        reason = "the allocator cannot know that it is given memory once"
+    )]
     // SAFETY: the first statement of the program, run once, before anything allocates.
     unsafe {
         embedded_alloc::init!(HEAP, HEAP_BYTES);
@@ -67,7 +70,10 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 }
 
 // `allow`, for `expect` does not see through what the attribute makes of the function.
-#[allow(unsafe_code, reason = "the runtime asks for it: a fault may come anywhere")]
+#[allow(
+    unsafe_code,
+    reason = "the runtime asks for it: a fault may come anywhere"
+)]
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     println!("hard fault at {:#010x}", frame.pc());

@@ -38,7 +38,12 @@ pub fn whole(recording: &Recording) {
 
 /// Sample by sample it becomes the same, one sample late.
 pub fn stream(recording: &Recording) {
-    let Recording { name, raw, expected, .. } = recording;
+    let Recording {
+        name,
+        raw,
+        expected,
+        ..
+    } = recording;
     let mut preprocessor = Preprocessor::new();
     for (index, sample) in raw.iter().enumerate() {
         let given = preprocessor.push(*sample).map(scaled);
@@ -50,7 +55,10 @@ pub fn stream(recording: &Recording) {
 
 /// A left arm is reordered before it is cleaned.
 pub fn left_arm(recording: &Recording) {
-    let mirrored = recording.raw.iter().map(|sample| ArmSide::Left.reorder(*sample));
+    let mirrored = recording
+        .raw
+        .iter()
+        .map(|sample| ArmSide::Left.reorder(*sample));
     let output = cleaned(mirrored);
     assert!(output == recording.expected, "{} differs", recording.name);
 }
@@ -58,7 +66,12 @@ pub fn left_arm(recording: &Recording) {
 /// The reference can also rectify before the median. It is no option here: the check shows that
 /// the order of the two steps is understood, and that it matters.
 pub fn rectified_first(recording: &Recording) {
-    let Recording { name, raw, expected, .. } = recording;
+    let Recording {
+        name,
+        raw,
+        expected,
+        ..
+    } = recording;
     let size = |index: Option<usize>, channel: usize| {
         let sample = index.and_then(|index| raw.get(index));
         sample.map_or(0, |sample: &Sample| sample[channel].unsigned_abs())

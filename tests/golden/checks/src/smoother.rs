@@ -66,7 +66,11 @@ impl Case {
 
 /// Live labels are the reference's in every case.
 pub fn live(set: &Set) {
-    let scores: Vec<f32> = set.tails.iter().map(|score| f32::from(*score) / 256.0).collect();
+    let scores: Vec<f32> = set
+        .tails
+        .iter()
+        .map(|score| f32::from(*score) / 256.0)
+        .collect();
     let windows: Vec<[[f32; CLASSES]; TAIL]> = (scores.as_chunks::<CLASSES>().0)
         .as_chunks::<TAIL>()
         .0

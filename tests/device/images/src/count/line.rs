@@ -6,7 +6,6 @@
 
 use core::hint::black_box;
 
-
 use shared::{
     encoder::{Patch, any_shape::AnyShape},
     intent::MAX_CLASSES,
@@ -63,7 +62,8 @@ pub fn count(model: &Model<'_>, samples: &[Sample]) -> Counts {
     let settings = model.header.smoother.in_patches();
     let encoder = AnyShape::new(model).expect("a compiled shape");
     let mut memory = encoder.fresh();
-    let mut line = Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
+    let mut line =
+        Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
 
     let mut preprocessor = Preprocessor::new();
     let mut ring = SampleRing::new();
@@ -124,4 +124,3 @@ pub fn count(model: &Model<'_>, samples: &[Sample]) -> Counts {
     }
     counts
 }
-

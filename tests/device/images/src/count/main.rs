@@ -33,7 +33,11 @@ mod image {
         let path = arguments().into_iter().next().expect("a file of samples");
         let bytes = files::read(&path).expect("a readable file");
         let (samples, rest) = bytes.as_chunks::<CHANNELS>();
-        assert!(rest.is_empty(), "{} bytes after the last sample", rest.len());
+        assert!(
+            rest.is_empty(),
+            "{} bytes after the last sample",
+            rest.len()
+        );
         let samples: Vec<Sample> = samples
             .iter()
             .map(|sample| sample.map(|byte| byte as i8))
