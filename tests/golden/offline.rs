@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use checks::smoother::{CLASSES, TAIL};
 use myointent::evaluation::offline::{Offline, Vote, WindowRows};
 use myointent_tests::golden;
 use serde_json::Value;
 use shared::smoother::Reading;
 
 use crate::files::{json, labels, npy};
-use crate::smoother::{CLASSES, SETS, TAIL, same_instant};
+use crate::smoother::{SETS, same_instant};
 
 /// Rows of logits, in the order of a file of this set.
 fn logits(folder: &Path, set: &str, part: &str) -> Vec<f32> {

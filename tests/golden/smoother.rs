@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::files::{json, labels, npy};
 
-pub use checks::smoother::{CLASSES, TAIL};
+/// What the files call the sets of windows.
 pub const SETS: [&str; 3] = ["three_class", "mask_class_wins", "edge_rows"];
 
 /// Whether a setting of a case is the second of the two that there are.
