@@ -113,6 +113,10 @@ impl fmt::Display for Table {
                 writeln!(f, "{name:<14}{mean:>9}{largest:>9}")?;
             }
         }
+        if let Some(encoder) = self.part("encoder") {
+            let mean = encoder.mean;
+            writeln!(f, "embed to head without marks between them: {mean}")?;
+        }
         let largest = self.part("total").map_or(0, |total| total.largest);
         let verdict = if largest > BUDGET { "over" } else { "within" };
         let times = largest as f64 / BUDGET as f64;

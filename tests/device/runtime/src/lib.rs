@@ -1,6 +1,6 @@
 //! What a program needs to run on the emulated Cortex-M4F: start, heap, console, test harness.
 //!
-//! Named `test` by a crate under test, it takes the place of the standard harness: [`harness`].
+//! Named `test` by a crate under test, it takes the place of the standard harness (`harness`).
 //! Console, command line, files and exit code are the emulator's, by semihosting.
 #![no_std]
 #![cfg(target_os = "none")]
