@@ -6,7 +6,8 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
 #![deny(unsafe_code)]
-// The unit tests on a core without operating system: started by tests/device/runtime.
+// The unit tests have no std either: they also run on a core without operating system, under the
+// harness of tests/device/runtime.
 #![cfg_attr(
     all(test, target_os = "none"),
     no_main,
@@ -16,8 +17,6 @@
 
 #[cfg(any(test, feature = "write"))]
 extern crate alloc;
-#[cfg(all(test, not(target_os = "none")))]
-extern crate std;
 
 #[cfg(all(test, target_os = "none"))]
 test::entry!(run_tests);

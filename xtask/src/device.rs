@@ -70,7 +70,7 @@ pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
             "--message-format=json-render-diagnostics",
         ])
         // Without --nmagic the linker pads segments to pages of 64 KiB.
-        .args(["--", "-Clink-arg=-Temulator.x", "-Clink-arg=--nmagic"])
+        .args(["--", "-Clink-arg=-Tlink.x", "-Clink-arg=--nmagic"])
         .env("CARGO_TARGET_DIR", firmware::target_directory())
         // `shared` names the start of its own test harness, for which a stable compiler needs this.
         .env("RUSTC_BOOTSTRAP", "1")
