@@ -1,6 +1,11 @@
 //! Executed instructions per patch on the Cortex-M4F, part by part.
 
-use std::{fmt, fs, path::PathBuf, time::Duration};
+use std::{
+    fmt, fs,
+    path::{Path, PathBuf},
+    process, thread,
+    time::Duration,
+};
 
 use anyhow::{Context as _, Result, bail, ensure};
 
@@ -125,13 +130,9 @@ impl fmt::Display for Table {
 }
 
 /// Runs the image over samples of 8 bytes each.
-pub fn count(image: &std::path::Path, samples: &[u8]) -> Result<Table> {
+pub fn count(image: &Path, samples: &[u8]) -> Result<Table> {
     // One file per process and thread: tests count side by side.
-    let name = format!(
-        "samples-{}-{:?}",
-        std::process::id(),
-        std::thread::current().id()
-    );
+    let name = format!("samples-{}-{:?}", process::id(), thread::current().id());
     let file = image.with_file_name(name);
     fs::write(&file, samples).with_context(|| format!("{} cannot be written", file.display()))?;
     let outcome = device::run(image, &[&file], Clock::Instructions, LIMIT);
@@ -165,7 +166,7 @@ pub fn made_up() -> Vec<u8> {
         .collect()
 }
 
-fn read_npy(path: &std::path::Path) -> Result<Vec<u8>> {
+fn read_npy(path: &Path) -> Result<Vec<u8>> {
     let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
     npy_body(&bytes)
         .with_context(|| format!("{} is no npy file of bytes in rows of 8", path.display()))
