@@ -1,5 +1,7 @@
 //! Equality with the numbers that the published reference code gave.
 
+#[path = "golden/cases.rs"]
+mod cases;
 #[path = "golden/files.rs"]
 mod files;
 #[path = "golden/offline.rs"]

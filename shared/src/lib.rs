@@ -6,11 +6,20 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
 #![deny(unsafe_code)]
+// The unit tests have no std either: they also run on a core without operating system, under the
+// harness of tests/device/runtime.
+#![cfg_attr(
+    all(test, target_os = "none"),
+    no_main,
+    feature(custom_test_frameworks),
+    reexport_test_harness_main = "run_tests"
+)]
 
 #[cfg(any(test, feature = "write"))]
 extern crate alloc;
-#[cfg(test)]
-extern crate std;
+
+#[cfg(all(test, target_os = "none"))]
+test::entry!(run_tests);
 
 pub mod arithmetic;
 pub mod encoder;

@@ -92,11 +92,9 @@ impl ArmSide {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
-
     use super::*;
+    use alloc::vec::Vec;
     use proptest::prelude::*;
-    use std::vec::Vec;
 
     /// One channel of the rule as its source words it.
     fn naive(values: &[i8]) -> Vec<u8> {

@@ -83,10 +83,8 @@ impl Default for SampleRing {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
-
     use super::*;
-    use std::vec::Vec;
+    use alloc::vec::Vec;
 
     fn numbered(number: usize) -> CleanSample {
         [(number % 129) as u8; CHANNELS]

@@ -1,16 +1,32 @@
 //! The labels of the published evaluation: golden/smoother, offline.
 
+use std::path::Path;
+
+use checks::smoother::{CLASSES, TAIL};
 use myointent::evaluation::offline::{Offline, Vote, WindowRows};
 use myointent_tests::golden;
 use serde_json::Value;
+use shared::smoother::Reading;
 
-use crate::files::{json, labels};
-use crate::smoother::{CLASSES, SETS, TAIL, logits, reading};
+use crate::files::{json, labels, npy};
+use crate::smoother::{SETS, same_instant};
+
+/// Rows of logits, in the order of a file of this set.
+fn logits(folder: &Path, set: &str, part: &str) -> Vec<f32> {
+    let values: Vec<i16> = npy(&folder.join(format!("{set}.{part}.npy")));
+    values
+        .iter()
+        .map(|value| f32::from(*value) / 256.0)
+        .collect()
+}
 
 fn offline(case: &Value) -> Offline {
     let max_factor = case["weight_max_factor"].as_f64().unwrap();
     Offline {
-        reading: reading(case),
+        reading: match same_instant(case) {
+            true => Reading::SameInstant,
+            false => Reading::AllRowsFrom,
+        },
         vote: match case["likelihood_format"].as_str() {
             Some("logits") => Vote::MeanLogits { max_factor },
             Some("argmax") => Vote::Majority,

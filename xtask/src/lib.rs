@@ -4,6 +4,8 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod count;
+pub mod device;
 pub mod firmware;
 pub mod size;
 pub mod toolchain;

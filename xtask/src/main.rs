@@ -6,7 +6,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{firmware, toolchain};
+use xtask::{count, firmware, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -20,6 +20,8 @@ struct Arguments {
 enum Step {
     /// Builds the images of all boards and prints what they take of flash and RAM.
     Images(firmware::Arguments),
+    /// Counts the instructions that a patch takes on the emulated Cortex-M4F, part by part.
+    Count(count::Arguments),
     /// Says which toolchain would build the board's image, and installs it if asked.
     Toolchain {
         /// Installs what is missing, as root, with apt-get.
@@ -31,6 +33,7 @@ enum Step {
 fn main() -> Result<()> {
     match Arguments::parse().step {
         Step::Images(arguments) => firmware::build(&arguments),
+        Step::Count(arguments) => count::print(&arguments),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
     }
 }

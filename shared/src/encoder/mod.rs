@@ -20,6 +20,7 @@ pub mod linear;
 pub mod look_back_head;
 pub mod norm;
 pub mod patch_embedding;
+pub mod probe;
 
 use crate::{
     kernels,
@@ -28,6 +29,7 @@ use crate::{
     units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES},
 };
 use attention::Memory;
+use probe::{Part, Probe};
 
 /// Attention heads of every model.
 pub const HEADS: usize = 4;
@@ -149,15 +151,31 @@ impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SP
     /// Rows that speak of patches before the state was fresh mean nothing.
     #[must_use]
     pub fn step(&self, state: &mut EncoderState<D, L, SPAN>, patch: &Patch) -> Logits {
+        self.step_probed(state, patch, &mut ())
+    }
+
+    /// As [`Encoder::step`], telling a probe at the end of every part.
+    #[must_use]
+    pub fn step_probed(
+        &self,
+        state: &mut EncoderState<D, L, SPAN>,
+        patch: &Patch,
+        probe: &mut impl Probe,
+    ) -> Logits {
         let newest = state.next;
         state.next = (newest + 1) % SPAN;
         state.filled = (state.filled + 1).min(SPAN);
         let mut h = patch_embedding::embed::<D>(&self.embed, self.companding, patch);
+        probe.done(Part::Embed);
         for (layer, memory) in self.layers.iter().zip(&mut state.layers) {
             memory.attend(layer, newest, state.filled, &mut h);
+            probe.done(Part::Attention);
             feed_forward::feed_forward(layer, &mut h);
+            probe.done(Part::FeedForward);
         }
-        look_back_head::scores(&self.final_norm, &self.head, &h, self.classes)
+        let logits = look_back_head::scores(&self.final_norm, &self.head, &h, self.classes);
+        probe.done(Part::Head);
+        logits
     }
 
     /// Rebuilds a state from patches, oldest first, and gives the outputs of the newest six steps,

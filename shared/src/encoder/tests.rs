@@ -1,7 +1,6 @@
 //! Streaming against from scratch, and the integer encoder against its formulas in f64.
 
 use alloc::vec::Vec;
-use std::eprintln;
 
 use proptest::prelude::*;
 
@@ -150,7 +149,6 @@ fn a_model_of_another_shape_is_refused() {
 #[test]
 fn the_state_of_the_usual_student_has_its_stated_size() {
     let bytes = size_of::<EncoderState<64, 2, 27>>();
-    eprintln!("EncoderState<64, 2, 27>: {bytes} bytes");
     // Per layer keys and values of 27 x 64 i16 and 2 x 27 x 4 scales; then two indices.
     assert_eq!(
         bytes,
@@ -177,8 +175,8 @@ mod naive {
 
     fn norm(norm: &NormParts, h: &[f64]) -> Vector {
         let mean = h.iter().sum::<f64>() / h.len() as f64;
-        let variance = h.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / h.len() as f64;
-        let normalised = h.iter().map(|x| (x - mean) / (variance + 1e-5).sqrt());
+        let variance = h.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / h.len() as f64;
+        let normalised = h.iter().map(|x| (x - mean) / libm::sqrt(variance + 1e-5));
         let constants = norm.gain.iter().zip(&norm.bias);
         normalised
             .zip(constants)
@@ -207,7 +205,7 @@ mod naive {
                         let product: f64 =
                             part(p, 0).iter().zip(part(t, 1)).map(|(q, k)| q * k).sum();
                         let bias = f64::from(layer.relative_bias[head * span + p - t]);
-                        (product / (size as f64).sqrt() + bias).exp()
+                        libm::exp(product / libm::sqrt(size as f64) + bias)
                     })
                     .collect();
                 let sum: f64 = weights.iter().sum();
@@ -225,7 +223,7 @@ mod naive {
     }
 
     pub fn outputs(model: &ModelParts, patches: &[Patch]) -> Vec<Vector> {
-        let value = |x: &u8| (f64::from(*x) / 128.0).sqrt();
+        let value = |x: &u8| libm::sqrt(f64::from(*x) / 128.0);
         let embed = |patch: &Patch| {
             linear(
                 &model.embed,
@@ -241,7 +239,7 @@ mod naive {
                 let hidden = linear(&layer.ff1, &norm(&layer.norm2, h));
                 let hidden: Vector = hidden
                     .iter()
-                    .map(|x| x / (1.0 + (-1.702 * x).exp()))
+                    .map(|x| x / (1.0 + libm::exp(-1.702 * x)))
                     .collect();
                 let update = linear(&layer.ff2, &hidden);
                 h.iter_mut().zip(&update).for_each(|(h, x)| *h += x);
@@ -280,7 +278,6 @@ fn the_integer_encoder_stays_by_its_formulas() {
         worst = worst.max(distance_from_formulas::<24, 3, 18>(seed));
     }
     worst = worst.max(distance_from_formulas::<64, 2, 27>(1));
-    eprintln!("largest distance of a logit from its formula: {worst:e}");
     // Logits are of order 1; a wrong term anywhere moves them by 0.1 and more.
     assert!(worst < 5e-3, "{worst}");
 }

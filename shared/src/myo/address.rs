@@ -79,7 +79,7 @@ impl fmt::Display for Address {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::string::ToString;
+    use alloc::string::ToString;
 
     const PINNED: Result<Address, AddressError> = Address::parse("FA:01:23:45:67:8b");
 

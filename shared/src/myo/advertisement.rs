@@ -32,8 +32,8 @@ fn structures(mut data: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
     use proptest::prelude::*;
-    use std::vec::Vec;
 
     fn listing(kind: u8, uuids: &[Uuid]) -> Vec<u8> {
         let mut data = Vec::from([1 + 16 * uuids.len() as u8, kind]);

@@ -128,7 +128,7 @@ impl Order {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::vec::Vec;
+    use alloc::vec::Vec;
 
     /// Feeds numbered packets, each when it would be due, and gives what was placed: the number,
     /// and how many are missing before it.

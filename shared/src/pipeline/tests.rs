@@ -1,13 +1,11 @@
 //! The composed line over a model that is easy to foretell.
 
-extern crate std;
-
 use super::*;
 use crate::preprocess::clean;
 use crate::safe_state::Cause;
 use crate::units::CHANNELS;
+use alloc::{boxed::Box, vec, vec::Vec};
 use proptest::prelude::*;
-use std::{boxed::Box, vec, vec::Vec};
 
 /// Says of each patch, whenever asked, the class that the patch's channel 0 spells out. Stricter
 /// than a model: it minds that patches are whole and never more than the stream gave.

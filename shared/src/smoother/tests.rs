@@ -1,10 +1,8 @@
 //! The smoother beside a twin that keeps every window and adds up as the definition says.
 
-extern crate std;
-
 use super::*;
+use alloc::{vec, vec::Vec};
 use proptest::prelude::*;
-use std::{vec, vec::Vec};
 
 const CLASSES: usize = 4;
 const ROWS: usize = 6;
@@ -27,13 +25,13 @@ fn naive_sums(settings: &Settings, windows: &[Rows]) -> [f64; CLASSES] {
                 Weighting::Equal { max_factor } => growth(max_factor, late),
                 Weighting::Progressive { max_factor } => growth(max_factor, after),
             };
-            let total: f64 = row.iter().map(|logit| f64::from(*logit).exp()).sum();
+            let total: f64 = row.iter().map(|logit| libm::exp(f64::from(*logit))).sum();
             for (sum, logit) in sums.iter_mut().zip(row) {
                 let logit = f64::from(*logit);
                 *sum += weight
                     * match settings.likelihood {
                         Likelihood::Logits => logit,
-                        Likelihood::Probabilities => logit.exp() / total,
+                        Likelihood::Probabilities => libm::exp(logit) / total,
                     };
             }
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::myo::Lane;
 use crate::units::Millis;
-use std::{vec, vec::Vec};
+use alloc::{vec, vec::Vec};
 
 /// What came out: the number of a packet, or how many samples are missing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -13,8 +13,8 @@
 
 use super::tests::{Out, arrival, out};
 use super::*;
+use alloc::vec::Vec;
 use proptest::prelude::*;
-use std::vec::Vec;
 
 /// What befalls the stream next.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg};
 use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
 use crate::myo::{Command, Uuid};
-use std::vec::Vec;
+use alloc::vec::Vec;
 
 mod properties;
 

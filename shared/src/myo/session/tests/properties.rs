@@ -4,8 +4,8 @@ use super::{NEAR, address, advertisement, everything};
 use crate::myo::characteristic::{Characteristic, Found};
 use crate::myo::{Action, Event, MyoSession, Phase, Settings};
 use crate::units::Millis;
+use alloc::{vec, vec::Vec};
 use proptest::prelude::*;
-use std::{vec, vec::Vec};
 
 /// An event with its bytes. `Answer` is whatever answers the outstanding operation well, so that
 /// random walks get beyond the first step.

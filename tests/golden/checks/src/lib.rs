@@ -1,0 +1,59 @@
+//! Golden checks over plain data: the same on a PC and on the emulated core.
+//!
+//! Reading the reference's files is the PC's part (tests/golden). What comes out is a [`Check`]:
+//! it runs where it is, or travels as bytes to an image that runs it.
+#![no_std]
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+extern crate alloc;
+
+pub mod preprocess;
+pub mod smoother;
+
+use alloc::vec::Vec;
+
+use serde::{Deserialize, Serialize};
+
+use preprocess::Recording;
+use smoother::Set;
+
+/// What is checked, with its data.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub enum Check {
+    /// [`preprocess::whole`].
+    WholeRecordings(Vec<Recording>),
+    /// [`preprocess::stream`].
+    Stream(Vec<Recording>),
+    /// [`preprocess::left_arm`].
+    LeftArm(Vec<Recording>),
+    /// [`preprocess::rectified_first`].
+    RectifiedFirst(Vec<Recording>),
+    /// [`preprocess::live_edges`].
+    LiveEdges(Vec<Recording>),
+    /// [`smoother::live`].
+    LiveLabels(Vec<Set>),
+}
+
+impl Check {
+    /// Checks every case.
+    ///
+    /// # Panics
+    /// At the first case that differs from the reference, or where there is none.
+    pub fn run(&self) {
+        let count = match self {
+            Self::WholeRecordings(recordings) => each(recordings, preprocess::whole),
+            Self::Stream(recordings) => each(recordings, preprocess::stream),
+            Self::LeftArm(recordings) => each(recordings, preprocess::left_arm),
+            Self::RectifiedFirst(recordings) => each(recordings, preprocess::rectified_first),
+            Self::LiveEdges(recordings) => each(recordings, preprocess::live_edges),
+            Self::LiveLabels(sets) => each(sets, smoother::live),
+        };
+        assert!(count > 0, "nothing to check");
+    }
+}
+
+fn each<T>(cases: &[T], check: fn(&T)) -> usize {
+    cases.iter().for_each(check);
+    cases.len()
+}

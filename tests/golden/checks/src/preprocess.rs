@@ -1,0 +1,106 @@
+//! Median and rectification.
+
+use alloc::{string::String, vec::Vec};
+
+use serde::{Deserialize, Serialize};
+use shared::preprocess::{ArmSide, DIVISOR, Preprocessor, clean};
+use shared::units::{CHANNELS, CleanSample, Sample, WINDOW};
+
+/// The model's input at one instant, 0 ... 1.
+pub type Input = [f32; CHANNELS];
+
+/// A recording and what the reference makes of it.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Recording {
+    /// Its name in the reference's files.
+    pub name: String,
+    /// As the armband sent it.
+    pub raw: Vec<Sample>,
+    /// What the check compares with.
+    pub expected: Vec<Input>,
+    /// Windows from one that the reference stored to the next; 1 where there are no windows.
+    pub stored_every: u32,
+}
+
+fn scaled(sample: CleanSample) -> Input {
+    sample.map(|value| f32::from(value) / f32::from(DIVISOR))
+}
+
+fn cleaned(samples: impl IntoIterator<Item = Sample>) -> Vec<Input> {
+    clean(samples).map(scaled).collect()
+}
+
+/// A whole recording becomes the reference's input.
+pub fn whole(recording: &Recording) {
+    let output = cleaned(recording.raw.iter().copied());
+    assert!(output == recording.expected, "{} differs", recording.name);
+}
+
+/// Sample by sample it becomes the same, one sample late.
+pub fn stream(recording: &Recording) {
+    let Recording {
+        name,
+        raw,
+        expected,
+        ..
+    } = recording;
+    let mut preprocessor = Preprocessor::new();
+    for (index, sample) in raw.iter().enumerate() {
+        let given = preprocessor.push(*sample).map(scaled);
+        let before = index.checked_sub(1).map(|before| expected[before]);
+        assert_eq!(given, before, "{name}, sample {index}");
+    }
+    assert_eq!(preprocessor.finish().map(scaled), expected.last().copied());
+}
+
+/// A left arm is reordered before it is cleaned.
+pub fn left_arm(recording: &Recording) {
+    let mirrored = recording
+        .raw
+        .iter()
+        .map(|sample| ArmSide::Left.reorder(*sample));
+    let output = cleaned(mirrored);
+    assert!(output == recording.expected, "{} differs", recording.name);
+}
+
+/// The reference can also rectify before the median. It is no option here: the check shows that
+/// the order of the two steps is understood, and that it matters.
+pub fn rectified_first(recording: &Recording) {
+    let Recording {
+        name,
+        raw,
+        expected,
+        ..
+    } = recording;
+    let size = |index: Option<usize>, channel: usize| {
+        let sample = index.and_then(|index| raw.get(index));
+        sample.map_or(0, |sample: &Sample| sample[channel].unsigned_abs())
+    };
+    let output: Vec<_> = (0..raw.len())
+        .map(|index| {
+            scaled(core::array::from_fn(|channel| {
+                let mut three = [index.checked_sub(1), Some(index), Some(index + 1)]
+                    .map(|index| size(index, channel));
+                three.sort_unstable();
+                three[1]
+            }))
+        })
+        .collect();
+    assert!(output == *expected, "{name} differs");
+    assert!(output != cleaned(raw.iter().copied()), "{name} is the same");
+}
+
+/// The reference's live path cleans each window of raw samples by itself: its first and its last
+/// sample, of every window that was stored.
+pub fn live_edges(recording: &Recording) {
+    let edges: Vec<_> = recording
+        .raw
+        .windows(WINDOW)
+        .step_by(recording.stored_every as usize)
+        .flat_map(|window| {
+            let window = cleaned(window.iter().copied());
+            [window[0], window[WINDOW - 1]]
+        })
+        .collect();
+    assert!(edges == recording.expected, "{} differs", recording.name);
+}

@@ -1,0 +1,98 @@
+//! Look-ahead and hold against the reference's live aggregator.
+
+use alloc::{string::String, vec::Vec};
+
+use serde::{Deserialize, Serialize};
+use shared::smoother::{Likelihood, Reading, Settings, Smoother, Weighting};
+use shared::units::SampleIndex;
+
+/// The three classes and MASK, which the reference lets win.
+pub const CLASSES: usize = 4;
+/// Rows that the files keep of every window.
+pub const TAIL: usize = 52;
+
+/// Windows and what the reference says of them under many settings.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Set {
+    /// Its name in the reference's files.
+    pub name: String,
+    /// Newest rows of every window, oldest first, [`TAIL`] x [`CLASSES`] a window, in 1/256.
+    pub tails: Vec<i16>,
+    /// The settings.
+    pub cases: Vec<Case>,
+}
+
+/// Settings and the labels under them.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Case {
+    /// [`Reading::SameInstant`], or else [`Reading::AllRowsFrom`].
+    pub same_instant: bool,
+    /// [`Likelihood::Probabilities`], or else [`Likelihood::Logits`].
+    pub probabilities: bool,
+    /// [`Weighting::Progressive`], or else [`Weighting::Equal`].
+    pub progressive: bool,
+    /// Of either weighting.
+    pub max_factor: f32,
+    /// In rows, here samples.
+    pub look_ahead: u32,
+    /// In windows.
+    pub hold: u32,
+    /// One a window, none where none was due.
+    pub labels: Vec<Option<u8>>,
+}
+
+impl Case {
+    fn settings(&self) -> Settings {
+        let max_factor = self.max_factor;
+        Settings {
+            reading: match self.same_instant {
+                true => Reading::SameInstant,
+                false => Reading::AllRowsFrom,
+            },
+            likelihood: match self.probabilities {
+                true => Likelihood::Probabilities,
+                false => Likelihood::Logits,
+            },
+            weighting: match self.progressive {
+                true => Weighting::Progressive { max_factor },
+                false => Weighting::Equal { max_factor },
+            },
+            look_ahead: self.look_ahead as usize,
+            hold: self.hold as usize,
+            row_samples: 1,
+        }
+    }
+}
+
+/// Live labels are the reference's in every case.
+pub fn live(set: &Set) {
+    let scores: Vec<f32> = set
+        .tails
+        .iter()
+        .map(|score| f32::from(*score) / 256.0)
+        .collect();
+    let windows: Vec<[[f32; CLASSES]; TAIL]> = (scores.as_chunks::<CLASSES>().0)
+        .as_chunks::<TAIL>()
+        .0
+        .iter()
+        .map(|oldest_first| {
+            let mut rows = *oldest_first;
+            rows.reverse();
+            rows
+        })
+        .collect();
+    assert!(!set.cases.is_empty(), "{}: no cases", set.name);
+    for case in &set.cases {
+        let settings = case.settings();
+        let mut smoother = Smoother::<CLASSES, TAIL>::new(settings, CLASSES).expect("settings");
+        let emitted: Vec<_> = (599..)
+            .zip(&windows)
+            .map(|(end, rows)| {
+                let decision = smoother.push(SampleIndex(end), rows)?;
+                assert_eq!(decision.instant.0, end - case.look_ahead);
+                u8::try_from(decision.class).ok()
+            })
+            .collect();
+        assert_eq!(emitted, case.labels, "{}: {settings:?}", set.name);
+    }
+}

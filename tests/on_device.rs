@@ -1,0 +1,124 @@
+//! The tests of `shared` on the emulated Cortex-M4F, each a test of its own here.
+//!
+//! Unit tests and golden checks are those of the host, one source. Every test has an emulator to
+//! itself, so that a panic or an endless loop takes no other test with it. Without a cross
+//! compiler or an emulator there are no tests, and one line says so.
+
+#[path = "golden/cases.rs"]
+mod cases;
+#[path = "golden/files.rs"]
+mod files;
+#[path = "golden/preprocess.rs"]
+mod preprocess;
+#[path = "golden/smoother.rs"]
+mod smoother;
+
+use std::{fs, path::Path, process::ExitCode, sync::Arc, time::Duration};
+
+use anyhow::{Context as _, Result, ensure};
+use libtest_mimic::{Arguments, Failed, Trial};
+use myointent_tests::{golden, skip};
+use xtask::{
+    count::{self, Table},
+    device::{self, Clock, Image},
+    toolchain::{self, Toolchain},
+};
+
+/// The slowest test takes 8 s on a core of its own.
+const LIMIT: Duration = Duration::from_secs(120);
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let found = toolchain::find(false).and_then(|found| device::find_emulator().map(|()| found));
+    let trials = match found {
+        Ok(toolchain) => trials(&toolchain).unwrap_or_else(|error| {
+            let message = format!("{error:#}");
+            vec![trial("images_build_and_list_their_tests", || {
+                anyhow::bail!(message)
+            })]
+        }),
+        Err(missing) => {
+            skip("on_device", &format!("{missing:#}").replace('\n', " "));
+            Vec::new()
+        }
+    };
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trials(toolchain: &Toolchain) -> Result<Vec<Trial>> {
+    let mut trials = Vec::new();
+    let unit_tests: Arc<Path> = device::build(toolchain, Image::UnitTests)?.into();
+    for name in names(&unit_tests)? {
+        let image = unit_tests.clone();
+        trials.push(trial(&name.clone(), move || pass(&image, &name)));
+    }
+    let image: Arc<Path> = device::build(toolchain, Image::Golden)?.into();
+    for &(name, read) in cases::ON_BOTH {
+        let image = image.clone();
+        trials.push(trial(&format!("golden::{name}"), move || {
+            golden_check(&image, name, read)
+        }));
+    }
+    let image: Arc<Path> = device::build(toolchain, Image::Count)?.into();
+    trials.push(trial(
+        "count::instructions_add_up_and_do_not_vary",
+        move || counts_add_up(&image),
+    ));
+    Ok(trials)
+}
+
+fn trial(name: &str, run: impl FnOnce() -> Result<()> + Send + 'static) -> Trial {
+    let run = || run().map_err(|error| Failed::from(format!("{error:#}")));
+    Trial::test(format!("device::{name}"), run)
+}
+
+fn names(unit_tests: &Path) -> Result<Vec<String>> {
+    let listed = device::run(unit_tests, &[""; 0], Clock::Free, LIMIT)?;
+    ensure!(listed.success, "no list of tests: {}", listed.output);
+    let names: Vec<_> = listed.output.lines().map(String::from).collect();
+    ensure!(!names.is_empty(), "the list of tests is empty");
+    Ok(names)
+}
+
+/// Runs an image with one argument, to the exit code 0.
+fn pass(image: &Path, argument: &str) -> Result<()> {
+    let outcome = device::run(image, &[argument], Clock::Free, LIMIT)?;
+    ensure!(outcome.success, "{}", outcome.output);
+    Ok(())
+}
+
+fn golden_check(image: &Path, name: &str, read: cases::Read) -> Result<()> {
+    let Some(folder) = golden(&format!("device::golden::{name}")) else {
+        return Ok(());
+    };
+    let check = postcard::to_allocvec(&read(&folder))?;
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::write(&file, check)?;
+    pass(image, file.to_str().context("a path of UTF-8")?)
+}
+
+fn counts_add_up(image: &Path) -> Result<()> {
+    let samples = count::made_up();
+    let table = count::count(image, &samples)?;
+    ensure!(table == count::count(image, &samples)?, "two runs differ");
+    ensure!(table.patches == 340, "{} patches", table.patches);
+
+    let mean =
+        |table: &Table, name: &str| -> Result<u64> { Ok(table.part(name).context("a part")?.mean) };
+    let sum = |names: &[&str]| -> Result<u64> { names.iter().map(|name| mean(&table, name)).sum() };
+    // Each mean is rounded to the nearest.
+    let whole = sum(&["preprocess", "ring", "encoder", "smoother", "rest"])?;
+    let total = sum(&["total"])?;
+    ensure!(whole.abs_diff(total) <= 3, "{whole} of {total}");
+    // What no part explains is small: the parts by themselves are those of the line.
+    let rest = sum(&["rest"])?;
+    ensure!(rest > 0 && rest < total / 20, "rest {rest} of {total}");
+    // The marks between the encoder's parts let the compiler arrange it otherwise: 1 % was seen.
+    let parts = sum(&["embed", "attention", "feed-forward", "head"])?;
+    let encoder = sum(&["encoder"])?;
+    ensure!(
+        parts.abs_diff(encoder) <= encoder / 50,
+        "{parts} of {encoder}"
+    );
+    Ok(())
+}

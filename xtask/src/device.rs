@@ -1,0 +1,191 @@
+//! Programs for the emulated Cortex-M4F: built, started, listened to.
+//!
+//! The emulator is QEMU with its board `mps2-an386`. A program gets its arguments and files, and
+//! gives its output and exit code, by semihosting (tests/device/runtime).
+
+use std::{
+    ffi::OsStr,
+    io::{self, Read as _},
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    sync::mpsc,
+    thread,
+    time::Duration,
+};
+
+use anyhow::{Context as _, Result, bail, ensure};
+
+use crate::{firmware, toolchain::Toolchain};
+
+const EMULATOR: &str = "qemu-system-arm";
+
+/// A program for the emulated core.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Image {
+    /// The unit tests of `shared`.
+    UnitTests,
+    /// Runs a golden check.
+    Golden,
+    /// Counts instructions.
+    Count,
+}
+
+impl Image {
+    fn cargo_arguments(self) -> &'static [&'static str] {
+        match self {
+            Self::UnitTests => &["--package=myointent-shared", "--lib", "--profile=test"],
+            Self::Golden => &[
+                "--package=myointent-device-images",
+                "--bin=golden",
+                "--release",
+            ],
+            Self::Count => &[
+                "--package=myointent-device-images",
+                "--bin=count",
+                "--release",
+            ],
+        }
+    }
+}
+
+/// Fails, with what would help, where there is no emulator.
+pub fn find_emulator() -> Result<()> {
+    let version = Command::new(EMULATOR).arg("--version").output();
+    ensure!(
+        version.is_ok_and(|output| output.status.success()),
+        "no emulator. Install {EMULATOR}, on Debian by\n  apt-get install -y --no-install-recommends qemu-system-arm"
+    );
+    Ok(())
+}
+
+/// Builds an image and gives its path.
+pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
+    let mut cargo = toolchain.cargo("rustc");
+    cargo
+        .args(image.cargo_arguments())
+        // Cargo.lock is as the cargo that built this program left it.
+        .args([
+            "--locked",
+            "--quiet",
+            "--message-format=json-render-diagnostics",
+        ])
+        // Without --nmagic the linker pads segments to pages of 64 KiB.
+        .args(["--", "-Clink-arg=-Tlink.x", "-Clink-arg=--nmagic"])
+        .env("CARGO_TARGET_DIR", firmware::target_directory())
+        // `shared` names the start of its own test harness, for which a stable compiler needs this.
+        .env("RUSTC_BOOTSTRAP", "1")
+        .stderr(Stdio::inherit());
+    let output = cargo.output().context("cargo cannot be run")?;
+    ensure!(output.status.success(), "{image:?} did not build");
+    let messages = String::from_utf8(output.stdout)?;
+    executable(&messages).with_context(|| format!("cargo named no executable of {image:?}"))
+}
+
+/// The last executable that cargo's messages tell of: libraries and build scripts come before.
+fn executable(messages: &str) -> Option<PathBuf> {
+    let executable = |line: &str| {
+        let message: serde_json::Value = serde_json::from_str(line).ok()?;
+        Some(PathBuf::from(message.get("executable")?.as_str()?))
+    };
+    messages.lines().filter_map(executable).next_back()
+}
+
+/// How the emulated time passes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Clock {
+    /// As fast as the emulator goes.
+    Free,
+    /// 64 ns an instruction, whatever the machine: the timers count instructions.
+    Instructions,
+}
+
+/// How a program ended.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Outcome {
+    /// Whether it exited with 0.
+    pub success: bool,
+    /// What it and the emulator printed.
+    pub output: String,
+}
+
+/// Runs an image to its end.
+///
+/// Fails if the emulator cannot be started, or if there is no end within `limit`.
+pub fn run(
+    image: &Path,
+    arguments: &[impl AsRef<OsStr>],
+    clock: Clock,
+    limit: Duration,
+) -> Result<Outcome> {
+    let (mut output, input) = io::pipe()?;
+    let mut emulator = Command::new(EMULATOR);
+    emulator
+        .args(["-M", "mps2-an386", "-cpu", "cortex-m4"])
+        .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+        .arg("-semihosting-config")
+        .arg(semihosting(arguments))
+        .arg("-kernel")
+        .arg(image)
+        .stdin(Stdio::null())
+        .stdout(input.try_clone()?)
+        .stderr(input);
+    if clock == Clock::Instructions {
+        emulator.args(["-icount", "shift=6"]);
+    }
+    let mut running = emulator.spawn().context("the emulator cannot be started")?;
+    // It holds the writing end, and the output ends with the last of them.
+    drop(emulator);
+
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let read = output.read_to_end(&mut bytes);
+        // Nobody listens any more once the limit is over.
+        let _ = sender.send(read.map(|_| bytes));
+    });
+    let Ok(bytes) = receiver.recv_timeout(limit) else {
+        running.kill()?;
+        running.wait()?;
+        bail!("no end within {limit:?}");
+    };
+    Ok(Outcome {
+        success: running.wait()?.success(),
+        output: String::from_utf8_lossy(&bytes?).into_owned(),
+    })
+}
+
+/// The emulator's option: the first argument is the program's name. A comma in an argument is doubled.
+fn semihosting(arguments: &[impl AsRef<OsStr>]) -> String {
+    let mut option = String::from("enable=on,target=native,arg=image");
+    for argument in arguments {
+        let argument = argument.as_ref().to_string_lossy().replace(',', ",,");
+        option.push_str(",arg=");
+        option.push_str(&argument);
+    }
+    option
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_executable_is_found_among_cargos_messages() {
+        let messages = r#"{"reason":"compiler-artifact","executable":null}
+{"reason":"compiler-artifact","executable":"/target/debug/deps/shared-0123"}
+{"reason":"build-finished","success":true}
+"#;
+        let expected = PathBuf::from("/target/debug/deps/shared-0123");
+        assert_eq!(executable(messages), Some(expected));
+        assert_eq!(executable("{}\nno message\n"), None);
+    }
+
+    #[test]
+    fn arguments_may_hold_commas() {
+        let option = semihosting(&["a::b", "/tmp/x,y"]);
+        assert_eq!(
+            option,
+            "enable=on,target=native,arg=image,arg=a::b,arg=/tmp/x,,y"
+        );
+    }
+}
