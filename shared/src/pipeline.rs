@@ -94,11 +94,23 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         settings: Settings,
         start: Start,
     ) -> Result<Self, SettingsError> {
+        let smoother = Smoother::new(settings, encoder.classes())?;
+        Ok(Self::with_smoother(encoder, state, smoother, start))
+    }
+
+    /// As [`Pipeline::new`], with a smoother for the encoder's classes: cannot fail, and so can be
+    /// made where it is to stay.
+    pub fn with_smoother(
+        encoder: E,
+        state: &'s mut E::State,
+        smoother: Smoother<MAX_CLASSES, LOOK_BACK>,
+        start: Start,
+    ) -> Self {
         encoder.reset(state);
-        Ok(Self {
+        Self {
             preprocessor: Preprocessor::new(),
             ring: SampleRing::new(),
-            smoother: Smoother::new(settings, encoder.classes())?,
+            smoother,
             state,
             encoder,
             guard: SafeState::new(start),
@@ -106,7 +118,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             next: SampleIndex(0),
             last: None,
             sequence: 0,
-        })
+        }
     }
 
     /// A sample came.

@@ -75,6 +75,12 @@ impl Image {
         }
     }
 
+    /// Whether it is optimised at link time. Those under a SoftDevice cannot be (see
+    /// firmware/build.rs); the others carry a Bluetooth host and need it.
+    const fn links_as_a_whole(self) -> bool {
+        matches!(self, Self::Nrf52840Sdc | Self::Emulator)
+    }
+
     /// RAM that `memory.x` gives it.
     #[must_use]
     pub const fn ram(self) -> u64 {
@@ -143,6 +149,9 @@ pub fn build_image(toolchain: &Toolchain, image: Image, locked: bool) -> Result<
         .args(["--profile", PROFILE, "--package", PACKAGE])
         .args(["--no-default-features", "--features", image.features()])
         .env("CARGO_TARGET_DIR", &directory);
+    if image.links_as_a_whole() {
+        cargo.env("CARGO_PROFILE_FIRMWARE_LTO", "fat");
+    }
     if locked {
         cargo.arg("--locked");
     }

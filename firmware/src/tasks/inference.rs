@@ -6,9 +6,10 @@ use shared::{
     encoder::any_shape::{AnyShape, AnyState},
     model_file::{Model, ModelError},
     numbering::Receiver,
-    pipeline::{Pipeline, Reports},
+    pipeline::{Encode, Pipeline, Reports},
     report_line::{Counters, Kind, Report},
     safe_state::{Event, SafeState, Start},
+    smoother::Smoother,
     units::{Millis, SampleIndex},
 };
 use static_cell::{ConstStaticCell, StaticCell};
@@ -51,8 +52,10 @@ pub fn load(restart: Restart) -> Result<&'static mut Line, Refusal> {
     let model = Model::parse(model_region::bytes())?;
     let encoder = AnyShape::new(&model)?;
     let settings = model.header.smoother.in_patches();
-    let line = Pipeline::new(encoder, MEMORY.take(), settings, start(restart))?;
-    Ok(LINE.init(line))
+    let smoother = Smoother::new(settings, encoder.classes())?;
+    let line = || Pipeline::with_smoother(encoder, MEMORY.take(), smoother, start(restart));
+    // In place: it is too large to pass through the stack.
+    Ok(LINE.init_with(line))
 }
 
 fn start(restart: Restart) -> Start {

@@ -106,9 +106,7 @@ shapes! {
     W64L2(64, 2, 27),
     /// Width 48, two layers: less flash, less time.
     W48L2(48, 2, 27),
-    /// Width 48, three layers.
-    W48L3(48, 3, 18),
-    /// Width 64, three layers.
+    /// Width 64, three layers: the same memory, half as much time again.
     W64L3(64, 3, 18),
 }
 
@@ -168,10 +166,10 @@ mod tests {
 
     #[test]
     fn the_chosen_encoder_is_the_typed_one() {
-        let bytes = file(48, 3, 18);
+        let bytes = file(64, 3, 18);
         let model = Model::parse(&bytes).unwrap();
         let any = AnyShape::new(&model).unwrap();
-        let typed = Encoder::<48, 3, 18>::new(&model).unwrap();
+        let typed = Encoder::<64, 3, 18>::new(&model).unwrap();
         let (mut state, mut typed_state) = (AnyState::EMPTY, typed.fresh());
         for patch in patches() {
             let expected = typed.step(&mut typed_state, &patch);
