@@ -72,3 +72,29 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
         },
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn each_damage_has_its_reason_and_the_whole_model_has_none() {
+        let shape = Dimensions {
+            width: 48,
+            layers: 2,
+            span: 27,
+            vocabulary: Vocabulary::Three,
+        };
+        let good = random_model(shape, 1).to_bytes().unwrap();
+        let damages = damages(&good);
+        let kinds: BTreeSet<_> = damages.iter().map(|d| d.reason().expect(d.name)).collect();
+        // The two ends that are missing are both noticed by the checksum, with different sums.
+        assert_eq!(kinds.len(), damages.len());
+        let whole = Damage {
+            name: "none",
+            bytes: good,
+        };
+        assert_eq!(whole.reason(), None);
+    }
+}

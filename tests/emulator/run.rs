@@ -191,6 +191,13 @@ impl Run {
                 bail!("an intent while not valid: {pins:?}");
             }
         }
+        if self
+            .remarks()
+            .iter()
+            .any(|remark| remark.contains("too slow"))
+        {
+            bail!("the inference dropped packets\n{}", self.tails());
+        }
         if self.happened("error") > 0 {
             bail!("the armband complains\n{}", self.tails());
         }

@@ -10,6 +10,9 @@ use shared::safe_state::Cause;
 use shared::units::Sample;
 
 const RECORDING: &str = "roshambo/data/subject02_session01_emg.npy";
+/// 35 ms late, which could be four lost, are 175 ms of the wall.
+const TIME_SCALE: u32 = 5;
+const PACE: f64 = 3.0;
 
 /// Bench, model and so many seconds of a recording.
 fn prepare(test: &str, seconds: usize) -> Option<(Bench, Vec<u8>, Vec<Sample>)> {
@@ -17,18 +20,12 @@ fn prepare(test: &str, seconds: usize) -> Option<(Bench, Vec<u8>, Vec<Sample>)> 
     Some((bench(test)?, super::model(), samples))
 }
 
-fn play(
-    bench: &Bench,
-    model: &[u8],
-    samples: &[Sample],
-    time_scale: u32,
-    script: Value,
-) -> anyhow::Result<Run> {
+fn play(bench: &Bench, model: &[u8], samples: &[Sample], script: Value) -> anyhow::Result<Run> {
     bench.start(&Scene {
         model,
         samples,
-        time_scale,
-        pace: 4.0,
+        time_scale: TIME_SCALE,
+        pace: PACE,
         script,
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
     })
@@ -67,7 +64,7 @@ fn up_to_two_lost_notifications_are_bridged_and_three_give_up_the_window() -> an
         {"do": "drop", "at": 500, "count": 2},
         {"do": "drop", "at": 601, "count": 3},
     ]);
-    let mut run = play(&bench, &model, &samples, 20, script)?;
+    let mut run = play(&bench, &model, &samples, script)?;
     let expected = expected_lines(
         &model,
         &[
@@ -112,7 +109,7 @@ fn what_comes_twice_swapped_or_too_long_leaves_no_trace() -> anyhow::Result<()> 
         {"do": "swap", "at": 400},
         {"do": "corrupt", "at": 450, "kind": "long"},
     ]);
-    let mut run = play(&bench, &model, &samples, 20, script)?;
+    let mut run = play(&bench, &model, &samples, script)?;
     let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
     compare(&mut run, &expected)
 }
@@ -128,7 +125,7 @@ fn what_is_short_foreign_or_garbage_counts_as_lost() -> anyhow::Result<()> {
         {"do": "corrupt", "at": 400, "kind": "foreign"},
         {"do": "corrupt", "at": 450, "kind": "garbage"},
     ]);
-    let mut run = play(&bench, &model, &samples, 20, script)?;
+    let mut run = play(&bench, &model, &samples, script)?;
     let expected = expected_lines(
         &model,
         &[
@@ -156,7 +153,7 @@ fn a_lost_link_is_taken_up_again_and_so_is_a_sleeping_armband() -> anyhow::Resul
         {"do": "vanish", "at": 400, "for_ms": 300},
         {"do": "sleep", "at": 800, "for_ms": 300},
     ]);
-    let mut run = play(&bench, &model, &samples, 2, script)?;
+    let mut run = play(&bench, &model, &samples, script)?;
     let expected = expected_lines(
         &model,
         &[
@@ -187,8 +184,8 @@ fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Res
     let mut run = bench.start(&Scene {
         model: &model,
         samples: &samples,
-        time_scale: 20,
-        pace: 4.0,
+        time_scale: TIME_SCALE,
+        pace: PACE,
         script: json!([]),
         arguments: ["--end", "disconnect", "--first-lane", "2"]
             .map(str::to_owned)
@@ -196,4 +193,28 @@ fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Res
     })?;
     let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
     compare(&mut run, &expected)
+}
+
+#[test]
+fn a_battery_that_runs_low_is_told_once_and_disturbs_nothing() -> anyhow::Result<()> {
+    let test = "a_battery_that_runs_low_is_told_once_and_disturbs_nothing";
+    let Some((bench, model, samples)) = prepare(test, 4) else {
+        return Ok(());
+    };
+    let script = json!([
+        {"do": "battery", "at": 100, "percent": 7},
+        {"do": "battery", "at": 200, "percent": 6},
+    ]);
+    let mut run = play(&bench, &model, &samples, script)?;
+    let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
+    compare(&mut run, &expected)?;
+    let remarks = run.remarks();
+    let told = |words: &str| remarks.iter().filter(|r| r.contains(words)).count();
+    assert_eq!(told("battery 80 %"), 1, "{remarks:?}");
+    assert_eq!(
+        (told("battery low: 7 %"), told("battery low")),
+        (1, 1),
+        "{remarks:?}"
+    );
+    Ok(())
 }
