@@ -59,7 +59,7 @@ class Armband:
         self._shaper = Shaper(options.script)
         self._refusals = options.script.refusals
         self._battery = options.battery
-        # The next notification of the recording. A live arm does not rewind: it survives reconnects.
+        # The next notification of the recording: a live arm does not rewind when it reconnects.
         self._next = 0
         self._ended = False
         self._settings = Settings()

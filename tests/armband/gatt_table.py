@@ -14,10 +14,9 @@ FV_DATA = 0x0104
 EMG_DATA = (0x0105, 0x0205, 0x0305, 0x0405)
 BATTERY_LEVEL = 0x2A19
 
-_READ = Characteristic.Properties.READ
-_WRITE = Characteristic.Properties.WRITE
-_NOTIFY = Characteristic.Properties.NOTIFY
-_INDICATE = Characteristic.Properties.INDICATE
+Properties = Characteristic.Properties
+_READ, _WRITE = Properties.READ, Properties.WRITE
+_NOTIFY, _INDICATE = Properties.NOTIFY, Properties.INDICATE
 
 
 def vendor_uuid(short: int) -> UUID:
@@ -71,13 +70,13 @@ class GattTable:
     def characteristic(self, short: int) -> Characteristic:
         return self._by_id[short]
 
-    def _vendor(self, short: int, properties: Characteristic.Properties, value=b"") -> Characteristic:
+    def _vendor(self, short: int, properties: Properties, value=b"") -> Characteristic:
         return self._add(short, vendor_uuid(short), properties, value)
 
-    def _sig(self, short: int, properties: Characteristic.Properties, value=b"") -> Characteristic:
+    def _sig(self, short: int, properties: Properties, value=b"") -> Characteristic:
         return self._add(short, UUID.from_16_bits(short), properties, value)
 
-    def _add(self, short: int, uuid: UUID, properties: Characteristic.Properties, value) -> Characteristic:
+    def _add(self, short: int, uuid: UUID, properties: Properties, value) -> Characteristic:
         permissions = Characteristic.Permissions(0)
         if properties & _READ:
             permissions |= Characteristic.Permissions.READABLE

@@ -56,7 +56,8 @@ class Step:
     @classmethod
     def parse(cls, entry: Any) -> "Step":
         if not isinstance(entry, dict) or entry.get("do") not in _FIELDS:
-            raise ScriptError(f"{entry!r}: expected an object with `do` one of {', '.join(_FIELDS)}")
+            known = ", ".join(_FIELDS)
+            raise ScriptError(f"{entry!r}: expected an object with `do` one of {known}")
         do, known = entry["do"], _FIELDS[entry["do"]]
         given = {key: value for key, value in entry.items() if key != "do"}
         if unknown := given.keys() - known.keys():

@@ -72,7 +72,7 @@ class LegacyController(Controller):
 
 
 class Radio:
-    """Both ends of the air: the armband's controller, and the one that the central's host drives."""
+    """Both ends of the air: the armband's controller, and the one that the central drives."""
 
     def __init__(self, armband_address: str) -> None:
         air = Air()

@@ -1,4 +1,7 @@
-"""The virtual armband against a central of Bumble's own: python -m unittest discover -s tests/armband"""
+"""The virtual armband against a central of Bumble's own.
+
+python -m unittest discover -s tests/armband
+"""
 
 import asyncio
 import unittest
@@ -44,7 +47,7 @@ class ArmbandTest(unittest.IsolatedAsyncioTestCase):
         return numbers(central)
 
     async def until(self, event: str, times: int = 1) -> None:
-        await until(lambda: len(self.log.named(event)) >= times, f"{event} in {self.log.lines[-3:]}")
+        await until(lambda: len(self.log.named(event)) >= times, f"{event} number {times}")
 
     async def asyncTearDown(self) -> None:
         self.assertEqual(self.log.named("error"), getattr(self, "errors", []))
@@ -209,7 +212,8 @@ class Misbehaviour(ArmbandTest):
 
     async def test_a_short_and_a_long_one_keep_their_lane_and_their_first_bytes(self):
         central = await self.wear(script=[
-            {"do": "corrupt", "at": 10, "kind": "short"}, {"do": "corrupt", "at": 20, "kind": "long"}
+            {"do": "corrupt", "at": 10, "kind": "short"},
+            {"do": "corrupt", "at": 20, "kind": "long"},
         ])
         await central.start(ADDRESS)
         await until(lambda: len(central.received) == 100, "all notifications")
@@ -225,16 +229,17 @@ class Misbehaviour(ArmbandTest):
         await central.connect(ADDRESS)
         await central.discover()
         seen = []
-        receive = central.connection.gatt_client.on_gatt_pdu
-        central.connection.gatt_client.on_gatt_pdu = lambda pdu: (seen.append(bytes(pdu)), receive(pdu))
+        client = central.connection.gatt_client
+        receive = client.on_gatt_pdu
+        client.on_gatt_pdu = lambda pdu: (seen.append(bytes(pdu)), receive(pdu))
         await central.subscribe()
         await central.command(NEVER_SLEEP)
         await central.command(EMG_FILTERED)
         await self.until("end")
         await until(lambda: len(central.received) == 98, "the others")
         self.assertEqual(numbers(central), [n for n in range(100) if n not in (10, 20)])
-        notification = bytes([0x1B, 0x27, 0])
-        self.assertEqual([pdu for pdu in seen if pdu.endswith(value(10))], [notification + value(10)])
+        foreign = bytes([0x1B, 0x27, 0]) + value(10)
+        self.assertEqual([pdu for pdu in seen if pdu.endswith(value(10))], [foreign])
         self.assertTrue(any(pdu[0] == 0x7F for pdu in seen))
 
     async def test_what_is_delayed_comes_in_a_bunch_and_whole(self):
