@@ -193,6 +193,7 @@ class Armband:
                 self._send(packet)
             self._log.write("sent", n=n, lane=lane)
             lane = (lane + 1) % len(EMG_DATA)
+        await asyncio.sleep(IN_FLIGHT)
         self._end()
 
     async def _act(self, step: Step, schedule: Schedule) -> bool:

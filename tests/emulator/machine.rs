@@ -5,6 +5,7 @@ use std::process::Command;
 
 use anyhow::ensure;
 use xtask::emulator::QEMU;
+use xtask::firmware;
 
 use super::process::Guarded;
 
@@ -68,5 +69,6 @@ impl Machine {
 
 /// Builds the program for the board.
 pub fn image() -> anyhow::Result<PathBuf> {
-    xtask::firmware::build_image(xtask::firmware::Image::Emulator)
+    let toolchain = xtask::toolchain::find(false)?;
+    firmware::build_image(&toolchain, firmware::Image::Emulator, false)
 }

@@ -1,4 +1,5 @@
-//! Lines of the emulated pins: `PINS <time us> <last HCI byte us> valid=0 relax=0 open=0 ...`.
+//! Lines of the emulated pins:
+//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0`.
 
 use shared::intent::Intent;
 
@@ -13,6 +14,8 @@ pub struct Pins {
     pub valid: bool,
     /// The intents whose pin is high.
     pub high: Vec<Intent>,
+    /// The light that tells of an armband that streams.
+    pub armband: bool,
 }
 
 impl Pins {
@@ -27,6 +30,7 @@ impl Pins {
             last_byte_us,
             valid: false,
             high: Vec::new(),
+            armband: false,
         };
         for word in words {
             let (name, level) = word.split_once('=')?;
@@ -37,6 +41,7 @@ impl Pins {
             };
             match Intent::from_name(name) {
                 None if name == "valid" => pins.valid = level,
+                None if name == "armband" => pins.armband = level,
                 None => return None,
                 Some(intent) if level => pins.high.push(intent),
                 Some(_) => {}
@@ -58,9 +63,9 @@ mod tests {
 
     #[test]
     fn levels_and_times_are_read_and_anything_else_is_no_line() {
-        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0\r\n";
+        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1\r\n";
         let pins = Pins::parse(line).unwrap();
-        assert!(pins.valid);
+        assert!(pins.valid && pins.armband);
         assert_eq!(pins.high, [Intent::Open]);
         assert_eq!(pins.since_last_byte_us(), 200);
         for wrong in [
