@@ -25,8 +25,9 @@ MTU = 23
 ADVERTISING_INTERVAL_MS = 100
 # How often to look whether a slow reader has caught up.
 CONGESTION_POLL = 0.002
-# What was sent has arrived by then: a script that says 100 is next means that 99 came.
-IN_FLIGHT = 0.005
+# What the central's host has read takes it no longer to digest: a script that says 100 is next
+# means that 99 came. A host that hears of the end of a link forgets what it has not digested.
+DIGESTION = 0.1
 
 LOST = hci.HCI_ErrorCode.CONNECTION_TIMEOUT_ERROR
 HUNG_UP = hci.HCI_ErrorCode.REMOTE_USER_TERMINATED_CONNECTION_ERROR
@@ -193,7 +194,7 @@ class Armband:
                 self._send(packet)
             self._log.write("sent", n=n, lane=lane)
             lane = (lane + 1) % len(EMG_DATA)
-        await asyncio.sleep(IN_FLIGHT)
+        await self._landed()
         self._end()
 
     async def _act(self, step: Step, schedule: Schedule) -> bool:
@@ -204,11 +205,11 @@ class Armband:
                 schedule.hold_back(seconds)
                 await asyncio.sleep(seconds)
             case "vanish":
-                await asyncio.sleep(IN_FLIGHT)
+                await self._landed()
                 self._leave(LOST, step.fields["for_ms"] / 1000)
                 return False
             case "sleep":
-                await asyncio.sleep(IN_FLIGHT)
+                await self._landed()
                 self._leave(HUNG_UP, step.fields["for_ms"] / 1000)
                 return False
             case "battery":
@@ -230,6 +231,12 @@ class Armband:
                 attribute_handle=handle, attribute_value=packet.value
             )
             self._server.send_gatt_pdu(self._connection, bytes(pdu))
+
+    async def _landed(self) -> None:
+        """Waits until all that was sent has arrived."""
+        while self._radio.waiting() > 0:
+            await asyncio.sleep(CONGESTION_POLL)
+        await asyncio.sleep(DIGESTION)
 
     def _end(self) -> None:
         self._ended = True

@@ -6,7 +6,7 @@ from typing import Any, TextIO
 
 
 class EventLog:
-    """Lines `{"at": seconds since the start, "event": name, ...}`; also kept for tests."""
+    """Lines `{"t": seconds since the start, "event": name, ...}`; also kept for tests."""
 
     def __init__(self, file: TextIO | None = None) -> None:
         self._file = file
@@ -14,7 +14,7 @@ class EventLog:
         self.lines: list[dict[str, Any]] = []
 
     def write(self, event: str, **fields: Any) -> None:
-        line = {"at": round(time.monotonic() - self._start, 6), "event": event, **fields}
+        line = {"t": round(time.monotonic() - self._start, 6), "event": event, **fields}
         self.lines.append(line)
         if self._file is not None:
             self._file.write(json.dumps(line) + "\n")

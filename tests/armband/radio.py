@@ -2,16 +2,16 @@
 4.0 where Bumble 0.0.236 does not."""
 
 import asyncio
-import socket
+import fcntl
+import termios
 
 from bumble import hci
 from bumble.controller import Controller
 from bumble.link import LocalLink
 from bumble.transport.common import Transport
 
-# Bytes that may wait in the kernel for a slow reader. The smallest that Linux grants: room for a
-# few packets, as in a real controller, and not for seconds of stream.
-SEND_BUFFER = 4608
+# The kernel counts nearly 800 bytes for a packet: room for five, as in a real controller.
+CONGESTION = 4096
 
 
 class Air(LocalLink):
@@ -93,16 +93,19 @@ class Radio:
             for connection in list(controller.le_connections.values()):
                 controller.on_le_disconnected(connection, reason)
 
-    def congested(self) -> bool:
-        """Whether the central's host has not read what it was sent.
-
-        A real link layer then stops acknowledging and the armband has to wait. Bumble's would pile
-        up packets and deliver them in one burst when a stalled reader comes back.
-        """
+    def waiting(self) -> int:
+        """Bytes that the central's host has not read yet, as the kernel accounts for them."""
         stream = getattr(self._sink, "transport", None)
         if stream is None:
-            return False
-        raw = stream.get_extra_info("socket")
-        if raw is not None and raw.getsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF) > SEND_BUFFER:
-            raw.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER // 2)
-        return stream.get_write_buffer_size() > 0
+            return 0
+        waiting = bytearray(4)
+        fcntl.ioctl(stream.get_extra_info("socket").fileno(), termios.TIOCOUTQ, waiting)
+        return int.from_bytes(waiting, "little") + stream.get_write_buffer_size()
+
+    def congested(self) -> bool:
+        """Whether the central's host is so far behind that the armband has to wait.
+
+        A real link layer stops acknowledging then. Bumble's would pile up packets and deliver them
+        in one burst when a stalled reader comes back.
+        """
+        return self.waiting() > CONGESTION

@@ -5,9 +5,9 @@ use serde_json::json;
 use shared::report_line::Report;
 use shared::safe_state::{Cause, SILENCE_MS};
 
-/// Guest and armband at half speed.
-const TIME_SCALE: u32 = 2;
-const PACE: f64 = 0.5;
+/// Guest and armband at a third of their speed.
+const TIME_SCALE: u32 = 3;
+const PACE: f64 = 1.0 / 3.0;
 /// From the last byte to the pin: the sample's way in, and the wait for a busy core.
 const TOLERANCE_US: u32 = 25_000;
 
@@ -95,41 +95,41 @@ fn a_stream_that_falls_silent_is_safe_within_200_ms_and_then_connected_anew() ->
 }
 
 #[test]
-fn after_a_pause_the_lost_are_counted_and_after_a_delay_there_are_none() -> anyhow::Result<()> {
-    let test = "after_a_pause_the_lost_are_counted_and_after_a_delay_there_are_none";
-    // 40 notifications are 400 ms; the delay is 100 ms of the guest's.
-    let script = json!([
-        {"do": "drop", "at": 350, "count": 40},
-        {"do": "delay", "at": 760, "ms": 200},
-    ]);
-    let Some((_bench, mut run)) = play(test, 9, script)? else {
+fn after_a_pause_the_lost_are_counted_and_a_full_window_is_valid_again() -> anyhow::Result<()> {
+    let test = "after_a_pause_the_lost_are_counted_and_a_full_window_is_valid_again";
+    // 40 notifications are 400 ms.
+    let script = json!([{"do": "drop", "at": 350, "count": 40}]);
+    let Some((_bench, mut run)) = play(test, 8, script)? else {
         return Ok(());
     };
     wait_valid(&mut run)?;
     wait_silent(&mut run)?;
     wait_valid(&mut run)?;
-    let sent = |run: &Run| run.happened("sent");
-    run.wait_for("what comes after the delay", |run| sent(run) > 800)?;
     wait_silent(&mut run)?;
     assert_eq!(falls_in_time(&run), 2, "{}", run.tails());
 
     let reports = run.reports()?;
-    let counters = last(&run).expect("reports").counters;
-    // The lanes tell the loss modulo four notifications, the clock how many fours.
-    assert_eq!(counters.lost % 8, 0, "{counters:?}");
-    assert!((72..=88).contains(&counters.lost), "{counters:?}");
-    assert_eq!((counters.bridged, counters.resets), (0, 2), "{counters:?}");
-    let causes: Vec<_> = reports
-        .iter()
-        .filter_map(|report| report.status.cause())
-        .collect();
-    assert_eq!(
-        causes
-            .iter()
-            .filter(|&&cause| cause == Cause::Silence)
-            .count(),
-        2,
-        "{causes:?}"
+    let end = *reports.last().expect("reports");
+    // The lanes tell the loss modulo four notifications, the clock how many fours: one four too
+    // many or too few on a machine that is busy. What came before that was clear counts as lost.
+    let samples = 8 * 200;
+    let off = end.emitted.0 as i32 + 1 - samples;
+    assert!(
+        off % 8 == 0 && off.abs() <= 8,
+        "off by {off} samples\n{}",
+        run.tails()
     );
+    assert!((72..=112).contains(&end.counters.lost), "{end}");
+    assert_eq!((end.counters.bridged, end.counters.resets), (0, 2), "{end}");
+    let fallen = reports.iter().rposition(|report| report.status.valid());
+    let silent = reports[..fallen.expect("valid")]
+        .iter()
+        .rfind(|report| report.status.cause() == Some(Cause::Silence))
+        .expect("a silence between two valid states");
+    let again = reports
+        .iter()
+        .find(|report| report.sequence > silent.sequence && report.status.valid());
+    let gone = again.expect("valid again").emitted.since(silent.emitted);
+    assert!(gone >= 600 + 72, "valid again after {gone} samples");
     run.check()
 }
