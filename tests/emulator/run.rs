@@ -7,9 +7,11 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use bytemuck::cast_slice;
 use serde_json::Value;
+use shared::intent::Intent;
 use shared::report_line::{Kind, Report};
+use shared::safe_state::SILENCE_MS;
 use tempfile::TempDir;
-use xtask::emulator;
+use xtask::{emulator, firmware::STACK_BUDGET};
 
 use super::machine::{self, Machine};
 use super::process::Guarded;
@@ -18,6 +20,8 @@ use super::{Bench, Pins, Scene};
 /// No wait is longer. Far beyond what a healthy run needs, on a machine that does other work too.
 const PATIENCE: Duration = Duration::from_secs(90);
 const POLL: Duration = Duration::from_millis(10);
+/// From the last byte to the pin: the silence, the sample's way in, and the wait for a busy core.
+const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
 /// Lines of each file that a failure shows.
 const TAIL: usize = 12;
 
@@ -163,45 +167,66 @@ impl Run {
         }
     }
 
+    /// Most bytes of stack that the program has used so far.
+    #[must_use]
+    pub fn stack(&self) -> u64 {
+        let text = self.file(machine::PINS);
+        let used = text.lines().filter_map(|line| line.strip_prefix("STACK "));
+        used.filter_map(|bytes| bytes.trim_end().parse().ok())
+            .max()
+            .unwrap_or(0)
+    }
+
     /// What must hold in every run, whatever happened in it.
     ///
     /// # Errors
-    /// Tells a line that is damaged, missing or a label while `valid` is low, a pin but relax's
-    /// that is high meanwhile, and whatever the armband or its runtime took for an error.
+    /// Tells a line that is damaged, missing or a label while `valid` is low; a `valid` pin that
+    /// fell too late; a pin but relax's that is high meanwhile; an inference that was too slow; a
+    /// stack beyond its budget; and whatever the armband took for an error.
     pub fn check(&self) -> anyhow::Result<()> {
+        let fault = self.bad_line()?.or_else(|| self.bad_pin());
+        let fault = fault.or_else(|| {
+            if self.remarks().iter().any(|r| r.contains("too slow")) {
+                return Some("the inference dropped packets".to_owned());
+            }
+            if self.stack() > STACK_BUDGET {
+                return Some(format!("{} bytes of stack", self.stack()));
+            }
+            (self.happened("error") > 0).then(|| "the armband complains".to_owned())
+        });
+        match fault {
+            Some(fault) => bail!("{fault}\n{}", self.tails()),
+            None => Ok(()),
+        }
+    }
+
+    fn bad_line(&self) -> anyhow::Result<Option<String>> {
         let reports = self.reports().with_context(|| self.tails())?;
         for (place, report) in reports.iter().enumerate() {
             if report.sequence as usize != place {
-                bail!(
-                    "line {place} has number {}\n{}",
-                    report.sequence,
-                    self.tails()
-                );
+                return Ok(Some(format!(
+                    "line {place} is numbered {}",
+                    report.sequence
+                )));
             }
             if report.kind == Kind::Label && !report.status.valid() {
-                bail!("a label while not valid: {report}");
+                return Ok(Some(format!("a label while not valid: {report}")));
             }
         }
-        for pins in self.pins() {
-            let relaxed = pins
-                .high
-                .iter()
-                .all(|intent| *intent == shared::intent::Intent::Relax);
-            if !pins.valid && !relaxed {
-                bail!("an intent while not valid: {pins:?}");
-            }
+        Ok(None)
+    }
+
+    fn bad_pin(&self) -> Option<String> {
+        let pins = self.pins();
+        let high = |pins: &&Pins| !pins.valid && pins.high != [Intent::Relax];
+        if let Some(high) = pins.iter().find(high) {
+            return Some(format!("not valid, and not relax either: {high:?}"));
         }
-        if self
-            .remarks()
-            .iter()
-            .any(|remark| remark.contains("too slow"))
-        {
-            bail!("the inference dropped packets\n{}", self.tails());
-        }
-        if self.happened("error") > 0 {
-            bail!("the armband complains\n{}", self.tails());
-        }
-        Ok(())
+        let late = |pair: &&[Pins]| {
+            pair[0].valid && !pair[1].valid && pair[1].since_last_byte_us() > SAFE_WITHIN_US
+        };
+        let late = pins.windows(2).find(late)?;
+        Some(format!("valid for too long after the last byte: {late:?}"))
     }
 
     fn ended(&mut self) -> Option<String> {

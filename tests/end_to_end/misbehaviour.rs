@@ -13,6 +13,8 @@ const RECORDING: &str = "roshambo/data/subject02_session01_emg.npy";
 /// 35 ms late, which could be four lost, are 175 ms of the wall.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
+/// Where the guest mostly waits for its own time to pass.
+const LINK_TIME_SCALE: u32 = 3;
 
 /// Bench, model and so many seconds of a recording.
 fn prepare(test: &str, seconds: usize) -> Option<(Bench, Vec<u8>, Vec<Sample>)> {
@@ -20,11 +22,17 @@ fn prepare(test: &str, seconds: usize) -> Option<(Bench, Vec<u8>, Vec<Sample>)> 
     Some((bench(test)?, super::model(), samples))
 }
 
-fn play(bench: &Bench, model: &[u8], samples: &[Sample], script: Value) -> anyhow::Result<Run> {
+fn play(
+    bench: &Bench,
+    model: &[u8],
+    samples: &[Sample],
+    time_scale: u32,
+    script: Value,
+) -> anyhow::Result<Run> {
     bench.start(&Scene {
         model,
         samples,
-        time_scale: TIME_SCALE,
+        time_scale,
         pace: PACE,
         script,
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
@@ -64,7 +72,7 @@ fn up_to_two_lost_notifications_are_bridged_and_three_give_up_the_window() -> an
         {"do": "drop", "at": 500, "count": 2},
         {"do": "drop", "at": 601, "count": 3},
     ]);
-    let mut run = play(&bench, &model, &samples, script)?;
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
     let expected = expected_lines(
         &model,
         &[
@@ -110,7 +118,7 @@ fn what_comes_twice_swapped_too_long_or_late_leaves_no_trace() -> anyhow::Result
         {"do": "corrupt", "at": 450, "kind": "long"},
         {"do": "delay", "at": 500, "ms": 300},
     ]);
-    let mut run = play(&bench, &model, &samples, script)?;
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
     let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
     compare(&mut run, &expected)
 }
@@ -126,7 +134,7 @@ fn what_is_short_foreign_or_garbage_counts_as_lost() -> anyhow::Result<()> {
         {"do": "corrupt", "at": 400, "kind": "foreign"},
         {"do": "corrupt", "at": 450, "kind": "garbage"},
     ]);
-    let mut run = play(&bench, &model, &samples, script)?;
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
     let expected = expected_lines(
         &model,
         &[
@@ -154,7 +162,7 @@ fn a_lost_link_is_taken_up_again_and_so_is_a_sleeping_armband() -> anyhow::Resul
         {"do": "vanish", "at": 400, "for_ms": 300},
         {"do": "sleep", "at": 800, "for_ms": 300},
     ]);
-    let mut run = play(&bench, &model, &samples, script)?;
+    let mut run = play(&bench, &model, &samples, LINK_TIME_SCALE, script)?;
     let expected = expected_lines(
         &model,
         &[
@@ -206,7 +214,7 @@ fn a_battery_that_runs_low_is_told_once_and_disturbs_nothing() -> anyhow::Result
         {"do": "battery", "at": 100, "percent": 7},
         {"do": "battery", "at": 200, "percent": 6},
     ]);
-    let mut run = play(&bench, &model, &samples, script)?;
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
     let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
     compare(&mut run, &expected)?;
     let remarks = run.remarks();

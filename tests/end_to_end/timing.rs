@@ -1,33 +1,18 @@
 //! Where time itself matters: the guest hears the armband in real time, both slowed down alike.
 
-use myointent_tests::emulator::{Bench, Run, Scene, bench};
+use myointent_tests::emulator::{Bench, Pins, Run, Scene, bench};
 use serde_json::json;
 use shared::report_line::Report;
-use shared::safe_state::{Cause, SILENCE_MS};
+use shared::safe_state::Cause;
 
 /// Guest and armband at a third of their speed.
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 1.0 / 3.0;
-/// From the last byte to the pin: the sample's way in, and the wait for a busy core.
-const TOLERANCE_US: u32 = 25_000;
-
-/// Every fall of `valid` comes no later than 200 ms after the last byte that the armband sent.
-fn falls_in_time(run: &Run) -> usize {
+/// How often `valid` fell; that it fell in time is checked in every run.
+fn falls(run: &Run) -> usize {
     let pins = run.pins();
-    let falls = pins
-        .windows(2)
-        .filter(|pair| pair[0].valid && !pair[1].valid);
-    let falls: Vec<_> = falls.map(|pair| pair[1].clone()).collect();
-    for fall in &falls {
-        let after = fall.since_last_byte_us();
-        let most = SILENCE_MS * 1000 + TOLERANCE_US;
-        assert!(
-            after <= most,
-            "{after} us after the last byte\n{}",
-            run.tails()
-        );
-    }
-    falls.len()
+    let fell = |pair: &&[Pins]| pair[0].valid && !pair[1].valid;
+    pins.windows(2).filter(fell).count()
 }
 
 fn last(run: &Run) -> Option<Report> {
@@ -82,7 +67,7 @@ fn a_stream_that_falls_silent_is_safe_within_200_ms_and_then_connected_anew() ->
     };
     wait_valid(&mut run)?;
     wait_silent(&mut run)?;
-    assert_eq!(falls_in_time(&run), 1, "{}", run.tails());
+    assert_eq!(falls(&run), 1, "{}", run.tails());
     assert_eq!(
         run.happened("end"),
         1,
@@ -106,7 +91,7 @@ fn after_a_pause_the_lost_are_counted_and_a_full_window_is_valid_again() -> anyh
     wait_silent(&mut run)?;
     wait_valid(&mut run)?;
     wait_silent(&mut run)?;
-    assert_eq!(falls_in_time(&run), 2, "{}", run.tails());
+    assert_eq!(falls(&run), 2, "{}", run.tails());
 
     let reports = run.reports()?;
     let end = *reports.last().expect("reports");
