@@ -1,11 +1,10 @@
 //! The emulated board: QEMU's `mps2-an386`, a Cortex-M4F.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::ensure;
 use xtask::emulator::QEMU;
-use xtask::firmware;
 
 use super::process::Guarded;
 
@@ -65,10 +64,4 @@ impl Machine {
         qemu.args(["-device", &loaded, "-device", &straps]);
         Guarded::start("machine", qemu, folder).map(Self)
     }
-}
-
-/// Builds the program for the board.
-pub fn image() -> anyhow::Result<PathBuf> {
-    let toolchain = xtask::toolchain::find(false)?;
-    firmware::build_image(&toolchain, firmware::Image::Emulator, false)
 }

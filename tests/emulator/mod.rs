@@ -26,14 +26,21 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use shared::units::Sample;
+use xtask::firmware::{self, Image};
 use xtask::{emulator, toolchain};
 
-/// What a run needs that not every machine has. While it lives no other run starts: each keeps a
-/// core busy, and a starved emulator tests nothing.
-pub struct Bench {
-    python: PathBuf,
-    image: PathBuf,
+/// A Python that can run the armband. While it lives there is no other: each run keeps a core
+/// busy, and a starved emulator tests nothing.
+pub struct Python {
+    /// The interpreter.
+    pub path: PathBuf,
     _alone: MutexGuard<'static, ()>,
+}
+
+/// What a run needs that not every machine has.
+pub struct Bench {
+    python: Python,
+    image: PathBuf,
 }
 
 /// One run: what the armband streams and how it misbehaves, and how fast all of it goes.
@@ -58,6 +65,17 @@ pub struct Scene<'s> {
 
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// The armband's Python; without it, books the test `name` as skipped.
+#[must_use]
+pub fn python(name: &str) -> Option<Python> {
+    let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let path = or_skip(name, emulator::python())?;
+    Some(Python {
+        path,
+        _alone: alone,
+    })
+}
+
 /// Everything a run needs; without some of it, books the test `name` as skipped.
 ///
 /// # Panics
@@ -65,27 +83,23 @@ static ALONE: Mutex<()> = Mutex::new(());
 #[must_use]
 pub fn bench(name: &str) -> Option<Bench> {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
-    let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let found = || -> anyhow::Result<PathBuf> {
-        toolchain::find(false)?;
-        emulator::qemu()?;
-        emulator::python()
-    };
-    let python = match found() {
-        Ok(python) => python,
-        Err(reason) => {
-            crate::skip(name, &format!("{reason:#}").replace('\n', " "));
-            return None;
-        }
-    };
+    let toolchain = or_skip(name, toolchain::find(false))?;
+    or_skip(name, emulator::qemu())?;
+    let python = python(name)?;
     let image = IMAGE.get_or_init(|| {
-        machine::image().unwrap_or_else(|error| panic!("the emulator's image: {error:#}"))
+        firmware::build_image(&toolchain, Image::Emulator, false)
+            .unwrap_or_else(|error| panic!("the emulator's image: {error:#}"))
     });
     Some(Bench {
         python,
         image: image.clone(),
-        _alone: alone,
     })
+}
+
+fn or_skip<T>(name: &str, found: anyhow::Result<T>) -> Option<T> {
+    found
+        .map_err(|reason| crate::skip(name, &format!("{reason:#}").replace('\n', " ")))
+        .ok()
 }
 
 impl Bench {

@@ -41,7 +41,7 @@ impl Run {
         std::fs::write(&recording, cast_slice::<[i8; 8], u8>(scene.samples))?;
         std::fs::write(&script, scene.script.to_string())?;
         let socket = path("hci");
-        let mut armband = Command::new(&bench.python);
+        let mut armband = Command::new(&bench.python.path);
         armband
             .arg(emulator::armband())
             .arg("--hci")
