@@ -4,6 +4,8 @@
 //! `../shared/golden` and `../shared/data` beside the workspace. A test that finds none says so
 //! and passes over: `let Some(golden) = golden("name") else { return };`.
 
+pub mod emulator;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 
 pub mod count;
+mod debian;
 pub mod device;
+pub mod emulator;
 pub mod firmware;
 pub mod size;
 pub mod toolchain;

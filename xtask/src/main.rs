@@ -6,7 +6,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{count, firmware, toolchain};
+use xtask::{count, emulator, firmware, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -22,6 +22,12 @@ enum Step {
     Images(firmware::Arguments),
     /// Counts the instructions that a patch takes on the emulated Cortex-M4F, part by part.
     Count(count::Arguments),
+    /// Says which emulator and which Python would run the end-to-end tests, and adds them if asked.
+    Emulator {
+        /// Installs what is missing: QEMU with apt-get, as root; the armband's requirements with pip.
+        #[arg(long)]
+        install: bool,
+    },
     /// Says which toolchain would build the board's image, and installs it if asked.
     Toolchain {
         /// Installs what is missing, as root, with apt-get.
@@ -34,6 +40,7 @@ fn main() -> Result<()> {
     match Arguments::parse().step {
         Step::Images(arguments) => firmware::build(&arguments),
         Step::Count(arguments) => count::print(&arguments),
+        Step::Emulator { install } => emulator::prepare(install),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
     }
 }

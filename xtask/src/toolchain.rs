@@ -7,6 +7,8 @@ use std::{fmt, fs, path::Path, path::PathBuf, process::Command};
 
 use anyhow::{Context as _, Result, bail, ensure};
 
+use crate::debian;
+
 /// The target of every board: Cortex-M4 with its FPU, hard-float calls.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
@@ -34,15 +36,15 @@ pub fn find(install: bool) -> Result<Toolchain> {
     if rustup_has_target() {
         return Ok(Toolchain::Rustup);
     }
-    let missing = missing_packages();
+    let missing = debian::missing(&DEBIAN_PACKAGES);
     if !missing.is_empty() {
-        let packages = missing.join(" ");
+        let command = debian::install_command(&missing);
         ensure!(
             install,
             "no compiler for {TARGET}. Either\n  rustup target add {TARGET}\nor, where rustup cannot \
-             download,\n  apt-get install -y --no-install-recommends {packages}\n(--install runs the latter)"
+             download,\n  {command}\n(--install runs the latter)"
         );
-        apt_install(&missing)?;
+        debian::install(&missing)?;
     }
     Ok(Toolchain::Debian {
         linker: rust_lld()?,
@@ -97,37 +99,6 @@ fn rustup_has_target() -> bool {
 
 fn lists_target(installed: &str) -> bool {
     installed.lines().any(|line| line.trim() == TARGET)
-}
-
-fn missing_packages() -> Vec<&'static str> {
-    let installed = |package: &&str| {
-        let status = Command::new("dpkg-query")
-            .args(["-W", "-f", "${db:Status-Status}", package])
-            .output();
-        status.is_ok_and(|output| output.stdout == b"installed")
-    };
-    DEBIAN_PACKAGES
-        .into_iter()
-        .filter(|package| !installed(package))
-        .collect()
-}
-
-fn apt_install(packages: &[&str]) -> Result<()> {
-    let apt = |arguments: &[&str]| -> Result<()> {
-        let status = Command::new("apt-get")
-            .args(arguments)
-            .env("DEBIAN_FRONTEND", "noninteractive")
-            .status()
-            .context("apt-get cannot be run: install a compiler for the target by hand")?;
-        ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
-        Ok(())
-    };
-    apt(&["update", "-q"])?;
-    apt(&[
-        &["install", "-y", "-q", "--no-install-recommends"],
-        packages,
-    ]
-    .concat())
 }
 
 /// The linker that every rustup toolchain carries; any place of `rust-lld` on the path does as well.

@@ -95,12 +95,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 /// # Errors
 /// When the model is refused or the recording cannot be read.
 pub fn lines(model: &[u8], recording: &std::path::Path) -> anyhow::Result<String> {
+    lines_of(model, &one_recording(recording, None)?.samples)
+}
+
+/// The lines of samples.
+///
+/// # Errors
+/// When the model is refused.
+pub fn lines_of(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     let model = Model::parse(model)?;
-    let recording = one_recording(recording, None)?;
     let mut lines = String::new();
     let task = Replay {
         settings: model.header.smoother.in_patches(),
-        samples: &recording.samples,
+        samples,
         pace: None,
         tell: |line: &str| {
             lines.push_str(line);

@@ -1,0 +1,47 @@
+"""Commands that a central writes to the armband, and what they leave it set to."""
+
+from dataclasses import dataclass
+
+STREAMING_MODES = (2, 3)
+
+
+class CommandError(ValueError):
+    """A command that a real armband would not understand, or that a test must never send."""
+
+
+@dataclass
+class Settings:
+    """As after each connection: no EMG, and sleep allowed."""
+
+    emg_mode: int = 0
+    never_sleep: bool = False
+
+    @property
+    def streams(self) -> bool:
+        return self.emg_mode in STREAMING_MODES
+
+    def obey(self, command: bytes) -> None:
+        """Carries out a command.
+
+        Raises CommandError where code, length or values are none of the protocol's.
+        """
+        if len(command) < 2 or command[1] != len(command) - 2:
+            raise CommandError("byte 1 is not the number of bytes after it")
+        code, payload = command[0], command[2:]
+        match code, len(payload):
+            case 0x01, 3:
+                emg, imu, classifier = payload
+                if emg > 3 or imu > 4 or classifier > 1:
+                    raise CommandError("set mode: a value is out of its range")
+                self.emg_mode = emg
+            case 0x09, 1:
+                if payload[0] > 1:
+                    raise CommandError("set sleep mode: neither 0 nor 1")
+                self.never_sleep = payload[0] == 1
+            case (0x03, 1) | (0x06, 6) | (0x07, 18) | (0x0A, 1) | (0x0B, 1):
+                # Vibration, light, unlocking: nothing that a stream shows.
+                pass
+            case 0x04, 0:
+                raise CommandError("deep sleep: only a USB cable ends it")
+            case _:
+                raise CommandError("unknown command, or of a wrong length")

@@ -1,0 +1,111 @@
+"""The air between armband and central: Bumble's link and controllers, made to behave like Bluetooth
+4.0 where Bumble 0.0.236 does not."""
+
+import asyncio
+import fcntl
+import termios
+
+from bumble import hci
+from bumble.controller import Controller
+from bumble.link import LocalLink
+from bumble.transport.common import Transport
+
+# The kernel counts nearly 800 bytes for a packet: room for five, as in a real controller.
+CONGESTION = 4096
+
+
+class Air(LocalLink):
+    """A link whose packets come from the address that the connection was made with.
+
+    Bumble's takes the random address always, so whatever a public-address peripheral sends is
+    dropped as "no connection".
+    """
+
+    def send_acl_data(self, sender_controller, destination_address, transport, data) -> None:
+        connection = sender_controller.le_connections.get(destination_address)
+        receiver = self.find_le_controller(destination_address)
+        if connection is None or receiver is None:
+            return
+        asyncio.get_running_loop().call_soon(
+            receiver.on_link_acl_data, connection.self_address, transport, data
+        )
+
+
+class LegacyController(Controller):
+    """A controller without extended advertising, whose cancel and reset do what they say."""
+
+    # With the feature set, Bumble answers a legacy scan with extended reports: a legacy host sees
+    # none. The armband is a Bluetooth 4.0 device anyway.
+    le_features = Controller.le_features & ~hci.LeFeatureMask.LE_EXTENDED_ADVERTISING
+
+    def on_hci_le_create_connection_cancel_command(self, _command):
+        # Bumble's keeps the pending connection, so each later one is "disallowed".
+        pending = self.pending_le_connection
+        if pending is None:
+            return hci.HCI_StatusReturnParameters(hci.HCI_ErrorCode.COMMAND_DISALLOWED_ERROR)
+        self.pending_le_connection = None
+        cancelled = hci.HCI_LE_Connection_Complete_Event(
+            status=hci.HCI_ErrorCode.UNKNOWN_CONNECTION_IDENTIFIER_ERROR,
+            connection_handle=0,
+            role=hci.Role.CENTRAL,
+            peer_address_type=pending.peer_address.address_type,
+            peer_address=pending.peer_address,
+            connection_interval=0,
+            peripheral_latency=0,
+            supervision_timeout=0,
+            central_clock_accuracy=0,
+        )
+        # After the Command Complete, which is sent when this returns.
+        asyncio.get_running_loop().call_soon(self.send_hci_packet, cancelled)
+        return hci.HCI_StatusReturnParameters(hci.HCI_ErrorCode.SUCCESS)
+
+    def on_hci_reset_command(self, command):
+        # Bumble's forgets nothing: a central that starts again would find its old connection.
+        self.le_scan_enable = False
+        self.pending_le_connection = None
+        for connection in list(self.le_connections.values()):
+            peer = self.link.find_le_controller(connection.peer_address)
+            del self.le_connections[connection.peer_address]
+            if peer and (theirs := peer.le_connections.get(connection.self_address)):
+                peer.on_le_disconnected(theirs, hci.HCI_ErrorCode.CONNECTION_TIMEOUT_ERROR)
+        return super().on_hci_reset_command(command)
+
+
+class Radio:
+    """Both ends of the air: the armband's controller, and the one that the central drives."""
+
+    def __init__(self, armband_address: str) -> None:
+        air = Air()
+        address = hci.Address(armband_address, hci.Address.PUBLIC_DEVICE_ADDRESS)
+        self.armband = LegacyController("armband", link=air, public_address=address)
+        self.central = LegacyController("central", link=air)
+        self._sink = None
+
+    def serve(self, transport: Transport) -> None:
+        """Offers the central's controller to a host on an H4 stream."""
+        transport.source.set_packet_sink(self.central)
+        self.central.host = transport.sink
+        self._sink = transport.sink
+
+    def lose_link(self, reason: int) -> None:
+        """Both ends see the connection end."""
+        for controller in (self.armband, self.central):
+            for connection in list(controller.le_connections.values()):
+                controller.on_le_disconnected(connection, reason)
+
+    def waiting(self) -> int:
+        """Bytes that the central's host has not read yet, as the kernel accounts for them."""
+        stream = getattr(self._sink, "transport", None)
+        if stream is None:
+            return 0
+        waiting = bytearray(4)
+        fcntl.ioctl(stream.get_extra_info("socket").fileno(), termios.TIOCOUTQ, waiting)
+        return int.from_bytes(waiting, "little") + stream.get_write_buffer_size()
+
+    def congested(self) -> bool:
+        """Whether the central's host is so far behind that the armband has to wait.
+
+        A real link layer stops acknowledging then. Bumble's would pile up packets and deliver them
+        in one burst when a stalled reader comes back.
+        """
+        return self.waiting() > CONGESTION

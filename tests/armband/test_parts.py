@@ -1,0 +1,100 @@
+"""The parts that need no radio."""
+
+import unittest
+
+from commands import CommandError, Settings
+from misbehaviour import GARBAGE, Packet, Script, ScriptError, Shaper
+from stream import CATCH_UP, Recording, Schedule
+
+
+class ScheduleTest(unittest.TestCase):
+    def test_on_time_every_wait_ends_on_the_grid(self):
+        schedule = Schedule.starting(0.0, pace=1.0)
+        now, due = 0.0, []
+        for _ in range(100):
+            now += schedule.next(now)
+            due.append(round(now, 6))
+            now += 0.003  # work
+        self.assertEqual(due, [round(0.01 * (k + 1), 6) for k in range(100)])
+
+    def test_after_a_stall_no_more_than_the_limit_come_at_once(self):
+        schedule = Schedule.starting(0.0, pace=1.0)
+        schedule.next(0.0)
+        burst = 0
+        while schedule.next(5.0) == 0.0:
+            burst += 1
+        self.assertEqual(burst, CATCH_UP)
+
+    def test_what_a_delay_holds_back_is_owed_whole(self):
+        schedule = Schedule.starting(0.0, pace=1.0)
+        self.assertAlmostEqual(schedule.next(0.0), 0.01)
+        schedule.hold_back(0.5)
+        burst = 0
+        while schedule.next(0.51) == 0.0:
+            burst += 1
+        self.assertIn(burst, (49, 50, 51))
+
+
+class RecordingTest(unittest.TestCase):
+    def test_two_samples_are_a_notification_and_an_odd_one_is_left_out(self):
+        recording = Recording(bytes(range(40)))
+        self.assertEqual(len(recording), 2)
+        self.assertEqual(recording.notification(1), bytes(range(16, 32)))
+
+
+class ScriptTest(unittest.TestCase):
+    def test_an_act_is_taken_once(self):
+        script = Script([{"do": "vanish", "at": 3, "for_ms": 1}, {"do": "delay", "at": 3, "ms": 2}])
+        self.assertEqual([script.take_act(3).do, script.take_act(3).do], ["vanish", "delay"])
+        self.assertIsNone(script.take_act(3))
+
+    def test_what_the_armband_cannot_do_is_refused(self):
+        for entry in (
+            "drop",
+            {"do": "dance", "at": 1},
+            {"do": "drop"},
+            {"do": "drop", "at": -1},
+            {"do": "drop", "at": 1.5},
+            {"do": "drop", "at": 1, "often": 2},
+            {"do": "corrupt", "at": 1, "kind": "slightly"},
+        ):
+            with self.assertRaises(ScriptError, msg=entry):
+                Script([entry])
+        with self.assertRaises(ScriptError):
+            Script({"do": "drop", "at": 1})
+
+    def test_refusals_add_up(self):
+        script = Script([{"do": "refuse", "count": 2}, {"do": "refuse", "count": 1}])
+        self.assertEqual(script.refusals, 3)
+
+
+class ShaperTest(unittest.TestCase):
+    def test_what_was_held_back_is_gone_with_the_link(self):
+        shaper = Shaper(Script([{"do": "swap", "at": 0}]))
+        self.assertEqual(shaper.packets(0, 0, b"a"), [])
+        shaper.forget()
+        self.assertEqual(shaper.packets(1, 1, b"b"), [Packet(0x0205, b"b")])
+
+    def test_garbage_has_the_flag_of_a_command_that_may_be_ignored(self):
+        shaper = Shaper(Script([{"do": "corrupt", "at": 0, "kind": "garbage"}]))
+        self.assertEqual(shaper.packets(0, 0, b"a"), [GARBAGE])
+        self.assertTrue(GARBAGE.value[0] & 0x40)
+
+
+class SettingsTest(unittest.TestCase):
+    def test_only_modes_2_and_3_stream(self):
+        for mode, streams in ((0, False), (1, False), (2, True), (3, True)):
+            settings = Settings()
+            settings.obey(bytes([1, 3, mode, 0, 0]))
+            self.assertEqual(settings.streams, streams)
+
+    def test_a_wrong_length_changes_nothing(self):
+        settings = Settings()
+        for command in (b"", b"\x09", b"\x09\x01", b"\x09\x02\x01", b"\x09\x01\x01\x00"):
+            with self.assertRaises(CommandError):
+                settings.obey(command)
+        self.assertEqual(settings, Settings())
+
+
+if __name__ == "__main__":
+    unittest.main()

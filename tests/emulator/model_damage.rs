@@ -1,0 +1,100 @@
+//! Model files as they must not be: each damage, and why the device refuses it.
+
+use shared::encoder::any_shape::AnyShape;
+use shared::intent::Vocabulary;
+use shared::model_file::{Dimensions, Model, samples::random_model};
+
+use super::MODEL_REGION;
+
+/// A damaged file.
+pub struct Damage {
+    /// What was done to it.
+    pub name: &'static str,
+    /// The bytes of the model's region; what is missing is erased flash.
+    pub bytes: Vec<u8>,
+}
+
+impl Damage {
+    /// Why the whole region is refused, in the words of the error; none if it is no damage.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        let mut region = vec![0xff; MODEL_REGION];
+        region[..self.bytes.len()].copy_from_slice(&self.bytes);
+        let encoder = Model::parse(&region).and_then(|model| AnyShape::new(&model).map(drop));
+        encoder.err().map(|error| error.to_string())
+    }
+}
+
+/// Every kind of damage to a good model.
+///
+/// # Panics
+/// If the good model is too short to be one.
+#[must_use]
+pub fn damages(good: &[u8]) -> Vec<Damage> {
+    let changed = |name, change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = good.to_vec();
+        change(&mut bytes);
+        Damage { name, bytes }
+    };
+    let shape = Dimensions {
+        width: 40,
+        layers: 2,
+        span: 27,
+        vocabulary: Vocabulary::Three,
+    };
+    let other_shape = random_model(shape, 1).to_bytes();
+    vec![
+        changed("an erased region", &|bytes| bytes.fill(0xff)),
+        changed("another magic", &|bytes| bytes[0] ^= 0x20),
+        changed("another format version", &|bytes| bytes[8] += 1),
+        changed("a length beyond the region", &|bytes| {
+            let beyond = u32::try_from(MODEL_REGION + 1).expect("small");
+            bytes[9..13].copy_from_slice(&beyond.to_le_bytes());
+        }),
+        changed("a length too short for the file", &|bytes| {
+            let short = u32::try_from(good.len() - 100).expect("small");
+            bytes[9..13].copy_from_slice(&short.to_le_bytes());
+        }),
+        changed("a flipped bit in a weight", &|bytes| {
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 1;
+        }),
+        changed("a flipped bit in the checksum", &|bytes| {
+            let last = bytes.len() - 1;
+            bytes[last] ^= 1;
+        }),
+        changed("an end that was never written", &|bytes| {
+            bytes.truncate(good.len() / 2)
+        }),
+        Damage {
+            name: "a good model of a shape that is not compiled in",
+            bytes: other_shape.expect("a writable model"),
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn each_damage_has_its_reason_and_the_whole_model_has_none() {
+        let shape = Dimensions {
+            width: 48,
+            layers: 2,
+            span: 27,
+            vocabulary: Vocabulary::Three,
+        };
+        let good = random_model(shape, 1).to_bytes().unwrap();
+        let damages = damages(&good);
+        let kinds: BTreeSet<_> = damages.iter().map(|d| d.reason().expect(d.name)).collect();
+        // The two ends that are missing are both noticed by the checksum, with different sums.
+        assert_eq!(kinds.len(), damages.len());
+        let whole = Damage {
+            name: "none",
+            bytes: good,
+        };
+        assert_eq!(whole.reason(), None);
+    }
+}

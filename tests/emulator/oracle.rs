@@ -1,0 +1,52 @@
+//! The lines that a device must write: the shared pipeline, told on the PC what the armband did.
+
+use shared::encoder::any_shape::AnyShape;
+use shared::model_file::Model;
+use shared::pipeline::{Encode as _, Pipeline, Reports};
+use shared::safe_state::Start;
+use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
+
+/// What reaches the pipeline.
+#[derive(Clone, Copy, Debug)]
+pub enum Input<'s> {
+    /// Samples, one after the other.
+    Samples(&'s [Sample]),
+    /// So many are missing.
+    Gap(u32),
+    /// The armband is gone.
+    Disconnected,
+    /// Nothing for so long.
+    Silence(Millis),
+}
+
+/// The lines for these inputs, the first one at boot.
+///
+/// # Errors
+/// When the model is refused.
+pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<String>> {
+    let model = Model::parse(model)?;
+    let encoder = AnyShape::new(&model)?;
+    let mut state = encoder.fresh();
+    let settings = model.header.smoother.in_patches();
+    let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
+    let mut lines = vec![pipeline.state_report().to_string()];
+    let mut add = |reports: Reports| lines.extend(reports.into_iter().map(|r| r.to_string()));
+    let mut now = Millis(0);
+    for input in inputs {
+        match *input {
+            Input::Samples(samples) => {
+                for &sample in samples {
+                    now = now.plus(SAMPLE_PERIOD_MS);
+                    add(pipeline.sample(now, sample));
+                }
+            }
+            Input::Gap(missing) => add(pipeline.gap(now, missing)),
+            Input::Disconnected => add(pipeline.disconnected(now)),
+            Input::Silence(long) => {
+                now = now.plus(long.0);
+                add(pipeline.tick(now));
+            }
+        }
+    }
+    Ok(lines)
+}

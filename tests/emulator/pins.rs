@@ -1,0 +1,81 @@
+//! Lines of the emulated pins:
+//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0`.
+
+use shared::intent::Intent;
+
+/// The pins from one instant on.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Pins {
+    /// The guest's clock, in microseconds; wraps after 71 minutes.
+    pub at_us: u32,
+    /// When the newest byte from the controller had come, on the same clock.
+    pub last_byte_us: u32,
+    /// The `valid` pin.
+    pub valid: bool,
+    /// The intents whose pin is high.
+    pub high: Vec<Intent>,
+    /// The light that tells of an armband that streams.
+    pub armband: bool,
+}
+
+impl Pins {
+    /// Reads a line; none if it is another kind of line or damaged.
+    #[must_use]
+    pub fn parse(line: &str) -> Option<Self> {
+        let mut words = line.trim_end().strip_prefix("PINS ")?.split(' ');
+        let at_us = words.next()?.parse().ok()?;
+        let last_byte_us = words.next()?.parse().ok()?;
+        let mut pins = Self {
+            at_us,
+            last_byte_us,
+            valid: false,
+            high: Vec::new(),
+            armband: false,
+        };
+        for word in words {
+            let (name, level) = word.split_once('=')?;
+            let level = match level {
+                "0" => false,
+                "1" => true,
+                _ => return None,
+            };
+            match Intent::from_name(name) {
+                None if name == "valid" => pins.valid = level,
+                None if name == "armband" => pins.armband = level,
+                None => return None,
+                Some(intent) if level => pins.high.push(intent),
+                Some(_) => {}
+            }
+        }
+        Some(pins)
+    }
+
+    /// Microseconds since the newest byte from the controller.
+    #[must_use]
+    pub const fn since_last_byte_us(&self) -> u32 {
+        self.at_us.wrapping_sub(self.last_byte_us)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_and_times_are_read_and_anything_else_is_no_line() {
+        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1\r\n";
+        let pins = Pins::parse(line).unwrap();
+        assert!(pins.valid && pins.armband);
+        assert_eq!(pins.high, [Intent::Open]);
+        assert_eq!(pins.since_last_byte_us(), 200);
+        for wrong in [
+            "STACK 900",
+            "PINS 1",
+            "PINS 1 2 valid=2",
+            "PINS 1 2 thumb=1",
+            "PINS 1 x valid=1",
+        ] {
+            assert_eq!(Pins::parse(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! A model that is none leaves the device safe, and the UART says why.
+
+use myointent_tests::emulator::{bench, damages};
+use shared::safe_state::Cause;
+
+#[test]
+fn every_damage_to_the_model_is_refused_with_its_reason() -> anyhow::Result<()> {
+    let test = "every_damage_to_the_model_is_refused_with_its_reason";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let damages = damages(&super::model());
+    assert!(damages.len() >= 6);
+    for damage in &damages {
+        let reason = damage.reason().expect("damage is refused on the PC too");
+        let mut run = bench.start_alone(&damage.bytes)?;
+        run.wait_for(&format!("the reason of {}: {reason}", damage.name), |run| {
+            run.remarks().iter().any(|remark| remark.contains(&reason))
+        })?;
+        run.wait_for("the state", |run| {
+            let reports = run.reports().unwrap_or_default();
+            let last = reports.last().and_then(|report| report.status.cause());
+            last == Some(Cause::ModelRefused)
+        })?;
+        run.wait_for("the pins", |run| !run.pins().is_empty())?;
+        assert!(run.pins().iter().all(|pins| !pins.valid), "{}", run.tails());
+        run.check()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! Debian's packages: what is missing, and how it is installed.
+
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
+
+/// Those of the packages that are not installed.
+pub fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
+    let installed = |package: &&&str| {
+        let status = Command::new("dpkg-query")
+            .args(["-W", "-f", "${db:Status-Status}", package])
+            .output();
+        status.is_ok_and(|output| output.stdout == b"installed")
+    };
+    packages
+        .iter()
+        .filter(|package| !installed(package))
+        .copied()
+        .collect()
+}
+
+/// The command that installs packages, for a person to type.
+pub fn install_command(packages: &[&str]) -> String {
+    format!(
+        "apt-get install -y --no-install-recommends {}",
+        packages.join(" ")
+    )
+}
+
+/// Installs packages, as root.
+pub fn install(packages: &[&str]) -> Result<()> {
+    let apt = |arguments: &[&str]| -> Result<()> {
+        let status = Command::new("apt-get")
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive")
+            .status()
+            .context("apt-get cannot be run: install what is missing by hand")?;
+        ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
+        Ok(())
+    };
+    apt(&["update", "-q"])?;
+    apt(&[
+        &["install", "-y", "-q", "--no-install-recommends"],
+        packages,
+    ]
+    .concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_package_that_does_not_exist_is_missing() {
+        assert_eq!(
+            missing(&["no-such-package-at-all"]),
+            ["no-such-package-at-all"]
+        );
+    }
+}

@@ -1,0 +1,175 @@
+//! What the end-to-end tests need beside a compiler: an emulated Cortex-M4F, and a Python
+//! environment with the virtual Bluetooth controller that the virtual armband is built on.
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use anyhow::{Context as _, Result, bail, ensure};
+
+use crate::debian;
+
+/// The emulator.
+pub const QEMU: &str = "qemu-system-arm";
+/// Names another Python that has the requirements, in place of the environment that
+/// `cargo xtask emulator --install` makes.
+pub const PYTHON_VARIABLE: &str = "MYOINTENT_PYTHON";
+
+const HINT: &str = "cargo xtask emulator --install";
+
+/// Looks for emulator and armband; with `install` it adds what is missing.
+pub fn prepare(install: bool) -> Result<()> {
+    if qemu().is_err() {
+        add_packages(&[QEMU], install)?;
+    }
+    println!("{}", qemu()?);
+    if python().is_err() {
+        ensure!(
+            install,
+            "no Python with the armband's requirements.\n  {HINT}\nmakes one in {}",
+            environment().display()
+        );
+        make_environment()?;
+    }
+    println!(
+        "Python {} has {}",
+        python()?.display(),
+        requirements().join(", ")
+    );
+    Ok(())
+}
+
+/// What QEMU says that it is.
+///
+/// Fails with the command that would help.
+pub fn qemu() -> Result<String> {
+    let output = Command::new(QEMU).arg("--version").output();
+    let Ok(output) = output else {
+        bail!("no {QEMU}: {HINT}");
+    };
+    let text = String::from_utf8_lossy(&output.stdout);
+    Ok(text.lines().next().unwrap_or(QEMU).to_owned())
+}
+
+/// A Python that can run the virtual armband.
+///
+/// Fails with the command that would help.
+pub fn python() -> Result<PathBuf> {
+    let python =
+        env::var_os(PYTHON_VARIABLE).map_or_else(|| environment().join("bin/python"), Into::into);
+    let checked = Command::new(&python)
+        .args(["-c", &check()])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    match checked {
+        Ok(status) if status.success() => Ok(python),
+        Ok(_) => bail!(
+            "{} lacks {}: {HINT}",
+            python.display(),
+            requirements().join(", ")
+        ),
+        Err(_) => bail!("no Python at {}: {HINT}", python.display()),
+    }
+}
+
+/// The folder of the virtual armband's program.
+pub fn armband() -> PathBuf {
+    workspace().join("tests/armband")
+}
+
+/// A Python program that ends well where every requirement is there, in the version asked for.
+fn check() -> String {
+    let versions: Vec<_> = requirements()
+        .iter()
+        .filter_map(|line| line.split_once("=="))
+        .map(|(package, version)| format!("assert version('{package}') == '{version}'"))
+        .collect();
+    format!(
+        "from importlib.metadata import version\n{}",
+        versions.join("\n")
+    )
+}
+
+fn requirements() -> Vec<String> {
+    let text = fs::read_to_string(armband().join("requirements.txt")).unwrap_or_default();
+    text.lines().map(str::to_owned).collect()
+}
+
+fn make_environment() -> Result<()> {
+    let environment = environment();
+    // The module that makes environments comes apart from Python itself on Debian.
+    if !runs(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
+        add_packages(&["python3", "python3-venv"], true)?;
+    }
+    println!("making {}", environment.display());
+    ensure!(
+        runs(
+            Command::new("python3")
+                .args(["-m", "venv"])
+                .arg(&environment)
+        ),
+        "python3 -m venv {} failed",
+        environment.display()
+    );
+    let status = Command::new(environment.join("bin/python"))
+        .args([
+            "-m",
+            "pip",
+            "install",
+            "--disable-pip-version-check",
+            "--quiet",
+            "-r",
+        ])
+        .arg(armband().join("requirements.txt"))
+        .status()
+        .context("pip cannot be run")?;
+    ensure!(status.success(), "pip could not install the requirements");
+    Ok(())
+}
+
+fn add_packages(packages: &[&str], install: bool) -> Result<()> {
+    let missing = debian::missing(packages);
+    let command = debian::install_command(&missing);
+    ensure!(
+        install,
+        "missing {}:\n  {command}\n({HINT} runs it)",
+        missing.join(", ")
+    );
+    if !missing.is_empty() {
+        println!("{command}");
+        debian::install(&missing)?;
+    }
+    Ok(())
+}
+
+fn runs(command: &mut Command) -> bool {
+    let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
+    quiet.status().is_ok_and(|status| status.success())
+}
+
+/// Where the environment lies: a build product like any other.
+fn environment() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| workspace().join("target"), PathBuf::from)
+        .join("armband")
+}
+
+fn workspace() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_check_asks_for_every_requirement_by_its_version() {
+        let check = check();
+        assert_eq!(requirements().len(), check.matches("assert").count());
+        assert!(check.contains("assert version('bumble') == '"), "{check}");
+    }
+}
