@@ -87,7 +87,7 @@ pub fn bench(name: &str) -> Option<Bench> {
     or_skip(name, emulator::qemu())?;
     let python = python(name)?;
     let image = IMAGE.get_or_init(|| {
-        firmware::build_image(&toolchain, Image::Emulator, false)
+        firmware::build_image(&toolchain, Image::Emulator, false, false)
             .unwrap_or_else(|error| panic!("the emulator's image: {error:#}"))
     });
     Some(Bench {

@@ -1,7 +1,7 @@
 //! What an image takes of flash and RAM, read from its ELF sections.
 
 use anyhow::{Context as _, Result};
-use object::{Object as _, ObjectSection as _, SectionKind};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
 
 /// Bytes by kind of section.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -14,12 +14,20 @@ pub struct Size {
     pub data: u64,
     /// Variables that start as zero or uninitialised: RAM only.
     pub bss: u64,
+    /// Of text and rodata, what belongs to Nordic's controller library: what on other images is
+    /// the SoftDevice's own.
+    pub controller: u64,
 }
 
 impl Size {
     /// Bytes of flash.
     pub const fn flash(self) -> u64 {
         self.text + self.rodata + self.data
+    }
+
+    /// Bytes of flash that are the program's own.
+    pub const fn own_flash(self) -> u64 {
+        self.flash() - self.controller
     }
 
     /// Bytes of static RAM; the stack takes what is left.
@@ -39,6 +47,13 @@ impl Size {
     }
 }
 
+/// The library comes with its inner names replaced by `sym_` and a code.
+fn is_of_the_controller(symbol: &str) -> bool {
+    ["sym_", "sdc_", "mpsl_", "MPSL_"]
+        .iter()
+        .any(|start| symbol.starts_with(start))
+}
+
 /// Sums the sections of an ELF image.
 pub fn measure(elf: &[u8]) -> Result<Size> {
     let file = object::File::parse(elf).context("not an ELF image")?;
@@ -46,6 +61,12 @@ pub fn measure(elf: &[u8]) -> Result<Size> {
     for section in file.sections() {
         size.add(section.kind(), section.size());
     }
+    size.controller = file
+        .symbols()
+        .filter(|symbol| symbol.name().is_ok_and(is_of_the_controller))
+        .filter(|symbol| symbol.kind() == SymbolKind::Text)
+        .map(|symbol| symbol.size())
+        .sum();
     Ok(size)
 }
 
@@ -67,11 +88,19 @@ mod tests {
                 text: 1000,
                 rodata: 200,
                 data: 30,
-                bss: 4
+                bss: 4,
+                controller: 0,
             }
         );
         assert_eq!(size.flash(), 1230);
         assert_eq!(size.ram(), 34);
+    }
+
+    #[test]
+    fn only_nordics_names_are_the_controllers() {
+        assert!(is_of_the_controller("sym_ABC123"));
+        assert!(is_of_the_controller("sdc_hci_get"));
+        assert!(!is_of_the_controller("_RNvsym_"));
     }
 
     #[test]
