@@ -1,6 +1,6 @@
 //! Builds the images of the boards and weighs them against the budgets of the design.
 
-use std::{env, fmt, fs, path::PathBuf};
+use std::{env, fmt, fs, path::PathBuf, process::Command};
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -114,6 +114,17 @@ pub struct Arguments {
     image: Option<String>,
 }
 
+/// How to lint.
+#[derive(clap::Args)]
+pub struct LintArguments {
+    /// Installs a missing compiler, linter or libclang, as root, with apt-get.
+    #[arg(long)]
+    install: bool,
+    /// Refuses to change Cargo.lock.
+    #[arg(long)]
+    locked: bool,
+}
+
 /// Builds, prints a table of sizes, and fails where an image is over a budget.
 ///
 /// # Errors
@@ -138,6 +149,29 @@ pub fn build(arguments: &Arguments) -> Result<()> {
         .try_for_each(|&(image, size)| within_budget(image, size))
 }
 
+/// Lints the program as each board and each radio compiles it.
+///
+/// # Errors
+/// When there is no toolchain, or something to mend.
+pub fn lint(arguments: &LintArguments) -> Result<()> {
+    let toolchain = toolchain::find(arguments.install)?;
+    // The nRF52832 differs by nothing but numbers.
+    for image in [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Emulator] {
+        println!("{image}");
+        let mut cargo = cargo(
+            &toolchain,
+            "clippy",
+            image,
+            arguments.install,
+            arguments.locked,
+        )?;
+        cargo.args(["--", "-D", "warnings"]);
+        let status = cargo.status().context("clippy cannot be run")?;
+        ensure!(status.success(), "the image {image} has lints to mend");
+    }
+    Ok(())
+}
+
 /// Builds an image; gives its ELF file.
 ///
 /// # Errors
@@ -148,13 +182,35 @@ pub fn build_image(
     install: bool,
     locked: bool,
 ) -> Result<PathBuf> {
+    let status = cargo(toolchain, "build", image, install, locked)?
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(status.success(), "the image {image} did not build");
+
     let directory = target_directory();
-    let mut cargo = toolchain.cargo("build");
+    // Every image is built to one name: keep each by its own.
+    let built = directory.join(TARGET).join(PROFILE).join(PACKAGE);
+    let kept = directory.join(image.name()).with_extension("elf");
+    let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
+    vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
+    fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
+    Ok(kept)
+}
+
+/// A cargo that does something to an image.
+fn cargo(
+    toolchain: &Toolchain,
+    subcommand: &str,
+    image: Image,
+    install: bool,
+    locked: bool,
+) -> Result<Command> {
+    let mut cargo = toolchain.cargo(subcommand);
     // --package keeps the host's crates, and their features, out of the build.
     cargo
         .args(["--profile", PROFILE, "--package", PACKAGE])
         .args(["--no-default-features", "--features", image.features()])
-        .env("CARGO_TARGET_DIR", &directory);
+        .env("CARGO_TARGET_DIR", target_directory());
     if image == Image::Nrf52840Sdc
         && let Some(folder) = clang::find(install)?
     {
@@ -166,16 +222,7 @@ pub fn build_image(
     if locked {
         cargo.arg("--locked");
     }
-    let status = cargo.status().context("cargo cannot be run")?;
-    ensure!(status.success(), "the image {image} did not build");
-
-    // Every image is built to one name: keep each by its own.
-    let built = directory.join(TARGET).join(PROFILE).join(PACKAGE);
-    let kept = directory.join(image.name()).with_extension("elf");
-    let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
-    vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
-    fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
-    Ok(kept)
+    Ok(cargo)
 }
 
 /// The size of an image.

@@ -20,6 +20,8 @@ struct Arguments {
 enum Step {
     /// Builds the images of all boards and prints what they take of flash and RAM.
     Images(firmware::Arguments),
+    /// Lints the board's program, which no linter of this machine's own target sees.
+    Lint(firmware::LintArguments),
     /// Counts the instructions that a patch takes on the emulated Cortex-M4F, part by part.
     Count(count::Arguments),
     /// Says which emulator and which Python would run the end-to-end tests, and adds them if asked.
@@ -39,6 +41,7 @@ enum Step {
 fn main() -> Result<()> {
     match Arguments::parse().step {
         Step::Images(arguments) => firmware::build(&arguments),
+        Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
         Step::Emulator { install } => emulator::prepare(install),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),

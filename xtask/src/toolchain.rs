@@ -12,9 +12,11 @@ use crate::debian;
 /// The target of every board: Cortex-M4 with its FPU, hard-float calls.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Compiler, cargo and sources of `core`, as Debian packages them.
-const DEBIAN_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+/// Compiler, cargo, sources of `core` and linter, as Debian packages them.
+const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+/// Started by itself: cargo would prefer the one of rustup, which lints with rustup's compiler.
+const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 
 /// A toolchain that can build for [`TARGET`].
@@ -56,6 +58,7 @@ impl Toolchain {
     pub fn cargo(&self, subcommand: &str) -> Command {
         let mut cargo = match self {
             Self::Rustup => Command::new(env!("CARGO")),
+            Self::Debian { .. } if subcommand == "clippy" => Command::new(DEBIAN_CLIPPY),
             Self::Debian { .. } => Command::new(DEBIAN_CARGO),
         };
         cargo.args([subcommand, "--target", TARGET]);
@@ -67,9 +70,10 @@ impl Toolchain {
                 .env("RUSTC", DEBIAN_RUSTC)
                 .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
             // What the cargo that started us told its children names the other compiler.
-            for name in ["CARGO", "RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTDOC"] {
+            for name in ["RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTDOC"] {
                 cargo.env_remove(name);
             }
+            cargo.env("CARGO", DEBIAN_CARGO);
         }
         cargo
     }

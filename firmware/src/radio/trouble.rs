@@ -1,7 +1,7 @@
 //! The Bluetooth host `trouble`, over whatever controller speaks HCI: Nordic's library on the
 //! board, a UART in the emulator.
 
-use core::cell::{Cell, RefCell};
+use core::cell::Cell;
 
 use bt_hci::{
     cmd::le::{
@@ -12,7 +12,7 @@ use bt_hci::{
     param::{AddrKind, BdAddr, LeAdvReportsIter},
 };
 use embassy_futures::select::select;
-use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel};
+use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, mutex::Mutex};
 use embassy_time::Duration;
 use shared::myo::{self, AddressKind, Characteristic, Found, Service};
 use trouble_host::{
@@ -165,7 +165,7 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
         let link = TroubleLink {
             client: &client,
             handles: Cell::default(),
-            listener: RefCell::new(listener),
+            listener: Mutex::new(listener),
         };
         // The client's task ends when the connection does, and only it notices.
         select(client.task(), conversation.talk(&link)).await;
@@ -177,7 +177,7 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
 struct TroubleLink<'c, C: Controller> {
     client: &'c GattClient<'c, C, DefaultPacketPool, MOST_SERVICES>,
     handles: Cell<Handles>,
-    listener: RefCell<NotificationListener<'c, NOTIFICATION_BYTES>>,
+    listener: Mutex<NoopRawMutex, NotificationListener<'c, NOTIFICATION_BYTES>>,
 }
 
 impl<C: Capable> TroubleLink<'_, C> {
@@ -238,9 +238,7 @@ impl<C: Capable> Link for TroubleLink<'_, C> {
     }
 
     async fn listen(&self, mut notified: impl FnMut(Characteristic, &[u8])) -> Disconnected {
-        let Ok(mut listener) = self.listener.try_borrow_mut() else {
-            return Disconnected;
-        };
+        let mut listener = self.listener.lock().await;
         loop {
             let notification = listener.next().await;
             let handles = self.handles.get();

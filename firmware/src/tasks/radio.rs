@@ -51,10 +51,9 @@ impl Told {
             }
         }
         let low = session.battery().filter(|_| session.battery_is_low());
-        if self.low.replace(low.is_some()) != low.is_some() {
-            if let Some(percent) = low {
-                output::say(Line::LowBattery(percent));
-            }
+        let news = self.low.replace(low.is_some()) != low.is_some();
+        if let Some(percent) = low.filter(|_| news) {
+            output::say(Line::LowBattery(percent));
         }
     }
 }
