@@ -13,7 +13,7 @@ use defmt_rtt as _;
 use embassy_nrf::{
     bind_interrupts,
     gpio::{Level, Output},
-    interrupt::Priority,
+    interrupt::{self, InterruptExt as _, Priority},
     pac,
     peripherals::{self, UARTE0},
     uarte::{self, Baudrate, Parity, UarteTx},
@@ -42,9 +42,11 @@ const RESET_BY_SOFTWARE: u32 = 1 << 2;
 /// Takes the peripherals with all outputs safe.
 pub fn start() -> Board {
     let mut config = embassy_nrf::config::Config::default();
-    // Both SoftDevices keep the priorities 0, 1 and 4 to themselves.
+    // The SoftDevices keep the priorities 0, 1 and 4 to themselves, and refuse to start where an
+    // interrupt of the program has one of them.
     config.gpiote_interrupt_priority = Priority::P2;
     config.time_interrupt_priority = Priority::P2;
+    interrupt::UARTE0.set_priority(Priority::P3);
     let peripherals = embassy_nrf::init(config);
     let wiring = wiring::wire(peripherals);
     let lines = Lines {
