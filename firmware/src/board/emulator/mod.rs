@@ -129,6 +129,8 @@ pub fn last_words(message: &dyn fmt::Display) {
     RESTART.store(PANICKED, Ordering::Relaxed);
     let _ = write!(Comment(Uart::LABELS), "# {message}");
     Uart::LABELS.send(b"\r\n");
+    // A panic comes on top of whatever the stack held.
+    stack::report(Uart::PINS);
 }
 
 /// A comment is one line, and a panic's message is several.
