@@ -4,6 +4,8 @@
 
 #[path = "end_to_end/armband.rs"]
 mod armband;
+#[path = "end_to_end/faults.rs"]
+mod faults;
 #[path = "end_to_end/misbehaviour.rs"]
 mod misbehaviour;
 #[path = "end_to_end/model.rs"]

@@ -21,6 +21,7 @@ use myointent_tests::{golden, skip};
 use xtask::{
     count::{self, Table},
     device::{self, Clock, Image},
+    qemu,
     toolchain::{self, Toolchain},
 };
 
@@ -29,7 +30,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let found = toolchain::find(false).and_then(|found| device::find_emulator().map(|()| found));
+    let found = toolchain::find(false).and_then(|found| qemu::find().map(|_| found));
     let trials = match found {
         Ok(toolchain) => trials(&toolchain).unwrap_or_else(|error| {
             let message = format!("{error:#}");

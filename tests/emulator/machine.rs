@@ -4,14 +4,14 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::ensure;
-use xtask::emulator::QEMU;
+use xtask::qemu::QEMU;
 
 use super::process::Guarded;
 
 /// Bytes of flash that the model has.
 pub const MODEL_REGION: usize = 160 * 1024;
 const MODEL_ADDRESS: u32 = 0x5_8000;
-/// A word that slows the guest's clock down.
+/// A word that slows the guest's clock down, and one that provokes a fault.
 const STRAPS_ADDRESS: u32 = 0x8_0000;
 const ERASED: u8 = 0xff;
 
@@ -19,6 +19,37 @@ const ERASED: u8 = 0xff;
 pub const LABELS: &str = "uart0";
 /// See [`LABELS`].
 pub const PINS: &str = "uart2";
+
+/// What the board does wrong, some lines after its first label.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u32)]
+pub enum Fault {
+    /// The task that writes lines waits for ever.
+    TaskStops = 1,
+    /// A panic.
+    Panic = 2,
+    /// An undefined instruction.
+    HardFault = 3,
+}
+
+/// What the board is told before its program runs, and again whenever it starts anew.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Straps {
+    /// How many times slower than the wall the guest's clock runs.
+    pub time_scale: u32,
+    /// What is to go wrong.
+    pub fault: Option<Fault>,
+}
+
+impl Straps {
+    const fn words(self) -> [u32; 2] {
+        let fault = match self.fault {
+            Some(fault) => fault as u32,
+            None => 0,
+        };
+        [self.time_scale, fault]
+    }
+}
 
 /// A running board.
 pub struct Machine(pub Guarded);
@@ -29,7 +60,7 @@ impl Machine {
         folder: &Path,
         image: &Path,
         model: &[u8],
-        time_scale: u32,
+        straps: Straps,
         hci: Option<&Path>,
     ) -> anyhow::Result<Self> {
         ensure!(
@@ -60,8 +91,11 @@ impl Machine {
         qemu.args(["-serial", &file(PINS)]);
         let region = region_file.display();
         let loaded = format!("loader,file={region},addr={MODEL_ADDRESS:#x},force-raw=on");
-        let straps = format!("loader,addr={STRAPS_ADDRESS:#x},data={time_scale},data-len=4");
-        qemu.args(["-device", &loaded, "-device", &straps]);
+        qemu.args(["-device", &loaded]);
+        for (address, word) in (STRAPS_ADDRESS..).step_by(4).zip(straps.words()) {
+            let strap = format!("loader,addr={address:#x},data={word},data-len=4");
+            qemu.args(["-device", &strap]);
+        }
         Guarded::start("machine", qemu, folder).map(Self)
     }
 }

@@ -16,7 +16,7 @@ mod pins;
 mod process;
 mod run;
 
-pub use machine::{MODEL_REGION, Machine};
+pub use machine::{Fault, MODEL_REGION, Machine, Straps};
 pub use model_damage::{Damage, damages};
 pub use oracle::{Input, expected_lines};
 pub use pins::Pins;
@@ -27,20 +27,36 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use shared::units::Sample;
 use xtask::firmware::{self, Image};
-use xtask::{emulator, toolchain};
+use xtask::{emulator, qemu, toolchain};
 
-/// A Python that can run the armband. While it lives there is no other: each run keeps a core
-/// busy, and a starved emulator tests nothing.
+/// While it lives there is no other: each run keeps a core busy, and a starved emulator tests
+/// nothing.
+struct Alone(#[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
+
+impl Alone {
+    fn wait() -> Self {
+        static ALONE: Mutex<()> = Mutex::new(());
+        Self(ALONE.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// A Python that can run the armband.
 pub struct Python {
     /// The interpreter.
     pub path: PathBuf,
-    _alone: MutexGuard<'static, ()>,
+    _alone: Alone,
 }
 
-/// What a run needs that not every machine has.
-pub struct Bench {
-    python: Python,
+/// An emulated board and its program.
+pub struct Board {
     image: PathBuf,
+    _alone: Alone,
+}
+
+/// A board and an armband.
+pub struct Bench {
+    board: Board,
+    python: PathBuf,
 }
 
 /// One run: what the armband streams and how it misbehaves, and how fast all of it goes.
@@ -57,42 +73,54 @@ pub struct Scene<'s> {
     pub time_scale: u32,
     /// How many times faster than 200 Hz of the wall the armband streams.
     pub pace: f64,
+    /// What the board itself does wrong.
+    pub fault: Option<Fault>,
     /// Steps of misbehaviour, as `tests/armband/misbehaviour.py` describes them.
     pub script: serde_json::Value,
     /// More arguments of the armband.
     pub arguments: Vec<String>,
 }
 
-static ALONE: Mutex<()> = Mutex::new(());
-
 /// The armband's Python; without it, books the test `name` as skipped.
 #[must_use]
 pub fn python(name: &str) -> Option<Python> {
-    let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let path = or_skip(name, emulator::python())?;
+    let alone = Alone::wait();
     Some(Python {
-        path,
+        path: or_skip(name, emulator::python())?,
         _alone: alone,
     })
 }
 
-/// Everything a run needs; without some of it, books the test `name` as skipped.
+/// A board and an armband; without what they need, books the test `name` as skipped.
+///
+/// # Panics
+/// As [`board`].
+#[must_use]
+pub fn bench(name: &str) -> Option<Bench> {
+    let python = or_skip(name, emulator::python())?;
+    Some(Bench {
+        board: board(name)?,
+        python,
+    })
+}
+
+/// A board by itself; without what it needs, books the test `name` as skipped.
 ///
 /// # Panics
 /// Where the image does not build: that is no reason to skip.
 #[must_use]
-pub fn bench(name: &str) -> Option<Bench> {
+pub fn board(name: &str) -> Option<Board> {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     let toolchain = or_skip(name, toolchain::find(false))?;
-    or_skip(name, emulator::qemu())?;
-    let python = python(name)?;
+    or_skip(name, qemu::find())?;
+    let alone = Alone::wait();
     let image = IMAGE.get_or_init(|| {
         firmware::build_image(&toolchain, Image::Emulator, false, false)
             .unwrap_or_else(|error| panic!("the emulator's image: {error:#}"))
     });
-    Some(Bench {
-        python,
+    Some(Board {
         image: image.clone(),
+        _alone: alone,
     })
 }
 
@@ -110,8 +138,10 @@ impl Bench {
     pub fn start(&self, scene: &Scene<'_>) -> anyhow::Result<Run> {
         Run::start(self, scene)
     }
+}
 
-    /// Starts the machine alone, with a model and nobody to talk to.
+impl Board {
+    /// Starts the machine, with a model and nobody to talk to.
     ///
     /// # Errors
     /// Where it does not start.

@@ -1,6 +1,7 @@
 //! One run: its processes, its files, and waiting for what is to appear in them.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -11,11 +12,11 @@ use shared::intent::Intent;
 use shared::report_line::{Kind, Report};
 use shared::safe_state::SILENCE_MS;
 use tempfile::TempDir;
-use xtask::{emulator, firmware::STACK_BUDGET};
+use xtask::{emulator, firmware::STACK_BUDGET, stack};
 
-use super::machine::{self, Machine};
+use super::machine::{self, Machine, Straps};
 use super::process::Guarded;
-use super::{Bench, Pins, Scene};
+use super::{Bench, Board, Pins, Scene};
 
 /// No wait is longer. Far beyond what a healthy run needs, on a machine that does other work too.
 const PATIENCE: Duration = Duration::from_secs(90);
@@ -24,6 +25,8 @@ const POLL: Duration = Duration::from_millis(10);
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
 /// Lines of each file that a failure shows.
 const TAIL: usize = 12;
+/// How the first line of a start begins.
+const STARTED: &str = "# myointent ";
 
 /// Armband and machine at work. Both end when it is dropped.
 pub struct Run {
@@ -31,17 +34,20 @@ pub struct Run {
     machine: Option<Machine>,
     armband: Option<Guarded>,
     folder: TempDir,
+    image: PathBuf,
+    /// Whether the board is to start anew.
+    faulty: bool,
 }
 
 impl Run {
     pub(super) fn start(bench: &Bench, scene: &Scene<'_>) -> anyhow::Result<Self> {
-        let mut run = Self::empty()?;
+        let mut run = Self::empty(&bench.board, scene.fault.is_some())?;
         let path = |name: &str| run.folder.path().join(name);
         let (recording, script) = (path("recording.i8"), path("script.json"));
         std::fs::write(&recording, cast_slice::<[i8; 8], u8>(scene.samples))?;
         std::fs::write(&script, scene.script.to_string())?;
         let socket = path("hci");
-        let mut armband = Command::new(&bench.python.path);
+        let mut armband = Command::new(&bench.python);
         armband
             .arg(emulator::armband())
             .arg("--hci")
@@ -59,30 +65,34 @@ impl Run {
         run.armband = Some(Guarded::start("armband", armband, run.folder.path())?);
         run.wait_for("the armband to be ready", |run| run.happened("ready") > 0)?;
         let folder = run.folder.path();
-        let machine = Machine::start(
-            folder,
-            &bench.image,
-            scene.model,
-            scene.time_scale,
-            Some(&socket),
-        )?;
+        let straps = Straps {
+            time_scale: scene.time_scale,
+            fault: scene.fault,
+        };
+        let machine = Machine::start(folder, &run.image, scene.model, straps, Some(&socket))?;
         run.machine = Some(machine);
         Ok(run)
     }
 
-    pub(super) fn start_alone(bench: &Bench, model: &[u8]) -> anyhow::Result<Self> {
-        let mut run = Self::empty()?;
-        let machine = Machine::start(run.folder.path(), &bench.image, model, 1, None)?;
+    pub(super) fn start_alone(board: &Board, model: &[u8]) -> anyhow::Result<Self> {
+        let mut run = Self::empty(board, false)?;
+        let straps = Straps {
+            time_scale: 1,
+            fault: None,
+        };
+        let machine = Machine::start(run.folder.path(), &run.image, model, straps, None)?;
         run.machine = Some(machine);
         Ok(run)
     }
 
-    fn empty() -> anyhow::Result<Self> {
+    fn empty(board: &Board, faulty: bool) -> anyhow::Result<Self> {
         Ok(Self {
             machine: None,
             armband: None,
             // Short, for the path of a socket has 107 bytes at most.
             folder: tempfile::Builder::new().prefix("myo").tempdir()?,
+            image: board.image.clone(),
+            faulty,
         })
     }
 
@@ -115,6 +125,25 @@ impl Run {
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
         let parse = |line: &String| Report::parse(line.as_bytes()).with_context(|| line.clone());
         self.lines().iter().map(parse).collect()
+    }
+
+    /// The reports of each time that the board started, the newest last.
+    ///
+    /// # Errors
+    /// Where a line is neither report nor remark, or comes before the first start.
+    pub fn lives(&self) -> anyhow::Result<Vec<Vec<Report>>> {
+        let mut lives: Vec<Vec<Report>> = Vec::new();
+        let text = self.file(machine::LABELS);
+        for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
+            if line.starts_with(STARTED) {
+                lives.push(Vec::new());
+            } else if !line.starts_with('#') {
+                let life = lives.last_mut();
+                let life = life.with_context(|| format!("before the start: {line}"))?;
+                life.push(Report::parse(line.as_bytes()).with_context(|| line.to_owned())?);
+            }
+        }
+        Ok(lives)
     }
 
     /// Every state that the pins were in.
@@ -180,10 +209,12 @@ impl Run {
     /// What must hold in every run, whatever happened in it.
     ///
     /// # Errors
-    /// Tells a line that is damaged, missing or a label while `valid` is low; a `valid` pin that
-    /// fell too late; a pin but relax's that is high meanwhile; an inference that was too slow; a
-    /// stack beyond its budget; and whatever the armband took for an error.
+    /// Tells a line that is damaged, missing or a label while `valid` is low; a start anew without
+    /// a fault; a `valid` pin that fell too late; a pin but relax's that is high meanwhile; an
+    /// inference that was too slow; a stack beyond its budget; and whatever the armband took for an
+    /// error.
     pub fn check(&self) -> anyhow::Result<()> {
+        stack::record(&self.image, self.stack())?;
         let fault = self.bad_line()?.or_else(|| self.bad_pin());
         let fault = fault.or_else(|| {
             if self.remarks().iter().any(|r| r.contains("too slow")) {
@@ -201,8 +232,12 @@ impl Run {
     }
 
     fn bad_line(&self) -> anyhow::Result<Option<String>> {
-        let reports = self.reports().with_context(|| self.tails())?;
-        for (place, report) in reports.iter().enumerate() {
+        let lives = self.lives().with_context(|| self.tails())?;
+        if lives.len() > 1 && !self.faulty {
+            return Ok(Some("the board started anew".to_owned()));
+        }
+        let placed = lives.iter().flat_map(|reports| reports.iter().enumerate());
+        for (place, report) in placed {
             if report.sequence as usize != place {
                 return Ok(Some(format!(
                     "line {place} is numbered {}",

@@ -13,6 +13,8 @@ const RECORDING: &str = "roshambo/data/subject02_session01_emg.npy";
 /// 35 ms late, which could be four lost, are 175 ms of the wall.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
+/// How long the session waits for a connection.
+const CONNECT_US: u32 = 5_000_000;
 /// Where the guest mostly waits for its own time to pass.
 const LINK_TIME_SCALE: u32 = 3;
 
@@ -34,6 +36,7 @@ fn play(
         samples,
         time_scale,
         pace: PACE,
+        fault: None,
         script,
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
     })
@@ -177,8 +180,12 @@ fn a_lost_link_is_taken_up_again_and_so_is_a_sleeping_armband() -> anyhow::Resul
     compare(&mut run, &expected)?;
     assert_eq!((run.happened("refused"), run.happened("connected")), (1, 3));
     recovers_with_a_full_window(&run.reports()?, Cause::Disconnected);
+    let pins = run.pins();
+    // What was refused is tried again as soon as the session sees fit, not when it loses patience.
+    let follows = pins.iter().find(|pins| pins.armband).expect("a stream");
+    assert!(follows.at_us < CONNECT_US, "{}", run.tails());
     // Between two connections the pins were safe.
-    let levels: Vec<bool> = run.pins().iter().map(|pins| pins.valid).collect();
+    let levels: Vec<bool> = pins.iter().map(|pins| pins.valid).collect();
     let rises = levels.windows(2).filter(|pair| !pair[0] && pair[1]).count();
     assert_eq!(rises, 3, "{}", run.tails());
     Ok(())
@@ -195,6 +202,7 @@ fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Res
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,
+        fault: None,
         script: json!([]),
         arguments: ["--end", "disconnect", "--first-lane", "2"]
             .map(str::to_owned)

@@ -1,19 +1,19 @@
 //! A model that is none leaves the device safe, and the UART says why.
 
-use myointent_tests::emulator::{bench, damages};
+use myointent_tests::emulator::{board, damages};
 use shared::safe_state::Cause;
 
 #[test]
 fn every_damage_to_the_model_is_refused_with_its_reason() -> anyhow::Result<()> {
     let test = "every_damage_to_the_model_is_refused_with_its_reason";
-    let Some(bench) = bench(test) else {
+    let Some(board) = board(test) else {
         return Ok(());
     };
     let damages = damages(&super::model());
     assert!(damages.len() >= 6);
     for damage in &damages {
         let reason = damage.reason().expect("damage is refused on the PC too");
-        let mut run = bench.start_alone(&damage.bytes)?;
+        let mut run = board.start_alone(&damage.bytes)?;
         run.wait_for(&format!("the reason of {}: {reason}", damage.name), |run| {
             run.remarks().iter().any(|remark| remark.contains(&reason))
         })?;

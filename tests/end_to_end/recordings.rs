@@ -25,6 +25,7 @@ fn emitted_lines_equal_replays(test: &str, recording: &str, seconds: usize) -> a
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,
+        fault: None,
         script: json!([]),
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
     })?;

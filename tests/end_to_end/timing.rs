@@ -37,6 +37,7 @@ fn play(
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,
+        fault: None,
         script,
         arguments: Vec::new(),
     })?;

@@ -11,7 +11,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::{
     device::{self, Clock, Image},
-    toolchain,
+    qemu, toolchain,
 };
 
 /// Of a whole patch, 50 ms of EMG.
@@ -45,7 +45,7 @@ pub fn print(arguments: &Arguments) -> Result<()> {
         None => made_up(),
     };
     let toolchain = toolchain::find(false)?;
-    device::find_emulator()?;
+    qemu::find()?;
     let image = device::build(&toolchain, Image::Count)?;
     println!("{}", count(&image, &samples)?);
     Ok(())

@@ -15,9 +15,7 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::{firmware, toolchain::Toolchain};
-
-const EMULATOR: &str = "qemu-system-arm";
+use crate::{firmware, qemu::QEMU, toolchain::Toolchain};
 
 /// A program for the emulated core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -46,16 +44,6 @@ impl Image {
             ],
         }
     }
-}
-
-/// Fails, with what would help, where there is no emulator.
-pub fn find_emulator() -> Result<()> {
-    let version = Command::new(EMULATOR).arg("--version").output();
-    ensure!(
-        version.is_ok_and(|output| output.status.success()),
-        "no emulator. Install {EMULATOR}, on Debian by\n  apt-get install -y --no-install-recommends qemu-system-arm"
-    );
-    Ok(())
 }
 
 /// Builds an image and gives its path.
@@ -118,7 +106,7 @@ pub fn run(
     limit: Duration,
 ) -> Result<Outcome> {
     let (mut output, input) = io::pipe()?;
-    let mut emulator = Command::new(EMULATOR);
+    let mut emulator = Command::new(QEMU);
     emulator
         .args(["-M", "mps2-an386", "-cpu", "cortex-m4"])
         .args(["-display", "none", "-monitor", "none", "-serial", "none"])

@@ -9,22 +9,24 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::debian;
+use crate::{
+    debian,
+    qemu::{self, QEMU},
+};
 
-/// The emulator.
-pub const QEMU: &str = "qemu-system-arm";
 /// Names another Python that has the requirements, in place of the environment that
 /// `cargo xtask emulator --install` makes.
 pub const PYTHON_VARIABLE: &str = "MYOINTENT_PYTHON";
 
-const HINT: &str = "cargo xtask emulator --install";
+/// The command that adds what is missing.
+pub const HINT: &str = "cargo xtask emulator --install";
 
 /// Looks for emulator and armband; with `install` it adds what is missing.
 pub fn prepare(install: bool) -> Result<()> {
-    if qemu().is_err() {
+    if qemu::find().is_err() {
         add_packages(&[QEMU], install)?;
     }
-    println!("{}", qemu()?);
+    println!("{}", qemu::find()?);
     if python().is_err() {
         ensure!(
             install,
@@ -39,18 +41,6 @@ pub fn prepare(install: bool) -> Result<()> {
         requirements().join(", ")
     );
     Ok(())
-}
-
-/// What QEMU says that it is.
-///
-/// Fails with the command that would help.
-pub fn qemu() -> Result<String> {
-    let output = Command::new(QEMU).arg("--version").output();
-    let Ok(output) = output else {
-        bail!("no {QEMU}: {HINT}");
-    };
-    let text = String::from_utf8_lossy(&output.stdout);
-    Ok(text.lines().next().unwrap_or(QEMU).to_owned())
 }
 
 /// A Python that can run the virtual armband.

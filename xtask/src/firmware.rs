@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result, ensure};
 use crate::{
     clang,
     size::{self, Size},
+    stack,
     toolchain::{self, TARGET, Toolchain},
     vectors,
 };
@@ -144,7 +145,13 @@ pub fn build(arguments: &Arguments) -> Result<()> {
             rows.push((image, measure(&file)?));
         }
     }
-    println!("\n{}", Table(&rows));
+    let emulator = kept(Image::Emulator);
+    let stack = if emulator.is_file() {
+        stack::measured(&emulator)?
+    } else {
+        None
+    };
+    println!("\n{}", Table { rows: &rows, stack });
     rows.iter()
         .try_for_each(|&(image, size)| within_budget(image, size))
 }
@@ -187,10 +194,9 @@ pub fn build_image(
         .context("cargo cannot be run")?;
     ensure!(status.success(), "the image {image} did not build");
 
-    let directory = target_directory();
     // Every image is built to one name: keep each by its own.
-    let built = directory.join(TARGET).join(PROFILE).join(PACKAGE);
-    let kept = directory.join(image.name()).with_extension("elf");
+    let built = target_directory().join(TARGET).join(PROFILE).join(PACKAGE);
+    let kept = kept(image);
     let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
     vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
     fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
@@ -225,6 +231,11 @@ fn cargo(
     Ok(cargo)
 }
 
+/// Where an image is kept once it was built.
+fn kept(image: Image) -> PathBuf {
+    target_directory().join(image.name()).with_extension("elf")
+}
+
 /// The size of an image.
 ///
 /// # Errors
@@ -242,23 +253,30 @@ pub fn target_directory() -> PathBuf {
     shared.join("cross")
 }
 
-struct Table<'r>(&'r [(Image, Size)]);
+struct Table<'r> {
+    rows: &'r [(Image, Size)],
+    /// Of the tasks, which are those of every image, in the emulator's runs.
+    stack: Option<u64>,
+}
 
 impl fmt::Display for Table<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kib = |bytes: u64| bytes as f64 / 1024.0;
+        let stack = self
+            .stack
+            .map_or_else(|| "-".to_owned(), |used| format!("{:.1}", kib(used)));
         writeln!(
             f,
-            "| image, KiB    | code  | constants | flash | controller | own   | of  | static RAM | of | left for the stack |"
+            "| image, KiB    | code  | constants | flash | controller | own   | of  | static RAM | of | left for the stack | stack measured |"
         )?;
         writeln!(
             f,
-            "|---------------|-------|-----------|-------|------------|-------|-----|------------|----|--------------------|"
+            "|---------------|-------|-----------|-------|------------|-------|-----|------------|----|--------------------|----------------|"
         )?;
-        for &(image, size) in self.0 {
+        for &(image, size) in self.rows {
             writeln!(
                 f,
-                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:10.1} | {:5.1} | {:3} | {:10.1} | {:2} | {:18.1} |",
+                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:10.1} | {:5.1} | {:3} | {:10.1} | {:2} | {:18.1} | {stack:>14} |",
                 kib(size.text),
                 kib(size.rodata),
                 kib(size.flash()),

@@ -10,6 +10,8 @@ mod debian;
 pub mod device;
 pub mod emulator;
 pub mod firmware;
+pub mod qemu;
 pub mod size;
+pub mod stack;
 pub mod toolchain;
 pub mod vectors;

@@ -1,7 +1,7 @@
 //! The Bluetooth host `trouble`, over whatever controller speaks HCI: Nordic's library on the
 //! board, a UART in the emulator.
 
-use core::cell::Cell;
+use core::{cell::Cell, future::poll_fn, task::Poll};
 
 use bt_hci::{
     cmd::le::{
@@ -154,8 +154,23 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
             },
             connect_params: LINK,
         };
-        let connection = self.central.connect(&config).await;
-        let connection = connection.map_err(|_| ConnectFailed)?;
+        // Where the armband drops the link at once, both events come in one go, and the host forgets
+        // the connection before `connect` gets to see it and waits on. But it counts connections,
+        // and the event that made one has woken this task: one that `connect`, asked first, has not
+        // got by now is over.
+        let begun = || self.stack.metrics(|host| host.connect_events);
+        let before = begun();
+        let missed = poll_fn(|_| {
+            if begun() == before {
+                Poll::Pending
+            } else {
+                Poll::Ready(())
+            }
+        });
+        let connection = match select(self.central.connect(&config), missed).await {
+            Either::First(connection) => connection.map_err(|_| ConnectFailed)?,
+            Either::Second(()) => return Err(ConnectFailed),
+        };
         let client: GattClient<'_, C, DefaultPacketPool, MOST_SERVICES> =
             GattClient::new(self.stack, &connection)
                 .await

@@ -26,11 +26,27 @@ pub struct FromController;
 /// See [`FromController`].
 pub struct ToController;
 
-/// Starts the line. The controller must not send before.
+/// Starts the line.
 pub fn start() -> (FromController, ToController) {
     Uart::HCI.start(RX_ENABLE | RX_INTERRUPT);
     Line::HciReceive.unmask();
     (FromController, ToController)
+}
+
+/// Resets the controller and passes over whatever it sent before.
+///
+/// It does not start anew with this program, and may be in the middle of a packet. Packets begin
+/// again with the answer to a reset (Bluetooth Core, Vol 4, Part A, 4). Where none comes, the
+/// watchdog starts all of this once more.
+pub async fn synchronize(from: &mut FromController, to: &mut ToController) {
+    // A command packet with the opcode 0x0c03 and no parameters.
+    let Ok(()) = to.write_all(&[0x01, 0x03, 0x0c, 0x00]).await;
+    let mut newest = [0; 7];
+    // An event packet "command complete": how many commands may follow, the opcode, success.
+    while !matches!(newest, [0x04, 0x0e, 0x04, _, 0x03, 0x0c, 0x00]) {
+        newest.rotate_left(1);
+        let Ok(_) = from.read(&mut newest[6..]).await;
+    }
 }
 
 /// When the newest byte came, in microseconds.

@@ -4,6 +4,7 @@
 //! board, unchanged.
 
 mod clock;
+mod fault;
 mod hci;
 mod interrupts;
 mod registers;
@@ -75,7 +76,8 @@ pub fn start() -> Board {
 }
 
 /// Follows the armband for ever.
-pub async fn run_radio(_: Spawner, parts: RadioParts, follower: &Follower<'_>) {
+pub async fn run_radio(_: Spawner, mut parts: RadioParts, follower: &Follower<'_>) {
+    hci::synchronize(&mut parts.from, &mut parts.to).await;
     let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);
     let controller: ExternalController<_, 10> = ExternalController::new(transport);
     radio::trouble::run(controller, OWN_ADDRESS, follower).await;
@@ -86,10 +88,10 @@ pub struct LabelPort(());
 
 impl LabelPort {
     /// Sends a line.
-    #[expect(clippy::unused_async, reason = "on a chip it waits")]
     pub async fn send(&mut self, line: &[u8]) {
         Uart::LABELS.send(line);
         stack::report(Uart::PINS);
+        fault::strike(line).await;
     }
 }
 
@@ -125,6 +127,20 @@ pub fn last_words(message: &dyn fmt::Display) {
         armband: false,
     });
     RESTART.store(PANICKED, Ordering::Relaxed);
-    let mut uart = Uart::LABELS;
-    let _ = write!(uart, "# {message}\r\n");
+    let _ = write!(Comment(Uart::LABELS), "# {message}");
+    Uart::LABELS.send(b"\r\n");
+    // A panic comes on top of whatever the stack held.
+    stack::report(Uart::PINS);
+}
+
+/// A comment is one line, and a panic's message is several.
+struct Comment(Uart);
+
+impl fmt::Write for Comment {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for byte in text.bytes() {
+            self.0.send(&[if byte == b'\n' { b' ' } else { byte }]);
+        }
+        Ok(())
+    }
 }
