@@ -1,7 +1,8 @@
 //! Which pin does what: the one place to change for another board.
 //!
 //! The numbers are those of Nordic's development kits, PCA10056 (nRF52840) and PCA10040
-//! (nRF52832): their debugger passes the UART on to USB, the label pins are free on the headers.
+//! (nRF52832): their debugger passes the UART on to USB; the label pins are free on the headers, and
+//! none is a button, which would short a high output.
 
 use embassy_nrf::{
     Peri, Peripherals,
@@ -57,12 +58,12 @@ pub fn wire(p: Peripherals) -> Wiring {
         p.P0_11,
         [
             p.P0_12.into(),
-            p.P0_13.into(),
-            p.P0_14.into(),
-            p.P0_15.into(),
-            p.P0_16.into(),
+            p.P0_22.into(),
+            p.P0_23.into(),
+            p.P0_24.into(),
+            p.P0_25.into(),
         ],
-        p.P0_22,
+        p.P0_26,
         p.P0_17,
         p.P0_18,
         p.P0_06,
