@@ -11,7 +11,7 @@ use bt_hci::{
     controller::{ControllerCmdAsync, ControllerCmdSync},
     param::{AddrKind, BdAddr, LeAdvReportsIter},
 };
-use embassy_futures::select::select;
+use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, mutex::Mutex};
 use embassy_time::Duration;
 use shared::myo::{self, AddressKind, Characteristic, Found, Service};
