@@ -17,6 +17,7 @@ macro_rules! shapes {
 
         /// An encoder of one of [`SHAPES`].
         #[derive(Clone, Copy, Debug)]
+        #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to box it on")]
         pub enum AnyShape<'m> {
             $($(#[$note])* $name(Encoder<'m, $width, $layers, $span>),)*
         }
