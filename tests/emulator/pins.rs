@@ -50,10 +50,12 @@ impl Pins {
         Some(pins)
     }
 
-    /// Microseconds since the newest byte from the controller.
+    /// Microseconds since the newest byte from the controller; none have passed where it came
+    /// while the line was being written.
     #[must_use]
     pub const fn since_last_byte_us(&self) -> u32 {
-        self.at_us.wrapping_sub(self.last_byte_us)
+        let passed = self.at_us.wrapping_sub(self.last_byte_us);
+        if passed > i32::MAX as u32 { 0 } else { passed }
     }
 }
 
@@ -68,6 +70,11 @@ mod tests {
         assert!(pins.valid && pins.armband);
         assert_eq!(pins.high, [Intent::Open]);
         assert_eq!(pins.since_last_byte_us(), 200);
+        let overtaken = Pins {
+            last_byte_us: 5229,
+            ..pins
+        };
+        assert_eq!(overtaken.since_last_byte_us(), 0);
         for wrong in [
             "STACK 900",
             "PINS 1",
