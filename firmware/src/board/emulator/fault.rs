@@ -26,6 +26,6 @@ pub async fn strike(line: &[u8]) {
     match fault {
         Fault::TaskStops => future::pending().await,
         Fault::Panic => panic!("a panic on demand"),
-        Fault::HardFault => cortex_m::asm::udf(),
+        Fault::BadInstruction => cortex_m::asm::udf(),
     }
 }

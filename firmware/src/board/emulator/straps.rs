@@ -8,7 +8,7 @@ pub enum Fault {
     /// A panic.
     Panic,
     /// An instruction that there is none of.
-    HardFault,
+    BadInstruction,
 }
 
 /// How many times slower than the wall the clock runs, 1 if nothing was set.
@@ -25,7 +25,7 @@ pub fn fault() -> Option<Fault> {
     match fault {
         1 => Some(Fault::TaskStops),
         2 => Some(Fault::Panic),
-        3 => Some(Fault::HardFault),
+        3 => Some(Fault::BadInstruction),
         _ => None,
     }
 }
