@@ -17,7 +17,14 @@ mod timing;
 
 use std::path::PathBuf;
 
+use myointent_tests::emulator::{Bench, Run, Scene};
+use serde_json::Value;
 use shared::units::Sample;
+
+/// 200 ms of silence are a second of the wall, and 35 ms late, which could be four lost, 175 ms: a
+/// busy machine does not look like an armband that fell silent or lost something.
+const TIME_SCALE: u32 = 5;
+const PACE: f64 = 3.0;
 
 /// The published model: the one that the README flashes.
 fn model() -> Vec<u8> {
@@ -37,4 +44,23 @@ fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
     let mut samples = recording.samples;
     samples.truncate(seconds * 200);
     Some(samples)
+}
+
+/// Streams to the end, where the armband hangs up.
+fn play(
+    bench: &Bench,
+    model: &[u8],
+    samples: &[Sample],
+    time_scale: u32,
+    script: Value,
+) -> anyhow::Result<Run> {
+    bench.start(&Scene {
+        model,
+        samples,
+        time_scale,
+        pace: PACE,
+        fault: None,
+        script,
+        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
+    })
 }

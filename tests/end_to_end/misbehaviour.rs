@@ -4,15 +4,14 @@
 //! compared with those of the shared pipeline, told what reached the device.
 
 use myointent_tests::emulator::{Bench, Input, Run, Scene, bench, expected_lines};
-use serde_json::{Value, json};
+use serde_json::json;
 use shared::report_line::Report;
 use shared::safe_state::Cause;
 use shared::units::Sample;
 
+use super::{PACE, TIME_SCALE, play};
+
 const RECORDING: &str = "roshambo/data/subject02_session01_emg.npy";
-/// 35 ms late, which could be four lost, are 175 ms of the wall.
-const TIME_SCALE: u32 = 5;
-const PACE: f64 = 3.0;
 /// How long the session waits for a connection.
 const CONNECT_US: u32 = 5_000_000;
 /// Where the guest mostly waits for its own time to pass.
@@ -22,24 +21,6 @@ const LINK_TIME_SCALE: u32 = 3;
 fn prepare(test: &str, seconds: usize) -> Option<(Bench, Vec<u8>, Vec<Sample>)> {
     let samples = super::samples(test, RECORDING, seconds)?;
     Some((bench(test)?, super::model(), samples))
-}
-
-fn play(
-    bench: &Bench,
-    model: &[u8],
-    samples: &[Sample],
-    time_scale: u32,
-    script: Value,
-) -> anyhow::Result<Run> {
-    bench.start(&Scene {
-        model,
-        samples,
-        time_scale,
-        pace: PACE,
-        fault: None,
-        script,
-        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
-    })
 }
 
 /// Waits for as many lines as expected and compares them.

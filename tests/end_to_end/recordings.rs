@@ -1,14 +1,9 @@
 //! What the device writes is what `myointent replay` prints.
 
 use myointent::command::replay;
-use myointent_tests::emulator::{Input, Scene, bench, expected_lines};
+use myointent_tests::emulator::{Input, bench, expected_lines};
 use serde_json::json;
 use shared::safe_state::Cause;
-
-/// 200 ms of silence are a second of the wall: a busy machine does not look like an armband that
-/// fell silent.
-const TIME_SCALE: u32 = 5;
-const PACE: f64 = 3.0;
 
 fn emitted_lines_equal_replays(test: &str, recording: &str, seconds: usize) -> anyhow::Result<()> {
     let Some(samples) = super::samples(test, recording, seconds) else {
@@ -20,15 +15,7 @@ fn emitted_lines_equal_replays(test: &str, recording: &str, seconds: usize) -> a
     let model = super::model();
     let expected = replay::lines_of(&model, &samples)?;
     let expected: Vec<_> = expected.split_inclusive('\n').collect();
-    let mut run = bench.start(&Scene {
-        model: &model,
-        samples: &samples,
-        time_scale: TIME_SCALE,
-        pace: PACE,
-        fault: None,
-        script: json!([]),
-        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
-    })?;
+    let mut run = super::play(&bench, &model, &samples, super::TIME_SCALE, json!([]))?;
     run.wait_for("the line after the last of the recording", |run| {
         run.lines().len() > expected.len()
     })?;

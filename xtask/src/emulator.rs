@@ -3,7 +3,7 @@
 
 use std::{
     env, fs,
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Stdio},
 };
 
@@ -67,7 +67,7 @@ pub fn python() -> Result<PathBuf> {
 
 /// The folder of the virtual armband's program.
 pub fn armband() -> PathBuf {
-    workspace().join("tests/armband")
+    crate::workspace().join("tests/armband")
 }
 
 /// A Python program that ends well where every requirement is there, in the version asked for.
@@ -142,14 +142,7 @@ fn runs(command: &mut Command) -> bool {
 
 /// Where the environment lies: a build product like any other.
 fn environment() -> PathBuf {
-    env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| workspace().join("target"), PathBuf::from)
-        .join("armband")
-}
-
-fn workspace() -> PathBuf {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().unwrap_or(here).to_owned()
+    crate::target().join("armband")
 }
 
 #[cfg(test)]

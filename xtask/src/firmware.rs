@@ -1,6 +1,6 @@
 //! Builds the images of the boards and weighs them against the budgets of the design.
 
-use std::{env, fmt, fs, path::PathBuf, process::Command};
+use std::{fmt, fs, path::PathBuf, process::Command};
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -247,10 +247,7 @@ pub fn measure(file: &PathBuf) -> Result<Size> {
 
 /// A folder of its own, so that two cargo versions do not rebuild each other's work in turns.
 pub fn target_directory() -> PathBuf {
-    let workspace = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    let shared =
-        env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
-    shared.join("cross")
+    crate::target().join("cross")
 }
 
 struct Table<'r> {

@@ -14,7 +14,7 @@ pub use emulator::{LabelPort, Pins, RadioParts, Watchdog, last_words, run_radio,
 #[cfg(feature = "chip")]
 pub use nrf52::{LabelPort, Pins, RadioParts, Watchdog, last_words, run_radio, start};
 
-use shared::safe_state::Status;
+use shared::safe_state::{Cause, Status};
 
 /// Why the program started.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -59,4 +59,12 @@ pub struct Shown {
     pub status: Status,
     /// Whether an armband streams.
     pub armband: bool,
+}
+
+impl Shown {
+    /// What a start and a panic show.
+    pub const SAFE: Self = Self {
+        status: Status::Safe(Cause::Boot),
+        armband: false,
+    };
 }

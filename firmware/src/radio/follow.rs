@@ -9,37 +9,29 @@ use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Instant, Ticker};
 use shared::{
-    myo::{Action, Address, Characteristic, Event, MyoSession, Payload, Phase},
+    myo::{Action, Event, MyoSession, Phase},
     numbering::Sender,
     units::Millis,
 };
 
-use super::{Conversation, Link, MOST_BYTES, Radio};
+use super::{Conversation, Link, MOST_BYTES, OperationFailed, Radio, SUBSCRIBE, handles::Handles};
 use crate::tasks::{Packets, watchdog};
 
 const TICK: Duration = Duration::from_millis(50);
-
-/// What the session wants the radio to do next.
-enum Order {
-    Scan,
-    StopScan,
-    Connect(Address),
-    Discover,
-    Read(Characteristic),
-    Subscribe(Characteristic),
-    Write(Characteristic, Payload),
-}
 
 /// The session, and what connects it to the radio and to the inference.
 pub struct Follower<'q> {
     session: RefCell<MyoSession>,
     sender: RefCell<Sender>,
     packets: &'q Packets,
-    /// The session has one operation under way at most, and may stop a scan before it.
-    orders: Channel<NoopRawMutex, Order, 4>,
+    /// What the radio is to do next. The session has one operation under way at most, and may stop a
+    /// scan before it.
+    orders: Channel<NoopRawMutex, Action, 4>,
     hang_up: Signal<NoopRawMutex, ()>,
     streaming: Signal<NoopRawMutex, ()>,
     connected: Cell<bool>,
+    /// Of the connection under way.
+    handles: Cell<Handles>,
     /// Told of the phase whenever it may have changed.
     watch: &'q dyn Fn(&MyoSession),
 }
@@ -61,6 +53,7 @@ impl<'q> Follower<'q> {
             hang_up: Signal::new(),
             streaming: Signal::new(),
             connected: Cell::new(false),
+            handles: Cell::default(),
             watch,
         }
     }
@@ -70,8 +63,8 @@ impl<'q> Follower<'q> {
         select(self.tick(), async {
             loop {
                 match self.orders.receive().await {
-                    Order::Scan => self.scan(radio).await,
-                    Order::Connect(address) => {
+                    Action::Scan => self.scan(radio).await,
+                    Action::Connect(address) => {
                         self.hang_up.reset();
                         self.streaming.reset();
                         self.connected.set(false);
@@ -107,7 +100,7 @@ impl<'q> Follower<'q> {
                 data: heard.data(),
             });
         });
-        let stopped = async { while !matches!(self.orders.receive().await, Order::StopScan) {} };
+        let stopped = async { while !matches!(self.orders.receive().await, Action::StopScan) {} };
         if let Either::First(()) = select(hear, stopped).await {
             self.tell(Event::ScanEnded);
         }
@@ -124,45 +117,45 @@ impl<'q> Follower<'q> {
     }
 
     fn act(&self, action: Action) {
-        let order = match action {
-            Action::Scan => Order::Scan,
-            Action::StopScan => Order::StopScan,
-            Action::Connect(address) => Order::Connect(address),
-            Action::Discover => Order::Discover,
-            Action::Read(characteristic) => Order::Read(characteristic),
-            Action::Subscribe(characteristic) => Order::Subscribe(characteristic),
-            Action::Write(characteristic, payload) => Order::Write(characteristic, payload),
-            Action::Disconnect => return self.hang_up.signal(()),
+        match action {
+            Action::Disconnect => self.hang_up.signal(()),
             Action::Deliver(samples) => {
-                let packet = self.sender.borrow_mut().samples(samples);
-                return self.packets.push(packet);
+                self.packets.push(self.sender.borrow_mut().samples(samples))
             }
-            Action::Gap { missing } => return self.sender.borrow_mut().gap(missing),
-            Action::Lost => {
-                let packet = self.sender.borrow_mut().over();
-                return self.packets.push(packet);
-            }
-        };
-        // It has room: one operation is under way at a time.
-        let _ = self.orders.try_send(order);
+            Action::Gap { missing } => self.sender.borrow_mut().gap(missing),
+            Action::Lost => self.packets.push(self.sender.borrow_mut().over()),
+            // It has room: one operation is under way at a time.
+            order => drop(self.orders.try_send(order)),
+        }
     }
 
-    async fn perform(&self, link: &impl Link, order: Order) {
+    async fn perform(&self, link: &impl Link, order: Action) {
         let mut value = [0; MOST_BYTES];
+        let handles = self.handles.get();
         let done = match order {
-            Order::Discover => match link.discover().await {
-                Ok(found) => return self.tell(Event::Discovered(found)),
+            Action::Discover => match link.discover().await {
+                Ok(handles) => {
+                    self.handles.set(handles);
+                    return self.tell(Event::Discovered(handles.found()));
+                }
                 Err(failed) => Err(failed),
             },
-            Order::Read(characteristic) => match link.read(characteristic, &mut value).await {
-                Ok(length) => return self.tell(Event::Read(&value[..length.min(MOST_BYTES)])),
-                Err(failed) => Err(failed),
+            Action::Read(characteristic) => match handles.value(characteristic) {
+                Some(handle) => match link.read(handle, &mut value).await {
+                    Ok(length) => return self.tell(Event::Read(&value[..length.min(MOST_BYTES)])),
+                    Err(failed) => Err(failed),
+                },
+                None => Err(OperationFailed),
             },
-            Order::Write(characteristic, payload) => {
-                link.write(characteristic, payload.as_slice()).await
-            }
-            Order::Subscribe(characteristic) => link.subscribe(characteristic).await,
-            Order::Scan | Order::StopScan | Order::Connect(_) => return,
+            Action::Write(characteristic, payload) => match handles.value(characteristic) {
+                Some(handle) => link.write(handle, payload.as_slice()).await,
+                None => Err(OperationFailed),
+            },
+            Action::Subscribe(characteristic) => match handles.subscription(characteristic) {
+                Some(handle) => link.write(handle, &SUBSCRIBE).await,
+                None => Err(OperationFailed),
+            },
+            _ => return,
         };
         self.tell(match done {
             Ok(()) => Event::Done,
@@ -174,6 +167,7 @@ impl<'q> Follower<'q> {
 impl Conversation for Follower<'_> {
     async fn talk(&self, link: &impl Link) {
         self.connected.set(true);
+        self.handles.take();
         self.tell(Event::Connected);
         let operate = async {
             loop {
@@ -183,11 +177,15 @@ impl Conversation for Follower<'_> {
         };
         let listen = async {
             self.streaming.wait().await;
-            link.listen(|characteristic, bytes| {
-                self.tell(Event::Notification {
-                    characteristic,
-                    bytes,
-                });
+            let handles = self.handles.get();
+            link.listen(|handle, bytes| {
+                // Of anything else that the armband offers, nobody asked for notifications.
+                if let Some(characteristic) = handles.characteristic(handle) {
+                    self.tell(Event::Notification {
+                        characteristic,
+                        bytes,
+                    });
+                }
             })
             .await
         };

@@ -7,7 +7,8 @@ pub mod softdevice;
 #[cfg(feature = "radio-hci")]
 pub mod trouble;
 
-use shared::myo::{Address, Characteristic, Found};
+use handles::Handles;
+use shared::myo::Address;
 
 /// Longest advertisement, and longest value that is read or received.
 pub const MOST_BYTES: usize = 31;
@@ -81,31 +82,19 @@ pub trait Conversation {
     async fn talk(&self, link: &impl Link);
 }
 
-/// A connection to an armband.
+/// A connection to an armband. Attributes go by the handles that discovery found.
 pub trait Link {
-    /// Finds its characteristics, by UUID.
-    async fn discover(&self) -> Result<Found, OperationFailed>;
+    /// Finds the armband's characteristics, by UUID.
+    async fn discover(&self) -> Result<Handles, OperationFailed>;
 
     /// Reads a value; gives its length.
-    async fn read(
-        &self,
-        characteristic: Characteristic,
-        value: &mut [u8],
-    ) -> Result<usize, OperationFailed>;
+    async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed>;
 
     /// Writes a value, with response.
-    async fn write(
-        &self,
-        characteristic: Characteristic,
-        value: &[u8],
-    ) -> Result<(), OperationFailed>;
+    async fn write(&self, handle: u16, value: &[u8]) -> Result<(), OperationFailed>;
 
-    /// Asks for notifications.
-    async fn subscribe(&self, characteristic: Characteristic) -> Result<(), OperationFailed>;
-
-    /// Passes notifications on until the connection is gone; those of attributes that are none of
-    /// the armband's known characteristics are left out.
+    /// Passes notifications on, by the handle of their value, until the connection is gone.
     ///
     /// From then on nothing is read, and a write may be taken as done before its response.
-    async fn listen(&self, notified: impl FnMut(Characteristic, &[u8])) -> Disconnected;
+    async fn listen(&self, notified: impl FnMut(u16, &[u8])) -> Disconnected;
 }

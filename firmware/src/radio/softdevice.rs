@@ -10,11 +10,11 @@ use nrf_softdevice::{
     },
     raw,
 };
-use shared::myo::{self, AddressKind, Characteristic, Found, Service};
+use shared::myo::{self, AddressKind, Characteristic, Service};
 
 use super::{
     Advertisement, ConnectFailed, Conversation, Disconnected, Link, MOST_BYTES, OperationFailed,
-    Radio, SUBSCRIBE, follow::Follower, handles::Handles,
+    Radio, follow::Follower, handles::Handles,
 };
 
 /// Follows the armband for ever.
@@ -91,7 +91,6 @@ impl Radio for Below<'_> {
         })?;
         let link = LinkBelow {
             connection,
-            handles: Cell::default(),
             listening: Cell::new(false),
         };
         conversation.talk(&link).await;
@@ -116,24 +115,11 @@ fn bytes_of(report: &raw::ble_gap_evt_adv_report_t) -> &[u8] {
 
 struct LinkBelow {
     connection: Connection,
-    handles: Cell<Handles>,
     /// While set, the library's one place for events of the connection is taken.
     listening: Cell<bool>,
 }
 
 impl LinkBelow {
-    async fn write_to(&self, handle: Option<u16>, value: &[u8]) -> Result<(), OperationFailed> {
-        let handle = handle.ok_or(OperationFailed)?;
-        if self.listening.get() {
-            return self.write_while_listening(handle, value);
-        }
-        let written = gatt_client::write(&self.connection, handle, value).await;
-        written.map_err(|error| {
-            defmt::warn!("a write failed: {}", error);
-            OperationFailed
-        })
-    }
-
     /// Writes without waiting for the response, which goes to the listener and is ignored there:
     /// to wait for it would lose the notifications that come meanwhile. An armband that does not
     /// respond falls silent, and the session notices that.
@@ -180,23 +166,16 @@ impl LinkBelow {
 }
 
 impl Link for LinkBelow {
-    async fn discover(&self) -> Result<Found, OperationFailed> {
+    async fn discover(&self) -> Result<Handles, OperationFailed> {
         const { assert!(Service::ALL.len() == 3) };
         let mut handles = Handles::default();
         self.discover_service::<0>(&mut handles).await?;
         self.discover_service::<1>(&mut handles).await?;
         self.discover_service::<2>(&mut handles).await?;
-        self.handles.set(handles);
-        Ok(handles.found())
+        Ok(handles)
     }
 
-    async fn read(
-        &self,
-        characteristic: Characteristic,
-        value: &mut [u8],
-    ) -> Result<usize, OperationFailed> {
-        let handle = self.handles.get().value(characteristic);
-        let handle = handle.ok_or(OperationFailed)?;
+    async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed> {
         if self.listening.get() {
             return Err(OperationFailed);
         }
@@ -207,27 +186,21 @@ impl Link for LinkBelow {
         })
     }
 
-    async fn write(
-        &self,
-        characteristic: Characteristic,
-        value: &[u8],
-    ) -> Result<(), OperationFailed> {
-        self.write_to(self.handles.get().value(characteristic), value)
-            .await
+    async fn write(&self, handle: u16, value: &[u8]) -> Result<(), OperationFailed> {
+        if self.listening.get() {
+            return self.write_while_listening(handle, value);
+        }
+        let written = gatt_client::write(&self.connection, handle, value).await;
+        written.map_err(|error| {
+            defmt::warn!("a write failed: {}", error);
+            OperationFailed
+        })
     }
 
-    async fn subscribe(&self, characteristic: Characteristic) -> Result<(), OperationFailed> {
-        let handle = self.handles.get().subscription(characteristic);
-        self.write_to(handle, &SUBSCRIBE).await
-    }
-
-    async fn listen(&self, mut notified: impl FnMut(Characteristic, &[u8])) -> Disconnected {
+    async fn listen(&self, mut notified: impl FnMut(u16, &[u8])) -> Disconnected {
         self.listening.set(true);
-        let handles = self.handles.get();
         gatt_client::run(&self.connection, &Listener, |value: Value| {
-            if let Some(characteristic) = handles.characteristic(value.handle) {
-                notified(characteristic, &value.bytes[..value.length]);
-            }
+            notified(value.handle, &value.bytes[..value.length]);
         })
         .await;
         self.listening.set(false);

@@ -1,7 +1,7 @@
 //! The Bluetooth host `trouble`, over whatever controller speaks HCI: Nordic's library on the
 //! board, a UART in the emulator.
 
-use core::{cell::Cell, future::poll_fn, task::Poll};
+use core::{future::poll_fn, task::Poll};
 
 use bt_hci::{
     cmd::le::{
@@ -14,7 +14,7 @@ use bt_hci::{
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, mutex::Mutex};
 use embassy_time::Duration;
-use shared::myo::{self, AddressKind, Characteristic, Found, Service};
+use shared::myo::{self, AddressKind, Characteristic, Service};
 use trouble_host::{
     Address, Controller, HostResources, Stack,
     central::Central,
@@ -26,7 +26,7 @@ use trouble_host::{
 
 use super::{
     Advertisement, ConnectFailed, Conversation, Disconnected, Link, OperationFailed, Radio,
-    SUBSCRIBE, follow::Follower, handles::Handles,
+    follow::Follower, handles::Handles,
 };
 
 /// Bytes of a notification that are kept, as the `mtu` feature of the packet pool sets them.
@@ -179,7 +179,6 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
         let listener = client.listen_all().map_err(|_| ConnectFailed)?;
         let link = TroubleLink {
             client: &client,
-            handles: Cell::default(),
             listener: Mutex::new(listener),
         };
         // The client's task ends when the connection does, and only it notices.
@@ -191,20 +190,11 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
 
 struct TroubleLink<'c, C: Controller> {
     client: &'c GattClient<'c, C, DefaultPacketPool, MOST_SERVICES>,
-    handles: Cell<Handles>,
     listener: Mutex<NoopRawMutex, NotificationListener<'c, NOTIFICATION_BYTES>>,
 }
 
-impl<C: Capable> TroubleLink<'_, C> {
-    async fn write_to(&self, handle: Option<u16>, value: &[u8]) -> Result<(), OperationFailed> {
-        let handle = handle.ok_or(OperationFailed)?;
-        let written = self.client.write_handle(handle, value).await;
-        written.map_err(|_| OperationFailed)
-    }
-}
-
 impl<C: Capable> Link for TroubleLink<'_, C> {
-    async fn discover(&self) -> Result<Found, OperationFailed> {
+    async fn discover(&self) -> Result<Handles, OperationFailed> {
         let mut handles = Handles::default();
         for service in Service::ALL {
             let services = self.client.services_by_uuid(&uuid(service.uuid())).await;
@@ -222,44 +212,24 @@ impl<C: Capable> Link for TroubleLink<'_, C> {
                 }
             }
         }
-        self.handles.set(handles);
-        Ok(handles.found())
+        Ok(handles)
     }
 
-    async fn read(
-        &self,
-        characteristic: Characteristic,
-        value: &mut [u8],
-    ) -> Result<usize, OperationFailed> {
-        let handle = self.handles.get().value(characteristic);
-        let read = self
-            .client
-            .read_handle(handle.ok_or(OperationFailed)?, value);
-        read.await.map_err(|_| OperationFailed)
+    async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed> {
+        let read = self.client.read_handle(handle, value).await;
+        read.map_err(|_| OperationFailed)
     }
 
-    async fn write(
-        &self,
-        characteristic: Characteristic,
-        value: &[u8],
-    ) -> Result<(), OperationFailed> {
-        self.write_to(self.handles.get().value(characteristic), value)
-            .await
+    async fn write(&self, handle: u16, value: &[u8]) -> Result<(), OperationFailed> {
+        let written = self.client.write_handle(handle, value).await;
+        written.map_err(|_| OperationFailed)
     }
 
-    async fn subscribe(&self, characteristic: Characteristic) -> Result<(), OperationFailed> {
-        let handle = self.handles.get().subscription(characteristic);
-        self.write_to(handle, &SUBSCRIBE).await
-    }
-
-    async fn listen(&self, mut notified: impl FnMut(Characteristic, &[u8])) -> Disconnected {
+    async fn listen(&self, mut notified: impl FnMut(u16, &[u8])) -> Disconnected {
         let mut listener = self.listener.lock().await;
         loop {
             let notification = listener.next().await;
-            let handles = self.handles.get();
-            if let Some(characteristic) = handles.characteristic(notification.handle()) {
-                notified(characteristic, notification.as_ref());
-            }
+            notified(notification.handle(), notification.as_ref());
         }
     }
 }

@@ -14,7 +14,7 @@ use embassy_time::with_timeout;
 use shared::{
     myo::{Address, Counters, FirmwareVersion},
     report_line::Report,
-    safe_state::{Cause, Status},
+    safe_state::Status,
 };
 
 use super::{
@@ -61,10 +61,7 @@ pub struct Armband {
 const MOST_BYTES: usize = 256;
 
 static LINES: Queue<Line, 16> = Queue::new();
-static SHOWN: Mutex<CriticalSectionRawMutex, Cell<Shown>> = Mutex::new(Cell::new(Shown {
-    status: Status::Safe(Cause::Boot),
-    armband: false,
-}));
+static SHOWN: Mutex<CriticalSectionRawMutex, Cell<Shown>> = Mutex::new(Cell::new(Shown::SAFE));
 static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// Queues a line.

@@ -23,10 +23,7 @@ use bt_hci_serial::SerialTransport;
 use embassy_executor::Spawner;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_time::Instant;
-use shared::{
-    intent::Intent,
-    safe_state::{Cause, Status},
-};
+use shared::intent::Intent;
 
 use super::{Board, Restart, Shown};
 use crate::{
@@ -122,10 +119,7 @@ impl Pins {
 
 /// Takes every output back and tells of a panic. Called with interrupts off.
 pub fn last_words(message: &dyn fmt::Display) {
-    Pins(()).show(Shown {
-        status: Status::Safe(Cause::Boot),
-        armband: false,
-    });
+    Pins(()).show(Shown::SAFE);
     RESTART.store(PANICKED, Ordering::Relaxed);
     let _ = write!(Comment(Uart::LABELS), "# {message}");
     Uart::LABELS.send(b"\r\n");

@@ -19,10 +19,7 @@ use embassy_nrf::{
     uarte::{self, Baudrate, Parity, UarteTx},
     wdt,
 };
-use shared::{
-    intent::{Intent, MAX_CLASSES},
-    safe_state::{Cause, Status},
-};
+use shared::intent::{Intent, MAX_CLASSES};
 
 use super::{Board, Restart, Shown};
 use crate::settings::WATCHDOG_MS;
@@ -178,10 +175,7 @@ impl Watchdog {
 
 /// Takes every output back and tells of a panic. Called with interrupts off.
 pub fn last_words(message: &dyn fmt::Display) {
-    show(Shown {
-        status: Status::Safe(Cause::Boot),
-        armband: false,
-    });
+    show(Shown::SAFE);
     defmt::error!("{}", defmt::Display2Format(message));
     // Time for a debug probe to read the message before memory starts anew.
     cortex_m::asm::delay(3_200_000);
