@@ -28,7 +28,8 @@ pub trait Learner: Sync {
     /// The items of one epoch, in the order of their steps.
     fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Self::Item>;
 
-    /// Number of items of an epoch.
+    /// Number of items of an epoch that the learning rate's schedule counts; whatever comes on top runs
+    /// at the end of the schedule, where the rate is 0.
     fn steps(&self) -> usize;
 
     /// Assembles one step's batch in parts whose losses add up to the step's.
@@ -128,13 +129,14 @@ pub fn fit<L: Learner>(
     for epoch in state.epochs_done..pace.epochs {
         let mut rng = ChaCha8Rng::seed_from_u64(pace.seed);
         rng.set_stream(1 + epoch as u64);
+        let items = learner.epoch(&mut rng);
         let bar = progress::bar(
-            steps,
+            items.len(),
             &format!("{name} epoch {}/{}", epoch + 1, pace.epochs),
         );
         let mut means = Means::default();
         let mut rate = 0.0;
-        for item in learner.epoch(&mut rng) {
+        for item in items {
             if interrupt.asked() {
                 return Err(run.interrupted());
             }

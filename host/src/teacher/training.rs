@@ -123,7 +123,8 @@ impl Learner for TeacherLearner<'_> {
     }
 
     fn steps(&self) -> usize {
-        self.examples.len().div_ceil(self.config.batch)
+        // As in the reference, the last, short batch is trained on but not counted.
+        self.examples.len() / self.config.batch
     }
 
     fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard> {
