@@ -7,6 +7,7 @@ use serde_json::Value;
 
 /// Of some 1500 figures, all within so many standard errors with a probability of 0.99.
 const ERRORS: f64 = 4.5;
+
 /// One comparison with the file: the figure's name, and how many draws the file's figure is of.
 pub struct Figure<'a> {
     pub name: String,

@@ -1,3 +1,5 @@
+//! What can go wrong between a teacher and a checkpoint.
+
 use std::path::PathBuf;
 
 use thiserror::Error;
