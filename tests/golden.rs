@@ -4,11 +4,21 @@
 mod cases;
 #[path = "golden/files.rs"]
 mod files;
+#[path = "golden/masking.rs"]
+mod masking;
+#[path = "golden/model.rs"]
+mod model;
 #[path = "golden/offline.rs"]
 mod offline;
 #[path = "golden/preprocess.rs"]
 mod preprocess;
+#[path = "golden/schedule.rs"]
+mod schedule;
 #[path = "golden/smoother.rs"]
 mod smoother;
+#[path = "golden/statistics.rs"]
+mod statistics;
+#[path = "golden/training_step.rs"]
+mod training_step;
 #[path = "golden/transition.rs"]
 mod transition;

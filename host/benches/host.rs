@@ -52,10 +52,8 @@ fn devices() -> Vec<(&'static str, Device)> {
 /// teacher at a batch of 8.
 fn training(criterion: &mut Criterion) {
     let recording = recording();
-    let stream = Stream {
-        emg: clean(recording.samples.iter().copied()).collect(),
-        labels: recording.labels_in(Vocabulary::Three),
-    };
+    let labels = recording.labels_in(Vocabulary::Three);
+    let stream = Stream::new(recording.samples, labels);
     let corpus = Corpus {
         vocabulary: Vocabulary::Three,
         streams: vec![stream],

@@ -4,15 +4,30 @@ use rand::RngExt;
 use rand_distr::{Distribution, LogNormal};
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, Vocabulary};
-use shared::units::{CHANNELS, CleanSample, PATCH};
+use shared::preprocess::clean;
+use shared::units::{CHANNELS, CleanSample, PATCH, Sample};
 
 /// One continuous stream: a recording, or pieces of one subject's recordings joined.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    /// Cleaned samples, 200 Hz.
+    /// Samples as the armband sends them, 200 Hz: what most of the peers learn from.
+    pub raw: Vec<Sample>,
+    /// The same samples, cleaned.
     pub emg: Vec<CleanSample>,
     /// What the hand wants at each sample, within the vocabulary; none where nobody knows.
     pub labels: Vec<Option<Intent>>,
+}
+
+impl Stream {
+    /// Cleans samples; one label each.
+    #[must_use]
+    pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
+        Self {
+            emg: clean(raw.iter().copied()).collect(),
+            raw,
+            labels,
+        }
+    }
 }
 
 /// All streams of one side of a split.

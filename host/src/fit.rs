@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::run_folder::{RunError, RunFolder};
-use crate::schedule::Schedule;
+use crate::schedule::{Course, Schedule};
 
 /// What is learnt: batches, a loss, a judge.
 pub trait Learner: Sync {
@@ -28,7 +28,8 @@ pub trait Learner: Sync {
     /// The items of one epoch, in the order of their steps.
     fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Self::Item>;
 
-    /// Number of items of an epoch.
+    /// Number of items of an epoch that the learning rate's schedule counts; whatever comes on top runs
+    /// at the end of the schedule, where the rate is 0.
     fn steps(&self) -> usize;
 
     /// Assembles one step's batch in parts whose losses add up to the step's.
@@ -62,8 +63,8 @@ pub struct Pace {
     pub epochs: usize,
     /// Peak learning rate.
     pub learning_rate: f64,
-    /// Share of the steps that the rate rises.
-    pub warm_up: f64,
+    /// How the rate changes over the run.
+    pub course: Course,
     /// Decoupled weight decay.
     pub weight_decay: f32,
     /// Seed of everything drawn.
@@ -113,7 +114,7 @@ pub fn fit<L: Learner>(
     let (last, adam) = (format!("{name}-last"), format!("{name}-optimizer"));
     let (state_file, metrics_file) = (format!("{name}-state.json"), format!("{name}.jsonl"));
     let steps = learner.steps();
-    let schedule = Schedule::new(pace.learning_rate, pace.warm_up, pace.epochs * steps.max(1));
+    let schedule = Schedule::new(pace.learning_rate, pace.course, pace.epochs * steps.max(1));
     let mut optimizer = optimizer(pace.weight_decay);
     let mut state = State::default();
     if resume && run.file(&state_file).exists() {
@@ -128,13 +129,14 @@ pub fn fit<L: Learner>(
     for epoch in state.epochs_done..pace.epochs {
         let mut rng = ChaCha8Rng::seed_from_u64(pace.seed);
         rng.set_stream(1 + epoch as u64);
+        let items = learner.epoch(&mut rng);
         let bar = progress::bar(
-            steps,
+            items.len(),
             &format!("{name} epoch {}/{}", epoch + 1, pace.epochs),
         );
         let mut means = Means::default();
         let mut rate = 0.0;
-        for item in learner.epoch(&mut rng) {
+        for item in items {
             if interrupt.asked() {
                 return Err(run.interrupted());
             }

@@ -9,7 +9,6 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
-use shared::preprocess::clean;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 use thiserror::Error;
 
@@ -26,6 +25,10 @@ const FILE: &str = "plan.json";
 /// Who is trained on, who is left out, and how late each data set's labels are.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
+    /// What sets the run apart from the others of its study; the preset's name by itself.
+    pub variant: String,
+    /// Which part of a protocol over several runs this is.
+    pub fold: Option<Fold>,
     /// The preset as it runs.
     pub preset: Preset,
     /// Where the recordings lie; none for synthetic ones.
@@ -38,6 +41,15 @@ pub struct Plan {
     pub lags: BTreeMap<DataSet, Lag>,
     /// Revision of the source that made the plan, if known.
     pub git_revision: Option<String>,
+}
+
+/// One run of a protocol that leaves everybody out in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fold {
+    /// Which, 1 first.
+    pub number: usize,
+    /// Of how many.
+    pub of: usize,
 }
 
 /// How late the muscles are after a data set's labels.
@@ -109,6 +121,8 @@ impl Plan {
         let split = split(&preset, &labelled)?;
         let lags = lags(&preset, &labelled, &split);
         Ok(Self {
+            variant: preset.name.clone(),
+            fold: None,
             preset,
             data: data.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
             skip_bad,
@@ -232,17 +246,17 @@ impl Plan {
         let mut streams = Vec::new();
         for recordings in by_set.values() {
             if self.preset.data.as_published {
-                streams.extend(recordings.iter().map(|recording| Stream {
-                    emg: clean(self.samples(recording)).collect(),
-                    labels: self.moved_labels(recording),
+                streams.extend(recordings.iter().map(|recording| {
+                    Stream::new(self.samples(recording), self.moved_labels(recording))
                 }));
             }
             if self.preset.data.spliced_seconds > 0.0 {
                 let spliced = self.spliced(recordings, self.preset.data.spliced_seconds);
-                streams.extend(spliced.into_iter().map(|joined| Stream {
-                    emg: clean(joined.samples).collect(),
-                    labels: joined.labels,
-                }));
+                streams.extend(
+                    spliced
+                        .into_iter()
+                        .map(|joined| Stream::new(joined.samples, joined.labels)),
+                );
             }
         }
         Corpus {

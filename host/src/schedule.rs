@@ -1,39 +1,55 @@
 //! Learning rate over the steps of a run.
 
-/// Linear warm-up from 0, then linear decay to 0.
+use serde::{Deserialize, Serialize};
+
+/// How the learning rate changes over a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Course {
+    /// Linear warm-up over this share of the steps, then linear decay to 0.
+    WarmUp(f64),
+    /// The same rate throughout.
+    Constant,
+}
+
+/// The learning rate of every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
     peak: f64,
-    warm_up: usize,
-    total: usize,
+    /// Steps that the rate rises, and steps until it is 0; none for a rate that stays.
+    ramp: Option<(usize, usize)>,
 }
 
 impl Schedule {
-    /// A schedule over `total` steps whose first `warm_up_share` rise to `peak`.
+    /// A schedule over `total` steps that reaches `peak`.
     ///
-    /// As in the reference, the very first step has rate 0, and steps beyond `total` do too.
+    /// With a warm-up, as in the reference, the very first step has rate 0, and steps beyond
+    /// `total` do too.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a share of a number of steps"
     )]
-    pub fn new(peak: f64, warm_up_share: f64, total: usize) -> Self {
-        Self {
-            peak,
-            warm_up: (warm_up_share * total as f64) as usize,
-            total,
-        }
+    pub fn new(peak: f64, course: Course, total: usize) -> Self {
+        let ramp = match course {
+            Course::WarmUp(share) => Some(((share * total as f64) as usize, total)),
+            Course::Constant => None,
+        };
+        Self { peak, ramp }
     }
 
     /// Rate of a step, 0 first.
     #[must_use]
     pub fn rate(&self, step: usize) -> f64 {
-        if step < self.warm_up {
-            return self.peak * step as f64 / self.warm_up as f64;
+        let Some((warm_up, total)) = self.ramp else {
+            return self.peak;
+        };
+        if step < warm_up {
+            return self.peak * step as f64 / warm_up as f64;
         }
-        let left = self.total.saturating_sub(step) as f64;
-        self.peak * left / self.total.saturating_sub(self.warm_up).max(1) as f64
+        let left = total.saturating_sub(step) as f64;
+        self.peak * left / total.saturating_sub(warm_up).max(1) as f64
     }
 }
 
@@ -43,7 +59,7 @@ mod tests {
 
     #[test]
     fn rises_from_zero_to_the_peak_and_falls_back_to_zero() {
-        let schedule = Schedule::new(1e-4, 0.05, 1000);
+        let schedule = Schedule::new(1e-4, Course::WarmUp(0.05), 1000);
         let close = |step, rate: f64| (schedule.rate(step) - rate).abs() < 1e-15;
         assert!(close(0, 0.0));
         assert!(close(25, 0.5e-4));
@@ -51,5 +67,11 @@ mod tests {
         assert!(close(525, 0.5e-4));
         assert!(close(1000, 0.0));
         assert!(close(1200, 0.0));
+    }
+
+    #[test]
+    fn a_constant_rate_is_constant_from_the_first_step_on() {
+        let schedule = Schedule::new(1e-4, Course::Constant, 10);
+        assert!([0, 5, 10, 100].map(|step| schedule.rate(step)) == [1e-4; 4]);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use shared::intent::Intent;
 use shared::preprocess::clean;
-use shared::units::CleanSample;
+use shared::units::{CleanSample, Sample};
 
 use crate::plan::Plan;
 use crate::recording::{DataSet, Library, Recording};
@@ -18,7 +18,9 @@ pub struct Trial {
     pub subject: String,
     /// Which recording.
     pub name: String,
-    /// Cleaned samples.
+    /// Samples as the armband sends them.
+    pub raw: Vec<Sample>,
+    /// The same samples, cleaned.
     pub emg: Vec<CleanSample>,
     /// Labels as published; none for recordings that nobody published.
     pub published: Option<Vec<Option<Intent>>>,
@@ -63,7 +65,8 @@ pub fn spliced(plan: &Plan, library: &Library) -> Vec<Trial> {
             data_set: recording.data_set,
             subject: recording.subject,
             name: recording.name,
-            emg: clean(recording.samples).collect(),
+            emg: clean(recording.samples.iter().copied()).collect(),
+            raw: recording.samples,
             published: None,
             moved: recording.labels,
         })
@@ -71,11 +74,13 @@ pub fn spliced(plan: &Plan, library: &Library) -> Vec<Trial> {
 }
 
 fn trial(plan: &Plan, recording: &Recording) -> Trial {
+    let raw = plan.samples(recording);
     Trial {
         data_set: recording.data_set,
         subject: recording.subject.clone(),
         name: recording.name.clone(),
-        emg: clean(plan.samples(recording)).collect(),
+        emg: clean(raw.iter().copied()).collect(),
+        raw,
         published: Some(recording.labels_in(plan.preset.vocabulary())),
         moved: plan.moved_labels(recording),
     }

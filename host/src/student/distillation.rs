@@ -14,6 +14,7 @@ use crate::estimate::{Rows, numbers, padded};
 use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
 use crate::run_folder::{RunError, RunFolder};
+use crate::schedule::Course;
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";
@@ -90,7 +91,7 @@ pub fn train(
     let pace = Pace {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
-        warm_up: config.warm_up,
+        course: Course::WarmUp(config.warm_up),
         weight_decay: config.weight_decay,
         seed,
     };

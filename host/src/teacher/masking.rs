@@ -148,7 +148,7 @@ fn draw_mask(
     let hidden = (WINDOW as f64 * fraction) as usize;
     let mut mask = vec![false; WINDOW];
     match (kind, last_before_change) {
-        (Kind::PoissonSpans, _) => poisson_spans(&mut mask, hidden, rng),
+        (Kind::PoissonSpans, _) => mask = poisson_spans(hidden, rng),
         (Kind::EndOfWindow, _) => mask[WINDOW - hidden..].fill(true),
         (Kind::AroundTransition, Some(t)) => {
             mask[t - TRANSITION_BUFFER..t + TRANSITION_BUFFER].fill(true);
@@ -158,18 +158,22 @@ fn draw_mask(
     mask
 }
 
-/// Marks spans until exactly `hidden` distinct samples are marked.
+/// A mask of one window: spans are marked until exactly `hidden` distinct samples are, at most all 600.
 ///
 /// A span that falls wholly on marked samples adds nothing and is drawn again; this thins out the
 /// first and last samples of a window, as in the reference.
+///
+/// # Panics
+/// Never: the mean length of a span is a constant that suits a Poisson draw.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a Poisson draw is a small count"
 )]
-fn poisson_spans(mask: &mut [bool], hidden: usize, rng: &mut impl RngExt) {
+pub fn poisson_spans(hidden: usize, rng: &mut impl RngExt) -> Vec<bool> {
     let lengths = Poisson::new(SPAN_MEAN).expect("7 is a valid mean");
-    let mut missing = hidden;
+    let mut mask = vec![false; WINDOW];
+    let mut missing = hidden.min(WINDOW);
     while missing > 0 {
         let length = lengths.sample(rng) as usize;
         if length == 0 || length >= mask.len() {
@@ -182,6 +186,7 @@ fn poisson_spans(mask: &mut [bool], hidden: usize, rng: &mut impl RngExt) {
             *sample = true;
         }
     }
+    mask
 }
 
 #[cfg(test)]
@@ -197,10 +202,8 @@ mod tests {
     #[test]
     fn spans_hide_exactly_the_asked_number_of_samples() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        for hidden in [1, 180, 300, 450] {
-            let mut mask = vec![false; WINDOW];
-            poisson_spans(&mut mask, hidden, &mut rng);
-            assert_eq!(share(&mask), hidden);
+        for hidden in [0, 1, 180, 300, 450, WINDOW] {
+            assert_eq!(share(&poisson_spans(hidden, &mut rng)), hidden);
         }
     }
 

@@ -1,5 +1,6 @@
 //! The paper's transformer, whole: masks, tasks, model, training (ReactEMG, arXiv 2506.19815).
 
+pub mod checkpoint;
 pub mod dropout;
 pub mod masking;
 pub mod model;

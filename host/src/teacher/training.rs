@@ -16,6 +16,7 @@ use crate::estimate::{best_class, numbers};
 use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
 use crate::run_folder::{RunError, RunFolder};
+use crate::schedule::Course;
 
 /// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "teacher";
@@ -75,7 +76,7 @@ pub fn train(
     let pace = Pace {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
-        warm_up: config.warm_up,
+        course: Course::WarmUp(config.warm_up),
         weight_decay: config.weight_decay,
         seed,
     };
@@ -123,7 +124,8 @@ impl Learner for TeacherLearner<'_> {
     }
 
     fn steps(&self) -> usize {
-        self.examples.len().div_ceil(self.config.batch)
+        // As in the reference, the last, short batch is trained on but not counted.
+        self.examples.len() / self.config.batch
     }
 
     fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard> {

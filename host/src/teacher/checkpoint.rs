@@ -1,0 +1,235 @@
+//! Checkpoints of the reference implementation: the `.pth` that its trainer writes, and safetensors
+//! of the same tensors under the same names.
+//!
+//! Names and shapes of this crate's teacher and of the reference's model differ where the reference
+//! uses another kind of layer (a convolution of width 1 for a linear map) or keeps axes of length 1;
+//! the values lie in the same order. A checkpoint holds weights alone: the number of heads, the
+//! companding and the dropout are those of the teacher that it is loaded into.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use burn::store::{
+    BurnToPyTorchAdapter, ModuleSnapshot as _, ModuleStore, PyTorchToBurnAdapter, PytorchStore,
+    SafetensorsStore, bridge, burn_pack,
+};
+use burn::tensor::{DType, TensorData};
+use safetensors::tensor::{Dtype, TensorView};
+
+use super::model::Teacher;
+use crate::run_folder::{RunError, write_whole};
+
+mod error;
+
+pub use error::CheckpointError;
+
+/// The reference keeps the positions that EMG and intents share under two names.
+const POSITION: &str = "emg_positional_encoding";
+const POSITION_AGAIN: &str = "action_positional_encoding";
+
+/// One tensor, without the data of any device.
+struct Entry {
+    shape: Vec<usize>,
+    values: TensorData,
+}
+
+/// Reads a checkpoint's weights into a teacher of the same dimensions, `.pth`, `.pt` or `.safetensors`.
+///
+/// # Errors
+/// When the file cannot be read, or its tensors are not exactly those of this teacher.
+pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointError> {
+    let mut file = read(path)?;
+    take_second_position(path, &mut file)?;
+    let unreadable = |reason: String| CheckpointError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    };
+
+    let (mut tensors, mut missing) = (Vec::new(), Vec::new());
+    for own in own_tensors(&teacher) {
+        let (name, shape) = in_the_reference(&own.name, &own.shape);
+        let Some(found) = file.remove(&name) else {
+            missing.push(name);
+            continue;
+        };
+        if found.shape != shape {
+            return Err(CheckpointError::Shape {
+                path: path.to_owned(),
+                name,
+                expected: shape,
+                found: found.shape,
+            });
+        }
+        let (bytes, _, dtype) = found.values.into_parts();
+        tensors.push(burn_pack::Tensor::new(
+            own.name, dtype, own.shape, None, bytes,
+        ));
+    }
+    if !missing.is_empty() {
+        return Err(CheckpointError::Missing {
+            path: path.to_owned(),
+            names: missing,
+        });
+    }
+    if !file.is_empty() {
+        return Err(CheckpointError::Unknown {
+            path: path.to_owned(),
+            names: file.into_keys().collect(),
+        });
+    }
+
+    let result = teacher.apply(tensors, None, Some(Box::new(PyTorchToBurnAdapter)), false);
+    if result.errors.is_empty() && result.missing.is_empty() && result.unused.is_empty() {
+        Ok(teacher)
+    } else {
+        Err(unreadable(result.to_string()))
+    }
+}
+
+/// Writes a teacher's weights as safetensors, under the reference's names and in its shapes.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn save(path: &Path, teacher: &Teacher) -> Result<(), CheckpointError> {
+    let unwritable = |reason: String| CheckpointError::Unwritable {
+        path: path.to_owned(),
+        reason,
+    };
+    let mut entries = BTreeMap::new();
+    for own in own_tensors(teacher) {
+        let (name, shape) = in_the_reference(&own.name, &own.shape);
+        let data = bridge::into_data(own).map_err(|error| unwritable(error.to_string()))?;
+        let (bytes, _, _) = data.convert_dtype(DType::F32).into_parts();
+        entries.insert(name, (shape, bytes));
+    }
+    if let Some(position) = entries.get(POSITION).cloned() {
+        entries.insert(POSITION_AGAIN.to_owned(), position);
+    }
+    let views = entries
+        .iter()
+        .map(|(name, (shape, bytes))| {
+            TensorView::new(Dtype::F32, shape.clone(), bytes).map(|view| (name, view))
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| unwritable(error.to_string()))?;
+    // Says to Hugging Face's readers which framework laid the tensors out.
+    let metadata = HashMap::from([("format".to_owned(), "pt".to_owned())]);
+    let bytes = safetensors::serialize(views, Some(metadata))
+        .map_err(|error| unwritable(error.to_string()))?;
+    write_whole(path, &bytes).map_err(|error| match error {
+        RunError::Io { source, .. } => unwritable(source.to_string()),
+        other => unwritable(other.to_string()),
+    })
+}
+
+/// A teacher's tensors as PyTorch lays them out, under this crate's names.
+fn own_tensors(teacher: &Teacher) -> Vec<burn_pack::Tensor> {
+    teacher.collect(None, Some(Box::new(BurnToPyTorchAdapter)), false)
+}
+
+/// Name and shape that the reference gives to one of this crate's tensors.
+fn in_the_reference(own: &str, shape: &[usize]) -> (String, Vec<usize>) {
+    match (own, shape) {
+        ("emg_embedding.weight", &[to, from]) => (own.to_owned(), vec![to, from, 1]),
+        ("emg_head.weight", &[to, from]) => {
+            ("emg_output_projection.weight".to_owned(), vec![to, from, 1])
+        }
+        ("emg_mask", &[d]) => ("linear_projection_learnable_mask".to_owned(), vec![1, d, 1]),
+        ("emg_modality", &[d]) => (
+            "emg_modality_specific_embedding.emg_id_embedding".to_owned(),
+            vec![1, 1, d],
+        ),
+        ("intent_modality", &[d]) => (
+            "action_modality_specific_embedding".to_owned(),
+            vec![1, 1, d],
+        ),
+        ("position", &[tokens, d]) => (POSITION.to_owned(), vec![1, tokens, d]),
+        ("intent_embedding", _) => ("action_embedding.weight".to_owned(), shape.to_vec()),
+        _ => {
+            let name = own
+                .replace("emg_norm.", "emg_in_layer_norm.")
+                .replace("emg_head.", "emg_output_projection.")
+                .replace("intent_head.", "action_output_projection.")
+                .replace("layers.", "transformer_encoder.layers.")
+                .replace(".qkv.", ".self_attn.in_proj_")
+                .replace(".out.", ".self_attn.out_proj.");
+            (name, shape.to_vec())
+        }
+    }
+}
+
+/// All tensors of a file as f32, by the reference's names.
+fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
+    let unreadable = |reason: String| CheckpointError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    };
+    let tensors = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("pth" | "pt") => {
+            // Weights that LoRA adds lie beside the state, under a key of their own: kept here, so
+            // that they are refused by name and not silently left out.
+            let mut store = PytorchStore::from_file(path)
+                .with_top_level_key("model_info")
+                .map_indices_contiguous(false);
+            let tensors = store
+                .get_all_tensors()
+                .map_err(|error| unreadable(error.to_string()))?;
+            let strip = |name: &str| {
+                name.strip_prefix("model_state_dict.")
+                    .unwrap_or(name)
+                    .to_owned()
+            };
+            tensors
+                .iter()
+                .map(|(name, tensor)| (strip(name), tensor.clone()))
+                .collect()
+        }
+        Some("safetensors") => {
+            let mut store = SafetensorsStore::from_file(path);
+            let tensors = store
+                .get_all_tensors()
+                .map_err(|error| unreadable(error.to_string()))?;
+            tensors.clone()
+        }
+        _ => {
+            return Err(CheckpointError::Format {
+                path: path.to_owned(),
+            });
+        }
+    };
+    tensors
+        .into_iter()
+        .map(|(name, tensor): (String, burn_pack::Tensor)| {
+            if !tensor.dtype.is_float() {
+                return Err(unreadable(format!("{name} is of type {:?}", tensor.dtype)));
+            }
+            let shape = tensor.shape.to_vec();
+            let values = bridge::into_data(tensor)
+                .map_err(|error| unreadable(format!("{name}: {error}")))?
+                .convert_dtype(DType::F32);
+            Ok((name, Entry { shape, values }))
+        })
+        .collect()
+}
+
+/// Removes the second name of the positions, which must say what the first says.
+fn take_second_position(
+    path: &Path,
+    file: &mut BTreeMap<String, Entry>,
+) -> Result<(), CheckpointError> {
+    let Some(again) = file.remove(POSITION_AGAIN) else {
+        return Err(CheckpointError::Missing {
+            path: path.to_owned(),
+            names: vec![POSITION_AGAIN.to_owned()],
+        });
+    };
+    match file.get(POSITION) {
+        Some(first) if first.values != again.values => Err(CheckpointError::Positions {
+            path: path.to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests;
