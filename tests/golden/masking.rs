@@ -85,8 +85,8 @@ fn check_runs(
             continue;
         }
         let long = |&run: &usize| match length.strip_prefix(">=") {
-            Some(least) => run >= least.parse().unwrap(),
-            None => run == length.parse().unwrap(),
+            Some(least) => run >= least.parse::<usize>().unwrap(),
+            None => run == length.parse::<usize>().unwrap(),
         };
         let of_this: Vec<f64> = lengths
             .iter()
