@@ -70,7 +70,7 @@ fn training(criterion: &mut Criterion) {
         for (backend, device) in devices() {
             let device = device.autodiff();
             let learner = teacher::training::learner(
-                preset.teacher.patch,
+                preset.teacher.grid(),
                 &corpus,
                 &corpus,
                 &preset.teacher_training,

@@ -10,7 +10,7 @@ use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW, WINDOW_PATC
 use crate::corpus::Variation;
 use crate::student::model::Student;
 use crate::teacher::model::Teacher;
-use crate::teacher::window::inference_input;
+use crate::teacher::window::{Grid, inference_input};
 
 /// Logits of the newest six patches, newest first; unused classes are 0.
 pub type Rows = [[f32; MAX_CLASSES]; LOOK_BACK];
@@ -54,12 +54,12 @@ pub fn best_class(logits: &[f32]) -> usize {
 
 /// A teacher's rows at every whole patch of a stream.
 ///
-/// The window that ends at a patch is run on its own, as the paper does; a patch's row is the mean
+/// `grid` is that of the model; its window is at least the six patches long and at most 600 samples. The window that ends at a patch is run on its own, as the paper does; a patch's row is the mean
 /// over its samples, and the MASK class is left out.
 #[must_use]
 pub fn teacher_rows(
     model: &Teacher,
-    patch: usize,
+    grid: Grid,
     emg: &[CleanSample],
     device: &Device,
 ) -> Vec<Rows> {
@@ -71,16 +71,16 @@ pub fn teacher_rows(
         .collect();
     let mut rows = Vec::with_capacity(ends.len());
     for ends in ends.chunks(BATCH) {
-        let mut input = Vec::with_capacity(ends.len() * WINDOW * CHANNELS);
+        let mut input = Vec::with_capacity(ends.len() * grid.window * CHANNELS);
         for &end in ends {
-            Variation::NONE.write(&stream[end - WINDOW..end], &mut input);
+            Variation::NONE.write(&stream[end - grid.window..end], &mut input);
         }
-        let tail = WINDOW - LOOK_BACK * PATCH;
-        let input = inference_input(input, patch, classes - 1, device);
+        let tail = grid.window - LOOK_BACK * PATCH;
+        let input = inference_input(input, grid, classes - 1, device);
         let logits = model
             .forward(input)
             .intent
-            .slice([0..ends.len(), tail..WINDOW]);
+            .slice([0..ends.len(), tail..grid.window]);
         for window in numbers(logits).chunks_exact(LOOK_BACK * PATCH * classes) {
             let mut newest_first = Rows::default();
             for (row, samples) in newest_first

@@ -16,4 +16,5 @@ pub mod run_folder;
 pub mod schedule;
 pub mod stage;
 pub mod student;
+pub mod study;
 pub mod teacher;

@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use crate::corpus::{Corpus, Stream};
 use crate::preset::{LabelLag, Preset};
+use crate::recording::folds::{self, Protocol};
 use crate::recording::lag::{self, LagEstimate};
 use crate::recording::splice::{self, SpliceOptions};
 use crate::recording::split::{Choice, Role, Split, SplitError, SplitOptions};
@@ -31,6 +32,8 @@ pub struct Plan {
     pub fold: Option<Fold>,
     /// The preset as it runs.
     pub preset: Preset,
+    /// What training starts from: a run's folder or a checkpoint; none for fresh weights.
+    pub start: Option<PathBuf>,
     /// Where the recordings lie; none for synthetic ones.
     pub data: Option<PathBuf>,
     /// Damaged files are left out.
@@ -50,6 +53,15 @@ pub struct Fold {
     pub number: usize,
     /// Of how many.
     pub of: usize,
+}
+
+/// A run of a protocol, before it is known how many there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// The protocol.
+    pub protocol: Protocol,
+    /// Which run, 1 first.
+    pub number: usize,
 }
 
 /// How late the muscles are after a data set's labels.
@@ -77,6 +89,26 @@ pub enum PlanError {
         /// Classes wanted.
         classes: usize,
     },
+    /// There is no such fold.
+    #[error(
+        "fold {number} of {of}: expected 2 folds or more, and a number from 1 on up to their number"
+    )]
+    Fold {
+        /// The fold asked for.
+        number: usize,
+        /// Number of folds.
+        of: usize,
+    },
+    /// What training starts from has seen people who are to be left out.
+    #[error(
+        "{start} was trained or validated with {subjects}, whom this run leaves out: start from a run that left them out too"
+    )]
+    Seen {
+        /// What training starts from.
+        start: PathBuf,
+        /// Who, separated by commas.
+        subjects: String,
+    },
     /// The run's folder cannot be used.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -85,44 +117,37 @@ pub enum PlanError {
 impl Plan {
     /// Decides who is left out and measures the labels' lag on training subjects alone.
     ///
+    /// With a turn of a protocol, the protocol says who is left out, and a share of the others,
+    /// drawn by the seed, chooses the checkpoint; the preset's own lists are for a run without one.
+    ///
     /// # Errors
     /// When too few subjects or no labels are at hand.
     pub fn new(
-        preset: Preset,
+        mut preset: Preset,
         library: &Library,
         data: Option<&Path>,
         skip_bad: bool,
+        turn: Option<Turn>,
     ) -> Result<Self, PlanError> {
-        let vocabulary = preset.vocabulary();
-        let labelled: Vec<Recording> = library
-            .recordings
-            .iter()
-            .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
-            .cloned()
-            .collect();
-        let wanted = &preset.data.data_sets;
-        let labelled: Vec<Recording> = if labelled
-            .iter()
-            .any(|recording| wanted.contains(&recording.data_set))
-        {
-            labelled
-                .into_iter()
-                .filter(|recording| wanted.contains(&recording.data_set))
-                .collect()
-        } else {
-            labelled
-        };
-        if labelled.is_empty() {
-            return Err(PlanError::NoLabels {
-                recordings: library.recordings.len(),
-                classes: vocabulary.classes(),
-            });
+        let labelled = Self::labelled(&preset, library)?;
+        let fold = turn.map(|turn| Fold {
+            number: turn.number,
+            of: turn.protocol.folds(&labelled),
+        });
+        if let Some(Fold { number, of }) = fold {
+            if of < 2 || !(1..=of).contains(&number) {
+                return Err(PlanError::Fold { number, of });
+            }
+            preset.data.held_out = folds::folds(&labelled, of, preset.seed).swap_remove(number - 1);
+            preset.data.held_out_share = 0.0;
+            preset.data.validation.clear();
         }
         let split = split(&preset, &labelled)?;
         let lags = lags(&preset, &labelled, &split);
         Ok(Self {
             variant: preset.name.clone(),
-            fold: None,
+            fold,
+            start: None,
             preset,
             data: data.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
             skip_bad,
@@ -130,6 +155,58 @@ impl Plan {
             lags,
             git_revision: git_revision(),
         })
+    }
+
+    /// The recordings that have labels of the preset's classes, of the data sets that it wants; of
+    /// all if none of those is at hand.
+    ///
+    /// # Errors
+    /// When there are none.
+    pub fn labelled(preset: &Preset, library: &Library) -> Result<Vec<Recording>, PlanError> {
+        let vocabulary = preset.vocabulary();
+        let labelled: Vec<Recording> = library
+            .recordings
+            .iter()
+            .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
+            .cloned()
+            .collect();
+        if labelled.is_empty() {
+            return Err(PlanError::NoLabels {
+                recordings: library.recordings.len(),
+                classes: vocabulary.classes(),
+            });
+        }
+        let wanted = |recording: &Recording| preset.data.data_sets.contains(&recording.data_set);
+        Ok(if labelled.iter().any(wanted) {
+            labelled.into_iter().filter(wanted).collect()
+        } else {
+            labelled
+        })
+    }
+
+    /// Starts training from what another run has learnt.
+    ///
+    /// # Errors
+    /// When that run has seen somebody who is left out here. A checkpoint without a run's folder
+    /// around it does not say whom it has seen.
+    pub fn start_from(&mut self, start: &Path) -> Result<(), PlanError> {
+        if let Ok(origin) = RunFolder::existing(start).and_then(|run| Self::load(&run)) {
+            let seen = |subject: &&String| {
+                matches!(
+                    origin.split.role(subject),
+                    Some(Role::Training | Role::Validation)
+                )
+            };
+            let subjects: Vec<String> = self.split.held_out.iter().filter(seen).cloned().collect();
+            if !subjects.is_empty() {
+                return Err(PlanError::Seen {
+                    start: start.to_owned(),
+                    subjects: subjects.join(", "),
+                });
+            }
+        }
+        self.start = Some(std::path::absolute(start).unwrap_or_else(|_| start.to_owned()));
+        Ok(())
     }
 
     /// Writes the plan into a run's folder, the preset also as TOML.

@@ -4,19 +4,21 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use shared::intent::Vocabulary;
-use shared::units::{LOOK_BACK, WINDOW, WINDOW_PATCHES};
+use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
 use thiserror::Error;
 
 use crate::recording::DataSet;
+use crate::schedule::Course;
 use crate::student::distillation::Distillation;
 use crate::student::model::StudentConfig;
 use crate::teacher::model::TeacherConfig;
-use crate::teacher::training::TeacherTraining;
+use crate::teacher::training::{LoraConfig, TeacherTraining};
 
 /// Presets that come with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 3] = [
+pub const BUILT_IN: [(&str, &str); 4] = [
     ("quickstart", include_str!("../presets/quickstart.toml")),
     ("cpu", include_str!("../presets/cpu.toml")),
+    ("study", include_str!("../presets/study.toml")),
     ("paper", include_str!("../presets/paper.toml")),
 ];
 
@@ -36,10 +38,26 @@ pub struct Preset {
     pub teacher: TeacherConfig,
     /// How the teacher is trained.
     pub teacher_training: TeacherTraining,
+    /// How a teacher that has learnt from other recordings is trained on.
+    pub fine_tuning: FineTuning,
     /// The student's dimensions.
     pub student: StudentConfig,
     /// How the student is trained.
     pub distillation: Distillation,
+}
+
+/// How a trained teacher is trained on; whatever is not here is as in its first training.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FineTuning {
+    /// Passes over all examples; 0 takes the teacher as it is.
+    pub epochs: usize,
+    /// Learning rate, the same for every step.
+    pub learning_rate: f64,
+    /// Ranks and scale of low-rank additions, for a run that asks for them.
+    pub lora: LoraConfig,
+    /// Learning rate of low-rank additions.
+    pub lora_learning_rate: f64,
 }
 
 /// What is trained on and what is left out.
@@ -154,6 +172,24 @@ impl Preset {
         toml::to_string_pretty(self).unwrap_or_default()
     }
 
+    /// The preset of a run that starts from a trained teacher.
+    #[must_use]
+    pub fn fine_tuned(mut self, with_lora: bool) -> Self {
+        let tuning = self.fine_tuning;
+        self.teacher_training = TeacherTraining {
+            epochs: tuning.epochs,
+            learning_rate: if with_lora {
+                tuning.lora_learning_rate
+            } else {
+                tuning.learning_rate
+            },
+            course: Course::Constant,
+            lora: with_lora.then_some(tuning.lora),
+            ..self.teacher_training
+        };
+        self
+    }
+
     /// The classes that labels are taken from.
     #[must_use]
     pub fn vocabulary(&self) -> Vocabulary {
@@ -174,11 +210,18 @@ impl Preset {
         if Vocabulary::with_classes(self.classes).is_none() {
             return refuse("classes", self.classes.to_string(), "3 or 6");
         }
-        if teacher.patch == 0 || !WINDOW.is_multiple_of(teacher.patch) {
+        if !(LOOK_BACK * PATCH..=WINDOW).contains(&teacher.window) {
+            return refuse(
+                "teacher.window",
+                teacher.window.to_string(),
+                "60 to 600 samples",
+            );
+        }
+        if teacher.patch == 0 || !teacher.window.is_multiple_of(teacher.patch) {
             return refuse(
                 "teacher.patch",
                 teacher.patch.to_string(),
-                "a divisor of 600",
+                "a divisor of the window",
             );
         }
         if teacher.heads == 0
@@ -197,6 +240,9 @@ impl Preset {
                 "0".to_owned(),
                 "stride, batch and epochs of 1 or more",
             );
+        }
+        if self.fine_tuning.lora.rank == 0 {
+            return refuse("fine_tuning.lora.rank", "0".to_owned(), "1 or more");
         }
         if training.tasks.is_empty() {
             return refuse(

@@ -21,7 +21,7 @@ use crate::progress;
 use crate::recording::Library;
 use crate::run_folder::{RunError, RunFolder, write_whole};
 use crate::student::any_encoder::any_encoder;
-use crate::student::distillation;
+use crate::student::distillation::{self, Distillation};
 use crate::student::model::Student;
 use crate::student::quantization::quantize;
 use crate::teacher;
@@ -63,6 +63,18 @@ struct Figure {
     value: f32,
 }
 
+/// The teacher's name in tables.
+pub const TEACHER: &str = "teacher";
+/// The name of the student in floating point.
+pub const STUDENT: &str = "float student";
+/// The name of the student that devices run.
+pub const INTEGER: &str = "integer student";
+/// The name of a student that has learnt from the labels alone.
+pub const ALONE: &str = "student without teacher";
+/// The same in integers.
+pub const INTEGER_ALONE: &str = "integer student without teacher";
+
+const CHOOSING: &str = "choosing the reading";
 const FIGURES: &str = "figures.json";
 const READING: &str = "reading.json";
 const TEACHER_ROWS: &str = "teacher-rows.bin";
@@ -89,10 +101,17 @@ impl Stage<'_> {
             validation.seconds(),
         ));
         self.device.seed(preset.seed);
-        let model = preset.teacher.init(preset.classes, &self.device);
+        let mut model = preset.teacher.init(preset.classes, &self.device);
+        if let Some(start) = &self.plan.start {
+            model = self.started(start, model)?;
+        }
+        if preset.teacher_training.epochs == 0 {
+            self.run.save_model(teacher::training::NAME, &model)?;
+            return Ok(());
+        }
         teacher::training::train(
             model,
-            preset.teacher.patch,
+            preset.teacher.grid(),
             &corpus,
             &validation,
             &preset.teacher_training,
@@ -105,15 +124,43 @@ impl Stage<'_> {
         Ok(())
     }
 
+    /// The weights that training starts from: another run's teacher, or a checkpoint in the reference's format.
+    fn started(&self, start: &Path, model: Teacher) -> anyhow::Result<Teacher> {
+        if start.is_dir() {
+            let model = RunFolder::existing(start)?.load_model(teacher::training::NAME, model)?;
+            return Ok(model);
+        }
+        Ok(teacher::checkpoint::load(start, model)?)
+    }
+
     /// Trains the student, from the teacher if there is one and the preset listens to it.
     ///
     /// # Errors
     /// When the teacher is missing, the folder cannot be written or the user interrupts.
     pub fn distill(&self) -> anyhow::Result<()> {
+        if !self.resume {
+            self.run.forget(&[READING, FIGURES])?;
+        }
+        self.train_student(distillation::NAME, &self.plan.preset.distillation)
+    }
+
+    /// Trains a second student on the labels alone: the difference is what distillation buys.
+    ///
+    /// # Errors
+    /// When the folder cannot be written or the user interrupts.
+    pub fn train_alone(&self) -> anyhow::Result<()> {
+        let labels_alone = Distillation {
+            teacher_share: 0.0,
+            ..self.plan.preset.distillation.clone()
+        };
+        self.train_student(distillation::ALONE, &labels_alone)
+    }
+
+    fn train_student(&self, name: &'static str, config: &Distillation) -> anyhow::Result<()> {
         let preset = &self.plan.preset;
         let corpus = self.plan.training(self.library);
         let validation = self.plan.validation(self.library);
-        let teacher = if preset.distillation.teacher_share > 0.0 {
+        let teacher = if config.teacher_share > 0.0 {
             let streams: Vec<&[CleanSample]> = corpus
                 .streams
                 .iter()
@@ -123,18 +170,16 @@ impl Stage<'_> {
         } else {
             None
         };
-        if !self.resume {
-            self.run.forget(&[READING, FIGURES])?;
-        }
         self.device.seed(preset.seed);
         let model = preset.student.init(preset.classes, &self.device);
         distillation::train(
+            name,
             model,
             preset.student.span,
             &corpus,
             teacher,
             &validation,
-            &preset.distillation,
+            config,
             preset.seed,
             &self.device,
             self.run,
@@ -152,9 +197,13 @@ impl Stage<'_> {
     /// # Errors
     /// When the student is missing or no device can run it.
     pub fn quantize(&self, out: &Path) -> anyhow::Result<Vec<u8>> {
+        let bytes = self.model_file(&self.student(distillation::NAME)?, self.reading()?)?;
+        write_whole(out, &bytes)?;
+        Ok(bytes)
+    }
+
+    fn model_file(&self, student: &Student, reading: LookAhead) -> anyhow::Result<Vec<u8>> {
         let preset = &self.plan.preset;
-        let student = self.student()?;
-        let reading = self.reading(&student)?;
         let split = &self.plan.split;
         let sets = |subjects: &[String]| {
             let mut sets: Vec<String> = subjects
@@ -189,17 +238,16 @@ impl Stage<'_> {
             look_ahead: LOOK_AHEAD,
             hold: HOLD,
         };
-        let bytes = quantize(&student, preset, smoother, provenance)
-            .context("this student cannot become a model file")?;
-        write_whole(out, &bytes)?;
-        Ok(bytes)
+        quantize(student, preset, smoother, provenance)
+            .context("this student cannot become a model file")
     }
 
-    /// Judges teacher, float student and integer student on the subjects left out.
+    /// Judges whatever the run has trained on the subjects left out: teacher, float student and, of a
+    /// model file, integer student.
     ///
     /// # Errors
-    /// When one of the models is missing or damaged.
-    pub fn evaluate(&self, model_file: &[u8]) -> anyhow::Result<(Results, Judged)> {
+    /// When there is no model, or one of them is damaged.
+    pub fn evaluate(&self, model_file: Option<&[u8]>) -> anyhow::Result<(Results, Judged)> {
         let trials = trial::published(self.plan, self.library);
         let spliced = trial::spliced(self.plan, self.library);
         if trials.is_empty() {
@@ -207,10 +255,12 @@ impl Stage<'_> {
                 "no labelled recording of a left-out subject is at hand: name subjects under data.held_out"
             );
         }
-        let student = self.student()?;
-        let reading = self.reading(&student)?;
-        let published = self.candidates(&trials, &student, model_file)?;
-        let in_random_order = self.candidates(&spliced, &student, model_file)?;
+        let reading = self.reading()?;
+        let published = self.candidates(&trials, model_file)?;
+        if published.is_empty() {
+            bail!("no model in this run's folder: train one first");
+        }
+        let in_random_order = self.candidates(&spliced, model_file)?;
         let results = Results {
             held_out: self.plan.split.held_out.clone(),
             reading,
@@ -258,35 +308,48 @@ impl Stage<'_> {
     fn candidates(
         &self,
         trials: &[Trial],
-        student: &Student,
-        model_file: &[u8],
+        model_file: Option<&[u8]>,
     ) -> anyhow::Result<Vec<Candidate>> {
         let mut candidates = Vec::new();
-        let plain = self.device.clone().inner();
-        if self
-            .run
-            .file(&format!("{}.bpk", teacher::training::NAME))
-            .exists()
-        {
-            let model = self.teacher()?;
-            let patch = self.plan.preset.teacher.patch;
-            candidates.push(self.candidate("teacher", trials, |emg| {
-                teacher_rows(&model, patch, emg, &plain)
-            })?);
+        if self.has(teacher::training::NAME) {
+            candidates.push(self.teacher_candidate(TEACHER, trials)?);
         }
-        candidates.push(self.candidate("float student", trials, |emg| {
-            student_rows(student, emg, &plain)
-        })?);
-        let model = Model::parse(model_file).context("the model file just written")?;
-        let rows = trials
-            .par_iter()
-            .map(|trial| integer_rows(&model, &trial.emg))
-            .collect::<anyhow::Result<_>>()?;
-        candidates.push(Candidate {
-            name: "integer student".to_owned(),
-            rows,
-        });
+        if self.has(distillation::NAME) {
+            let student = self.student(distillation::NAME)?;
+            candidates.push(self.student_candidate(STUDENT, &student, trials)?);
+        }
+        if let Some(bytes) = model_file {
+            candidates.push(integer_candidate(INTEGER, bytes, trials)?);
+        }
+        if self.has(distillation::ALONE) {
+            let student = self.student(distillation::ALONE)?;
+            candidates.push(self.student_candidate(ALONE, &student, trials)?);
+            let bytes = self.model_file(&student, LookAhead::AllRows)?;
+            candidates.push(integer_candidate(INTEGER_ALONE, &bytes, trials)?);
+        }
         Ok(candidates)
+    }
+
+    /// Whether the run's folder holds a model of this name.
+    fn has(&self, name: &str) -> bool {
+        self.run.file(&format!("{name}.bpk")).exists()
+    }
+
+    fn teacher_candidate(&self, name: &str, trials: &[Trial]) -> anyhow::Result<Candidate> {
+        let (model, grid) = (self.teacher()?, self.plan.preset.teacher.grid());
+        let plain = self.device.clone().inner();
+        let rows = |emg: &[CleanSample]| teacher_rows(&model, grid, emg, &plain);
+        Ok(self.candidate(name, trials, rows)?)
+    }
+
+    fn student_candidate(
+        &self,
+        name: &str,
+        student: &Student,
+        trials: &[Trial],
+    ) -> Result<Candidate, RunError> {
+        let plain = self.device.clone().inner();
+        self.candidate(name, trials, |emg| student_rows(student, emg, &plain))
     }
 
     fn candidate(
@@ -327,8 +390,9 @@ impl Stage<'_> {
         all
     }
 
-    /// The reading that follows more transitions of the validation subjects; all rows on a tie.
-    fn reading(&self, student: &Student) -> anyhow::Result<LookAhead> {
+    /// The reading with which the student, or a teacher without one, follows more transitions of the
+    /// validation subjects; all rows on a tie.
+    fn reading(&self) -> anyhow::Result<LookAhead> {
         if self.run.file(READING).exists() {
             return Ok(if self.run.load_json::<bool>(READING)? {
                 LookAhead::SameInstant
@@ -337,10 +401,14 @@ impl Stage<'_> {
             });
         }
         let trials = trial::validation(self.plan, self.library);
-        let plain = self.device.clone().inner();
-        let candidate = self.candidate("choosing the reading", &trials, |emg| {
-            student_rows(student, emg, &plain)
-        })?;
+        let candidate = if self.has(distillation::NAME) {
+            let student = self.student(distillation::NAME)?;
+            self.student_candidate(CHOOSING, &student, &trials)?
+        } else if self.has(teacher::training::NAME) {
+            self.teacher_candidate(CHOOSING, &trials)?
+        } else {
+            return Ok(LookAhead::AllRows);
+        };
         let correct = |look_ahead| -> anyhow::Result<usize> {
             let verdicts = judge(
                 &candidate,
@@ -377,18 +445,15 @@ impl Stage<'_> {
             .map(|model| model.valid())
     }
 
-    /// The trained student, without gradients.
+    /// A trained student by the name of its files, without gradients.
     ///
     /// # Errors
     /// When it is missing or of another shape.
-    pub fn student(&self) -> Result<Student, RunError> {
+    pub fn student(&self, name: &str) -> Result<Student, RunError> {
         let plain = self.device.clone().inner();
         let preset = &self.plan.preset;
         self.run
-            .load_model(
-                distillation::NAME,
-                preset.student.init(preset.classes, &plain),
-            )
+            .load_model(name, preset.student.init(preset.classes, &plain))
             .map(|model| model.valid())
     }
 
@@ -411,9 +476,9 @@ impl Stage<'_> {
         }
         let model = self.teacher()?;
         let plain = self.device.clone().inner();
-        let patch = self.plan.preset.teacher.patch;
+        let grid = self.plan.preset.teacher.grid();
         let all = self.ask("asking the teacher", streams, |emg| {
-            teacher_rows(&model, patch, emg, &plain)
+            teacher_rows(&model, grid, emg, &plain)
         })?;
         write_whole(&path, &pack(&all, key))?;
         Ok(all)
@@ -424,10 +489,22 @@ impl Stage<'_> {
 pub struct Judged {
     /// The recordings.
     pub trials: Vec<Trial>,
-    /// Teacher (if any), float student, integer student.
+    /// Every model of the run.
     pub candidates: Vec<Candidate>,
     /// The reading that the model file asks for.
     pub reading: LookAhead,
+}
+
+fn integer_candidate(name: &str, bytes: &[u8], trials: &[Trial]) -> anyhow::Result<Candidate> {
+    let model = Model::parse(bytes).context("the model file just written")?;
+    let rows = trials
+        .par_iter()
+        .map(|trial| integer_rows(&model, &trial.emg))
+        .collect::<anyhow::Result<_>>()?;
+    Ok(Candidate {
+        name: name.to_owned(),
+        rows,
+    })
 }
 
 /// An integer student's rows at every whole patch of a stream, as the device computes them.
@@ -449,7 +526,7 @@ pub fn integer_rows(model: &Model<'_>, emg: &[CleanSample]) -> anyhow::Result<Ve
 fn figures(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     let chosen = results.published.iter().filter(|verdict| {
-        verdict.model == "integer student"
+        verdict.model == INTEGER
             && verdict.look_ahead == results.reading
             && verdict.truth == Truth::Moved
     });

@@ -119,7 +119,7 @@ fn check_entry(entry: &Value, rng: &mut ChaCha8Rng) {
 
     let mut drawn: BTreeMap<&str, Vec<Masks>> = BTreeMap::new();
     for _ in 0..DRAWS {
-        let masks = task.draw(change, rng);
+        let masks = task.draw(WINDOW, change, rng);
         let kinds = (kind(&masks.emg, change), kind(&masks.intent, change));
         let kind = match (task, kinds) {
             (Task::Intent, (None, Some(kind))) => kind,
@@ -220,7 +220,7 @@ fn spans_cover_a_window_as_the_references_do() {
     for (share, expected) in fixed {
         let hidden = number(expected, "masked_steps") as usize;
         let masks: Vec<Vec<bool>> = (0..DRAWS)
-            .map(|_| poisson_spans(hidden, &mut rng))
+            .map(|_| poisson_spans(WINDOW, hidden, &mut rng))
             .collect();
         check_runs(
             share,

@@ -174,7 +174,7 @@ fn use_shows_the_teacher_what_the_reference_is_shown() {
     let teacher = reference(&golden, "model.safetensors", &device);
     let cases = tensors(&golden.join("model/cases.safetensors"));
     let emg = cases["inference.emg"].1.clone();
-    let output = teacher.forward(inference_input(emg, paper().patch, CLASSES, &device));
+    let output = teacher.forward(inference_input(emg, paper().grid(), CLASSES, &device));
     let off = distance(&numbers(output.intent), &cases["inference.intent_logits"].1);
     assert!(off <= TOLERANCE, "logits off by {off}");
 }

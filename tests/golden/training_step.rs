@@ -18,6 +18,9 @@ use shared::units::{CHANNELS, WINDOW};
 use crate::files::json;
 use crate::model::{Tensors, input, reference, tensors};
 
+/// Width of the paper's tokens.
+const WIDTH: usize = 128;
+
 /// Puts gradients where the parameters were, so that they can be written under the reference's names.
 struct InPlace<'a>(&'a GradientsParams);
 
@@ -102,6 +105,17 @@ fn a_training_step_has_the_references_losses_gradients_and_changes() {
     let after = by_name(&teacher);
     for (name, expected) in expected["parameter_delta_l2_f64"].as_object().unwrap() {
         let pairs = before[name].1.iter().zip(&after[name].1);
+        // A key's bias adds the same to all scores of a query, so its gradient is 0. What f32 leaves
+        // of it AdamW divides by its own size: the reference's f64 leaves less.
+        let keys = if name.ends_with("in_proj_bias") {
+            WIDTH..2 * WIDTH
+        } else {
+            0..0
+        };
+        let pairs = pairs
+            .enumerate()
+            .filter(|(at, _)| !keys.contains(at))
+            .map(|(_, pair)| pair);
         let (found, expected) = (norm(pairs.map(|(a, b)| b - a)), expected.as_f64().unwrap());
         println!("{name}: moved by {found:.6e}, the reference by {expected:.6e}");
         assert!((found / expected - 1.0).abs() < 1e-3, "{name}");

@@ -7,6 +7,7 @@ use clap::Args;
 use super::arguments::{BackendArguments, begun};
 use crate::interrupt::Interrupt;
 use crate::stage::Stage;
+use crate::student::distillation;
 
 /// Arguments of `distill`.
 #[derive(Debug, Args)]
@@ -17,6 +18,9 @@ pub struct Arguments {
     /// Share of the teacher's word against the labels', instead of the preset's; 0 trains on labels alone.
     #[arg(long, value_name = "0..1", value_parser = share)]
     teacher_share: Option<f64>,
+    /// Train a second student on the labels alone, beside the one with a teacher, for comparison.
+    #[arg(long, conflicts_with = "teacher_share")]
+    alone: bool,
     /// Go on after the last complete epoch.
     #[arg(long)]
     resume: bool,
@@ -50,7 +54,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         resume: arguments.resume,
         interrupt: &interrupt,
     };
-    stage.distill()?;
-    println!("{}", folder.file("student.bpk").display());
+    let name = if arguments.alone {
+        stage.train_alone()?;
+        distillation::ALONE
+    } else {
+        stage.distill()?;
+        distillation::NAME
+    };
+    println!("{}", folder.file(&format!("{name}.bpk")).display());
     Ok(())
 }

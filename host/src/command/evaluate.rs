@@ -45,12 +45,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .model
         .clone()
         .unwrap_or_else(|| folder.file(MODEL));
-    let model = std::fs::read(&path).with_context(|| {
-        format!(
-            "{}: no model file; run `myointent quantize` first",
-            path.display()
-        )
-    })?;
+    // A run that has trained a teacher alone is judged too.
+    let expected = arguments.model.is_some() || folder.file("student.bpk").exists();
+    let model = expected
+        .then(|| std::fs::read(&path))
+        .transpose()
+        .with_context(|| {
+            format!(
+                "{}: no model file; run `myointent quantize` first",
+                path.display()
+            )
+        })?;
     let device = arguments.backend.device();
     let stage = Stage {
         run: &folder,
@@ -60,7 +65,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         resume: false,
         interrupt: &interrupt,
     };
-    let (results, judged) = stage.evaluate(&model)?;
+    let (results, judged) = stage.evaluate(model.as_deref())?;
     let page = folder.file("report.html");
     report(&stage, &results, &judged, &page)?;
     let mut out = std::io::stdout().lock();

@@ -11,6 +11,7 @@ pub mod quantize;
 pub mod quickstart;
 pub mod replay;
 pub mod score;
+pub mod study;
 pub mod table;
 pub mod train;
 
@@ -53,6 +54,8 @@ enum Command {
     Quantize(quantize::Arguments),
     /// Judge teacher, float student and integer student on the people left out.
     Evaluate(evaluate::Arguments),
+    /// Train and judge every comparison of the paper, everybody left out in turn.
+    Study(study::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),
     /// Write a model's logits and labels over a recording or a window.
@@ -76,6 +79,7 @@ impl Cli {
             Command::Distill(arguments) => distill::run(&arguments),
             Command::Quantize(arguments) => quantize::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
+            Command::Study(arguments) => study::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),

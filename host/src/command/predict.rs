@@ -132,7 +132,7 @@ fn rows(
                 teacher::training::NAME,
                 plan.preset.teacher.init(classes, &device),
             )?;
-            teacher_rows(&model.valid(), plan.preset.teacher.patch, emg, &device)
+            teacher_rows(&model.valid(), plan.preset.teacher.grid(), emg, &device)
         }
         Which::Student => {
             let model = folder.load_model(
@@ -184,14 +184,11 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
                 plan.preset.teacher.init(classes, &device),
             )?
             .valid();
-        let mut input = Vec::with_capacity(WINDOW * CHANNELS);
-        crate::corpus::Variation::NONE.write(&emg, &mut input);
-        let output = model.forward(inference_input(
-            input,
-            plan.preset.teacher.patch,
-            classes,
-            &device,
-        ));
+        let grid = plan.preset.teacher.grid();
+        let mut input = Vec::with_capacity(grid.window * CHANNELS);
+        // A model of a shorter window sees the newest samples of this one.
+        crate::corpus::Variation::NONE.write(&emg[WINDOW - grid.window..], &mut input);
+        let output = model.forward(inference_input(input, grid, classes, &device));
         let columns = names(classes, String::new())
             .chain(["mask".to_owned()])
             .collect();

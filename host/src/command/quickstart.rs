@@ -17,7 +17,7 @@ use crate::preset::Preset;
 use crate::progress;
 use crate::report::{self, Confusion, Curve, Panel, ReportData, Timeline};
 use crate::run_folder::{RunError, RunFolder, write_whole};
-use crate::stage::{Judged, Results, Stage};
+use crate::stage::{INTEGER, Judged, Results, Stage};
 
 /// Name of the model file in a run folder.
 pub const MODEL: &str = "student.intent";
@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let plan = if arguments.resume {
         Plan::load(&folder)?
     } else {
-        Plan::new(preset, &library, data, skip_bad)?
+        Plan::new(preset, &library, data, skip_bad, None)?
     };
     plan.save(&folder)?;
     progress::say(&format!(
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     stage.distill()?;
     let model = folder.file(MODEL);
     let bytes = stage.quantize(&model)?;
-    let (results, judged) = stage.evaluate(&bytes)?;
+    let (results, judged) = stage.evaluate(Some(&bytes))?;
     // Once more, now that there are measurements to put beside the weights.
     let bytes = stage.quantize(&model)?;
     let page = folder.file("report.html");
@@ -184,7 +184,11 @@ pub fn report(
         "Labels of these recordings are cues: muscles follow a few tenths of a second later. Tables show both, labels as published and labels moved by one constant a data set, estimated on training subjects.".to_owned(),
         "Every recording is preceded by its own first half second, six times over, so that short recordings are judged from their first sample; the device itself stays silent until it has 3 s of contiguous EMG.".to_owned(),
     ];
-    if let Some(integer) = judged.candidates.last() {
+    let device = judged
+        .candidates
+        .iter()
+        .find(|candidate| candidate.name == INTEGER);
+    if let Some(integer) = device.or(judged.candidates.first()) {
         let settings = judged.reading.settings();
         let vocabulary = preset.vocabulary();
         // The recording with the most changes shows most.

@@ -8,6 +8,7 @@
 mod cote_allard;
 mod emg_epn;
 mod error;
+pub mod folds;
 pub mod inspection;
 pub mod label_file;
 pub mod lag;

@@ -18,6 +18,8 @@ use crate::schedule::Course;
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";
+/// Name of the files of a student that has learnt from the labels alone, beside the one that had a teacher.
+pub const ALONE: &str = "student-alone";
 
 /// How a student is trained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,6 +62,7 @@ impl Lesson {
 
 /// A student's training, batch by batch.
 pub struct StudentLearner<'a> {
+    name: &'static str,
     config: &'a Distillation,
     /// Patches of context before a patch's answer counts.
     context: usize,
@@ -69,12 +72,14 @@ pub struct StudentLearner<'a> {
     device: &'a Device,
 }
 
-/// Trains a student on a corpus and the teacher's rows over it, one list a stream.
+/// Trains a student on a corpus and the teacher's rows over it, one list a stream; `name` is [`NAME`]
+/// or [`ALONE`].
 ///
 /// # Errors
 /// When the folder cannot be written or the user interrupts.
 #[expect(clippy::too_many_arguments, reason = "a run is what these say")]
 pub fn train(
+    name: &'static str,
     model: Student,
     span: usize,
     corpus: &Corpus,
@@ -87,7 +92,10 @@ pub fn train(
     resume: bool,
     interrupt: &Interrupt,
 ) -> Result<Student, RunError> {
-    let learner = learner(span, corpus, teacher, validation, config, device);
+    let learner = StudentLearner {
+        name,
+        ..learner(span, corpus, teacher, validation, config, device)
+    };
     let pace = Pace {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
@@ -109,6 +117,7 @@ pub fn learner<'a>(
     device: &'a Device,
 ) -> StudentLearner<'a> {
     StudentLearner {
+        name: NAME,
         config,
         context: span,
         classes: corpus.vocabulary.classes(),
@@ -279,7 +288,7 @@ impl Learner for StudentLearner<'_> {
     type Shard = Questions;
 
     fn name(&self) -> &'static str {
-        NAME
+        self.name
     }
 
     fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Vec<Excerpt>> {

@@ -6,7 +6,6 @@
 use rand::RngExt;
 use rand_distr::{Distribution, Poisson};
 use serde::{Deserialize, Serialize};
-use shared::units::WINDOW;
 
 /// Mean length of a masked span, in samples (lambda of the Poisson draw).
 const SPAN_MEAN: f64 = 7.0;
@@ -48,16 +47,21 @@ enum Kind {
 }
 
 impl Task {
-    /// Draws the masks of one window.
+    /// Draws the masks of a window of so many samples.
     ///
     /// `last_before_change` is the position of the window's last sample before its first label
     /// change, if it has one.
-    pub fn draw(self, last_before_change: Option<usize>, rng: &mut impl RngExt) -> Masks {
-        let none = || vec![false; WINDOW];
+    pub fn draw(
+        self,
+        window: usize,
+        last_before_change: Option<usize>,
+        rng: &mut impl RngExt,
+    ) -> Masks {
+        let none = || vec![false; window];
         match self {
             Self::Intent => {
-                let kind = intent_kind(last_before_change, rng);
-                let intent = draw_mask(kind, fraction(kind, rng), last_before_change, rng);
+                let kind = intent_kind(window, last_before_change, rng);
+                let intent = draw_mask(window, kind, fraction(kind, rng), last_before_change, rng);
                 Masks {
                     emg: none(),
                     intent,
@@ -66,7 +70,7 @@ impl Task {
             }
             Self::Emg => {
                 let kind = span_or_end(rng);
-                let emg = draw_mask(kind, fraction(kind, rng), None, rng);
+                let emg = draw_mask(window, kind, fraction(kind, rng), None, rng);
                 Masks {
                     emg,
                     intent: none(),
@@ -77,8 +81,8 @@ impl Task {
                 // One kind and one fraction for both, but each modality draws its own spans.
                 let kind = span_or_end(rng);
                 let fraction = fraction(kind, rng);
-                let emg = draw_mask(kind, fraction, None, rng);
-                let intent = draw_mask(kind, fraction, None, rng);
+                let emg = draw_mask(window, kind, fraction, None, rng);
+                let intent = draw_mask(window, kind, fraction, None, rng);
                 Masks {
                     emg,
                     intent,
@@ -87,7 +91,7 @@ impl Task {
             }
             Self::SelfSupervised => {
                 let fraction = rng.random_range(0.20..0.65);
-                let emg = draw_mask(Kind::PoissonSpans, fraction, None, rng);
+                let emg = draw_mask(window, Kind::PoissonSpans, fraction, None, rng);
                 Masks {
                     emg,
                     intent: none(),
@@ -106,8 +110,8 @@ fn span_or_end(rng: &mut impl RngExt) -> Kind {
     }
 }
 
-fn intent_kind(last_before_change: Option<usize>, rng: &mut impl RngExt) -> Kind {
-    let far = WINDOW - TRANSITION_BUFFER;
+fn intent_kind(window: usize, last_before_change: Option<usize>, rng: &mut impl RngExt) -> Kind {
+    let far = window.saturating_sub(TRANSITION_BUFFER);
     match last_before_change {
         Some(t) if t > TRANSITION_BUFFER && t < far => {
             if rng.random_bool(0.5) {
@@ -137,19 +141,20 @@ fn fraction(kind: Kind, rng: &mut impl RngExt) -> f64 {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a fraction of 600 samples"
+    reason = "a fraction of a window"
 )]
 fn draw_mask(
+    window: usize,
     kind: Kind,
     fraction: f64,
     last_before_change: Option<usize>,
     rng: &mut impl RngExt,
 ) -> Vec<bool> {
-    let hidden = (WINDOW as f64 * fraction) as usize;
-    let mut mask = vec![false; WINDOW];
+    let hidden = (window as f64 * fraction) as usize;
+    let mut mask = vec![false; window];
     match (kind, last_before_change) {
-        (Kind::PoissonSpans, _) => mask = poisson_spans(hidden, rng),
-        (Kind::EndOfWindow, _) => mask[WINDOW - hidden..].fill(true),
+        (Kind::PoissonSpans, _) => mask = poisson_spans(window, hidden, rng),
+        (Kind::EndOfWindow, _) => mask[window - hidden..].fill(true),
         (Kind::AroundTransition, Some(t)) => {
             mask[t - TRANSITION_BUFFER..t + TRANSITION_BUFFER].fill(true);
         }
@@ -158,7 +163,7 @@ fn draw_mask(
     mask
 }
 
-/// A mask of one window: spans are marked until exactly `hidden` distinct samples are, at most all 600.
+/// A mask of one window: spans are marked until exactly `hidden` distinct samples are, at most all.
 ///
 /// A span that falls wholly on marked samples adds nothing and is drawn again; this thins out the
 /// first and last samples of a window, as in the reference.
@@ -170,10 +175,10 @@ fn draw_mask(
     clippy::cast_sign_loss,
     reason = "a Poisson draw is a small count"
 )]
-pub fn poisson_spans(hidden: usize, rng: &mut impl RngExt) -> Vec<bool> {
+pub fn poisson_spans(window: usize, hidden: usize, rng: &mut impl RngExt) -> Vec<bool> {
     let lengths = Poisson::new(SPAN_MEAN).expect("7 is a valid mean");
-    let mut mask = vec![false; WINDOW];
-    let mut missing = hidden.min(WINDOW);
+    let mut mask = vec![false; window];
+    let mut missing = hidden.min(window);
     while missing > 0 {
         let length = lengths.sample(rng) as usize;
         if length == 0 || length >= mask.len() {
@@ -194,6 +199,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
+    use shared::units::WINDOW;
 
     fn share(mask: &[bool]) -> usize {
         mask.iter().filter(|&&hidden| hidden).count()
@@ -203,7 +209,7 @@ mod tests {
     fn spans_hide_exactly_the_asked_number_of_samples() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for hidden in [0, 1, 180, 300, 450, WINDOW] {
-            assert_eq!(share(&poisson_spans(hidden, &mut rng)), hidden);
+            assert_eq!(share(&poisson_spans(WINDOW, hidden, &mut rng)), hidden);
         }
     }
 
@@ -211,7 +217,7 @@ mod tests {
     fn a_transition_in_the_middle_is_hidden_alone_or_with_everything() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         for _ in 0..200 {
-            let masks = Task::Intent.draw(Some(300), &mut rng);
+            let masks = Task::Intent.draw(WINDOW, Some(300), &mut rng);
             assert_eq!(share(&masks.emg), 0);
             match share(&masks.intent) {
                 100 => assert!(masks.intent[250..350].iter().all(|&hidden| hidden)),
@@ -224,7 +230,7 @@ mod tests {
     fn emg_task_leaves_every_intent_visible() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..100 {
-            let masks = Task::Emg.draw(Some(10), &mut rng);
+            let masks = Task::Emg.draw(WINDOW, Some(10), &mut rng);
             assert_eq!(share(&masks.intent), 0);
             assert!((180..450).contains(&share(&masks.emg)));
         }
@@ -234,9 +240,9 @@ mod tests {
     fn only_the_self_supervised_task_blocks_attention() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for task in [Task::Intent, Task::Emg, Task::Joint] {
-            assert!(!task.draw(None, &mut rng).blocked);
+            assert!(!task.draw(WINDOW, None, &mut rng).blocked);
         }
-        let masks = Task::SelfSupervised.draw(None, &mut rng);
+        let masks = Task::SelfSupervised.draw(WINDOW, None, &mut rng);
         assert!(masks.blocked);
         assert_eq!(share(&masks.intent), 0);
         assert!((120..390).contains(&share(&masks.emg)));

@@ -10,16 +10,19 @@ use burn::tensor::activation::{gelu, softmax};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use shared::units::{CHANNELS, WINDOW};
+use shared::units::CHANNELS;
 
 use super::dropout::Dropout;
+use super::window::Grid;
 use crate::corpus::Companding;
 
 /// Dimensions of a teacher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TeacherConfig {
-    /// Samples in a token: 1 in the paper, 10 on a CPU. Divides the window of 600.
+    /// Samples in a window: 600 in the paper; 100 and 300 in its ablation.
+    pub window: usize,
+    /// Samples in a token: 1 in the paper, 10 on a CPU. Divides the window.
     pub patch: usize,
     /// Compression of the EMG that the encoder sees; the reconstruction's target stays linear.
     pub companding: Companding,
@@ -38,10 +41,13 @@ pub struct TeacherConfig {
 }
 
 impl TeacherConfig {
-    /// Tokens of one modality.
+    /// How a window's samples are grouped into tokens.
     #[must_use]
-    pub fn tokens(&self) -> usize {
-        WINDOW / self.patch
+    pub const fn grid(&self) -> Grid {
+        Grid {
+            window: self.window,
+            patch: self.patch,
+        }
     }
 
     /// A fresh model for `classes` intents; MASK is one class more.
@@ -58,7 +64,7 @@ impl TeacherConfig {
             emg_mask: small.init([d], device),
             emg_modality: small.init([d], device),
             intent_modality: small.init([d], device),
-            position: Param::from_tensor(waves(self.tokens(), d, device)),
+            position: Param::from_tensor(waves(self.grid().tokens(), d, device)),
             intent_embedding: Initializer::Normal {
                 mean: 0.0,
                 std: 1.0,
@@ -153,7 +159,7 @@ pub struct TeacherInput {
 pub struct TeacherOutput {
     /// Reconstructed EMG, `[b, tokens, patch * 8]`.
     pub emg: Tensor<3>,
-    /// Logits per sample, MASK last, `[b, 600, classes + 1]`.
+    /// Logits per sample, MASK last, `[b, window, classes + 1]`.
     pub intent: Tensor<3>,
 }
 
@@ -212,6 +218,12 @@ impl Teacher {
                 classes,
             ]),
         }
+    }
+
+    /// Number of encoder layers.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        self.layers.len()
     }
 
     /// Number of output classes, MASK included.

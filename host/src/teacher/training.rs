@@ -1,16 +1,16 @@
 //! Trains a teacher on windows, tasks and masks that are renewed each epoch.
 
+use burn::module::{Lora, Module as _, ParamGroup};
 use burn::tensor::activation::log_softmax;
 use burn::tensor::{Device, Tensor};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use shared::units::WINDOW;
 
 use super::masking::Task;
 use super::model::{Teacher, TeacherOutput};
-use super::window::{Batch, Example, batch, examples, inference_input};
+use super::window::{Batch, Example, Grid, batch, examples, inference_input};
 use crate::corpus::{Augmentation, Corpus, Variation};
 use crate::estimate::{best_class, numbers};
 use crate::fit::{Learner, Pace, Part, SHARDS, fit};
@@ -20,6 +20,8 @@ use crate::schedule::Course;
 
 /// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "teacher";
+/// Name of the files of a run with low-rank additions, before they are merged into the teacher.
+const ADAPTED: &str = "teacher-lora";
 
 /// How a teacher is trained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,19 +35,47 @@ pub struct TeacherTraining {
     pub batch: usize,
     /// Peak learning rate.
     pub learning_rate: f64,
-    /// Share of the steps that the rate rises.
-    pub warm_up: f64,
+    /// How the rate changes: a warm-up for a fresh model, a constant rate for fine-tuning in the paper.
+    pub course: Course,
     /// Decoupled weight decay, on every parameter.
     pub weight_decay: f32,
     /// Tasks; every window is presented once as each.
     pub tasks: Vec<Task>,
     /// Variations of the training windows; none in the paper.
     pub augmentation: Option<Augmentation>,
+    /// Trains low-rank additions and leaves the weights that training starts from as they are.
+    pub lora: Option<LoraConfig>,
+}
+
+/// Low-rank adaptation of the feed-forward blocks and of the intent head, the layers that the
+/// reference's option reaches (its defaults: rank 16, alpha 8, and a dropout of 0.05 on the
+/// additions, which is left out here).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoraConfig {
+    /// Rank of an addition.
+    pub rank: usize,
+    /// Additions are scaled by `alpha / rank`.
+    pub alpha: f64,
+}
+
+impl LoraConfig {
+    /// The model with additions, which are all that is trained; at first they change nothing.
+    #[must_use]
+    pub fn adapt(self, model: Teacher) -> Teacher {
+        let mut paths = vec!["intent_head.weight".to_owned()];
+        for layer in 0..model.depth() {
+            paths
+                .extend(["linear1", "linear2"].map(|name| format!("layers.{layer}.{name}.weight")));
+        }
+        let lora = Lora::new(self.rank, self.alpha).set_param_group(ParamGroup::from_paths(paths));
+        model.apply_lora(lora)
+    }
 }
 
 /// A teacher's training, batch by batch.
 pub struct TeacherLearner<'a> {
-    patch: usize,
+    grid: Grid,
     corpus: &'a Corpus,
     validation: &'a Corpus,
     config: &'a TeacherTraining,
@@ -55,14 +85,14 @@ pub struct TeacherLearner<'a> {
     device: &'a Device,
 }
 
-/// Trains a model of `patch` samples a token.
+/// Trains a model whose windows lie on `grid`.
 ///
 /// # Errors
 /// When the folder cannot be written or the user interrupts.
 #[expect(clippy::too_many_arguments, reason = "a run is what these say")]
 pub fn train(
     model: Teacher,
-    patch: usize,
+    grid: Grid,
     corpus: &Corpus,
     validation: &Corpus,
     config: &TeacherTraining,
@@ -72,21 +102,27 @@ pub fn train(
     resume: bool,
     interrupt: &Interrupt,
 ) -> Result<Teacher, RunError> {
-    let learner = learner(patch, corpus, validation, config, seed, device);
+    let learner = learner(grid, corpus, validation, config, seed, device);
     let pace = Pace {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
-        course: Course::WarmUp(config.warm_up),
+        course: config.course,
         weight_decay: config.weight_decay,
         seed,
     };
-    fit(&learner, model, pace, run, resume, interrupt)
+    let Some(lora) = config.lora else {
+        return fit(&learner, model, pace, run, resume, interrupt);
+    };
+    let model = fit(&learner, lora.adapt(model), pace, run, resume, interrupt)?;
+    let merged = model.valid().materialize();
+    run.save_model(NAME, &merged)?;
+    Ok(merged)
 }
 
-/// What a teacher of `patch` samples a token learns from.
+/// What a teacher whose windows lie on `grid` learns from.
 #[must_use]
 pub fn learner<'a>(
-    patch: usize,
+    grid: Grid,
     corpus: &'a Corpus,
     validation: &'a Corpus,
     config: &'a TeacherTraining,
@@ -94,12 +130,12 @@ pub fn learner<'a>(
     device: &'a Device,
 ) -> TeacherLearner<'a> {
     TeacherLearner {
-        patch,
+        grid,
         corpus,
         validation,
         config,
-        examples: examples(corpus, config.stride, &config.tasks),
-        checks: examples(validation, config.stride, &config.tasks),
+        examples: examples(corpus, config.stride, grid.window, &config.tasks),
+        checks: examples(validation, config.stride, grid.window, &config.tasks),
         seed,
         device,
     }
@@ -111,7 +147,11 @@ impl Learner for TeacherLearner<'_> {
     type Shard = (Batch, ChaCha8Rng);
 
     fn name(&self) -> &'static str {
-        NAME
+        if self.config.lora.is_some() {
+            ADAPTED
+        } else {
+            NAME
+        }
     }
 
     fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Self::Item> {
@@ -133,7 +173,7 @@ impl Learner for TeacherLearner<'_> {
         let mut shards: Vec<Self::Shard> = item
             .chunks(item.len().div_ceil(SHARDS))
             .map(|part| {
-                let batch = batch(self.corpus, part, self.patch, variation, rng, self.device);
+                let batch = batch(self.corpus, part, self.grid, variation, rng, self.device);
                 (batch, ChaCha8Rng::from_rng(rng))
             })
             .collect();
@@ -161,7 +201,7 @@ impl Learner for TeacherLearner<'_> {
             let batch = batch(
                 self.validation,
                 examples,
-                self.patch,
+                self.grid,
                 None,
                 &mut rng,
                 &device,
@@ -204,13 +244,13 @@ impl TeacherLearner<'_> {
             let mut labels = Vec::new();
             for window in windows {
                 let stream = &self.validation.streams[window.stream];
-                let range = window.start..window.start + WINDOW;
+                let range = window.start..window.start + self.grid.window;
                 Variation::NONE.write(&stream.emg[range.clone()], &mut emg);
                 labels.extend_from_slice(&stream.labels[range]);
             }
             let logits = numbers(
                 model
-                    .forward(inference_input(emg, self.patch, classes, device))
+                    .forward(inference_input(emg, self.grid, classes, device))
                     .intent,
             );
             for (row, label) in logits.chunks_exact(classes + 1).zip(labels) {

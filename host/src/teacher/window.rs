@@ -1,13 +1,30 @@
-//! Windows of 600 samples, and batches of them as tensors.
+//! Windows of a corpus, and batches of them as tensors.
 
 use burn::tensor::{Device, Int, Tensor, TensorData};
 use rand::RngExt;
 use shared::intent::Intent;
-use shared::units::{CHANNELS, WINDOW};
+use shared::units::CHANNELS;
 
 use super::masking::{Masks, Task};
 use super::model::TeacherInput;
 use crate::corpus::{Augmentation, Corpus, Variation};
+
+/// How the samples of a teacher's window are grouped into tokens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// Samples of a window, a multiple of the patch; 600 in the paper.
+    pub window: usize,
+    /// Samples of a token.
+    pub patch: usize,
+}
+
+impl Grid {
+    /// Tokens of one modality.
+    #[must_use]
+    pub const fn tokens(self) -> usize {
+        self.window / self.patch
+    }
+}
 
 /// Where a window lies in a corpus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,14 +44,14 @@ pub struct Example {
     pub task: Task,
 }
 
-/// Every window of a corpus, `stride` samples apart; partial windows are never made.
+/// Every window of so many samples of a corpus, `stride` samples apart; partial windows are never made.
 #[must_use]
-pub fn windows(corpus: &Corpus, stride: usize) -> Vec<Window> {
+pub fn windows(corpus: &Corpus, stride: usize, samples: usize) -> Vec<Window> {
     let mut windows = Vec::new();
     for (stream, recording) in corpus.streams.iter().enumerate() {
         let starts = (0..)
             .step_by(stride)
-            .take_while(|start| start + WINDOW <= recording.emg.len());
+            .take_while(|start| start + samples <= recording.emg.len());
         windows.extend(starts.map(|start| Window { stream, start }));
     }
     windows
@@ -42,10 +59,10 @@ pub fn windows(corpus: &Corpus, stride: usize) -> Vec<Window> {
 
 /// Every window once per task; windows without any label only as the self-supervised task.
 #[must_use]
-pub fn examples(corpus: &Corpus, stride: usize, tasks: &[Task]) -> Vec<Example> {
+pub fn examples(corpus: &Corpus, stride: usize, samples: usize, tasks: &[Task]) -> Vec<Example> {
     let mut examples = Vec::new();
-    for window in windows(corpus, stride) {
-        let labels = labels_of(corpus, window);
+    for window in windows(corpus, stride, samples) {
+        let labels = labels_of(corpus, window, samples);
         let labelled = labels.iter().any(Option::is_some);
         let fitting = tasks
             .iter()
@@ -55,8 +72,8 @@ pub fn examples(corpus: &Corpus, stride: usize, tasks: &[Task]) -> Vec<Example> 
     examples
 }
 
-fn labels_of(corpus: &Corpus, window: Window) -> &[Option<Intent>] {
-    &corpus.streams[window.stream].labels[window.start..window.start + WINDOW]
+fn labels_of(corpus: &Corpus, window: Window, samples: usize) -> &[Option<Intent>] {
+    &corpus.streams[window.stream].labels[window.start..window.start + samples]
 }
 
 /// Position of the last sample before the first change from one label to another.
@@ -76,9 +93,9 @@ pub struct Batch {
     pub emg_target: Tensor<3>,
     /// Masked cells of the EMG loss.
     pub emg_cells: usize,
-    /// Class of each sample, 0 where it does not count, `[b, 600]`.
+    /// Class of each sample, 0 where it does not count, `[b, window]`.
     pub intent_target: Tensor<2, Int>,
-    /// 1 where the sample counts in the intent loss, `[b, 600]`.
+    /// 1 where the sample counts in the intent loss, `[b, window]`.
     pub intent_weight: Tensor<2>,
     /// Samples in the intent loss.
     pub intent_samples: usize,
@@ -88,26 +105,27 @@ pub struct Batch {
 pub fn batch(
     corpus: &Corpus,
     examples: &[Example],
-    patch: usize,
+    grid: Grid,
     augmentation: Option<&Augmentation>,
     rng: &mut impl RngExt,
     device: &Device,
 ) -> Batch {
     let classes = corpus.vocabulary.classes();
-    let (b, tokens) = (examples.len(), WINDOW / patch);
-    let mut emg = Vec::with_capacity(b * WINDOW * CHANNELS);
+    let (b, tokens) = (examples.len(), grid.tokens());
+    let Grid { window, patch } = grid;
+    let mut emg = Vec::with_capacity(b * window * CHANNELS);
     let mut emg_mask = Vec::with_capacity(b * tokens);
     let mut intent = vec![0.0_f32; b * tokens * (classes + 1)];
-    let mut target = Vec::with_capacity(b * WINDOW);
-    let mut weight = Vec::with_capacity(b * WINDOW);
+    let mut target = Vec::with_capacity(b * window);
+    let mut weight = Vec::with_capacity(b * window);
     let mut blocked = Vec::with_capacity(b);
 
     for (row, example) in examples.iter().enumerate() {
-        let labels = labels_of(corpus, example.window);
-        let masks = example.task.draw(last_before_change(labels), rng);
+        let labels = labels_of(corpus, example.window, window);
+        let masks = example.task.draw(window, last_before_change(labels), rng);
         let variation = augmentation.map_or(Variation::NONE, |augmentation| augmentation.draw(rng));
         let stream = &corpus.streams[example.window.stream];
-        let samples = &stream.emg[example.window.start..example.window.start + WINDOW];
+        let samples = &stream.emg[example.window.start..example.window.start + window];
         variation.write(samples, &mut emg);
 
         let Masks {
@@ -147,8 +165,8 @@ pub fn batch(
         },
         emg_target: emg,
         emg_cells,
-        intent_target: Tensor::from_data(TensorData::new(target, [b, WINDOW]), device),
-        intent_weight: Tensor::from_data(TensorData::new(weight, [b, WINDOW]), device),
+        intent_target: Tensor::from_data(TensorData::new(target, [b, window]), device),
+        intent_weight: Tensor::from_data(TensorData::new(weight, [b, window]), device),
         intent_samples,
     }
 }
@@ -166,14 +184,9 @@ fn majority(token: &[bool]) -> bool {
 
 /// What the model sees when it is used: whole EMG, every intent masked.
 #[must_use]
-pub fn inference_input(
-    emg: Vec<f32>,
-    patch: usize,
-    classes: usize,
-    device: &Device,
-) -> TeacherInput {
-    let tokens = WINDOW / patch;
-    let b = emg.len() / (WINDOW * CHANNELS);
+pub fn inference_input(emg: Vec<f32>, grid: Grid, classes: usize, device: &Device) -> TeacherInput {
+    let (tokens, patch) = (grid.tokens(), grid.patch);
+    let b = emg.len() / (grid.window * CHANNELS);
     let mut intent = vec![0.0_f32; b * tokens * (classes + 1)];
     for token in intent.chunks_exact_mut(classes + 1) {
         token[classes] = 1.0;

@@ -11,6 +11,7 @@ const CLASSES: usize = 3;
 
 fn config() -> TeacherConfig {
     TeacherConfig {
+        window: 600,
         patch: 1,
         companding: Companding::Linear,
         d_model: 8,

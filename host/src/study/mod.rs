@@ -1,0 +1,4 @@
+//! The paper's comparisons on the recordings at hand.
+
+pub mod job;
+pub mod variant;

@@ -1,0 +1,156 @@
+//! What a study compares: variants of one preset, each trained and judged for every fold.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::preset::Preset;
+use crate::recording::DataSet;
+
+/// One variant of a study's preset.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Variant {
+    /// The preset as it is: teacher, students with and without it, peers.
+    Main,
+    /// The same with the wrist's intents, on the data sets that have them: 4 or 5 classes are in the
+    /// recordings, pinch is in none.
+    Wrist,
+    /// A teacher of every set but [`TARGET`]; one run without folds, for no subject of the target is in it.
+    Pretraining,
+    /// [`Variant::Pretraining`]'s teacher, judged on [`TARGET`] as it is.
+    Pretrained,
+    /// The same, trained on with [`TARGET`].
+    FineTuned,
+    /// The same with low-rank additions alone.
+    Lora,
+    /// A teacher of [`TARGET`] alone.
+    Scratch,
+    /// A teacher of a shorter window, in samples.
+    Window(usize),
+}
+
+/// The set whose subjects the ablation of pre-training is judged on.
+pub const TARGET: DataSet = DataSet::Roshambo;
+
+impl Variant {
+    /// All of a study, in an order in which each finds what it starts from.
+    pub const ALL: [Self; 9] = [
+        Self::Main,
+        Self::Pretraining,
+        Self::Scratch,
+        Self::Pretrained,
+        Self::FineTuned,
+        Self::Lora,
+        Self::Window(100),
+        Self::Window(300),
+        Self::Wrist,
+    ];
+
+    /// Whether everybody is left out in turn.
+    #[must_use]
+    pub fn has_folds(self) -> bool {
+        self != Self::Pretraining
+    }
+
+    /// Whether students and peers are trained too; the other variants ask about the teacher alone.
+    #[must_use]
+    pub fn has_students(self) -> bool {
+        matches!(self, Self::Main | Self::Wrist)
+    }
+
+    /// Whether training starts from [`Variant::Pretraining`].
+    #[must_use]
+    pub fn is_pretrained(self) -> bool {
+        matches!(self, Self::Pretrained | Self::FineTuned | Self::Lora)
+    }
+
+    /// The study's preset as this variant runs it.
+    #[must_use]
+    pub fn preset(self, base: &Preset) -> Preset {
+        let mut preset = base.clone();
+        preset.data.data_sets = match self {
+            Self::Main | Self::Window(_) => return self.with_window(preset),
+            Self::Scratch | Self::Pretrained | Self::FineTuned | Self::Lora => vec![TARGET],
+            Self::Pretraining => vec![DataSet::SsStm, DataSet::MyoReadings, DataSet::CoteAllard],
+            Self::Wrist => {
+                preset.classes = 6;
+                vec![DataSet::SsStm, DataSet::MyoReadings, DataSet::CoteAllard]
+            }
+        };
+        match self {
+            Self::Pretraining => {
+                preset.data.held_out.clear();
+                preset.data.held_out_share = 0.0;
+            }
+            Self::Pretrained => {
+                preset.fine_tuning.epochs = 0;
+                preset = preset.fine_tuned(false);
+            }
+            Self::FineTuned => preset = preset.fine_tuned(false),
+            Self::Lora => preset = preset.fine_tuned(true),
+            _ => {}
+        }
+        preset
+    }
+
+    fn with_window(self, mut preset: Preset) -> Preset {
+        if let Self::Window(samples) = self {
+            preset.teacher.window = samples;
+        }
+        preset
+    }
+}
+
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Main => f.write_str("main"),
+            Self::Wrist => f.write_str("wrist"),
+            Self::Pretraining => f.write_str("pretraining"),
+            Self::Pretrained => f.write_str("pretrained"),
+            Self::FineTuned => f.write_str("fine-tuned"),
+            Self::Lora => f.write_str("lora"),
+            Self::Scratch => f.write_str("scratch"),
+            Self::Window(samples) => write!(f, "window-{samples}"),
+        }
+    }
+}
+
+impl FromStr for Variant {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|variant| variant.to_string() == text)
+            .ok_or_else(|| {
+                let known = Self::ALL.map(|variant| variant.to_string()).join(", ");
+                format!("expected one of {known}, found {text:?}")
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_variants_preset_can_run_and_names_are_read_back() {
+        let base = Preset::find("study").unwrap();
+        for variant in Variant::ALL {
+            let preset = variant.preset(&base);
+            // A teacher that is taken as it is has no epochs, which a preset of its own must have.
+            if variant != Variant::Pretrained {
+                Preset::parse("variant", &preset.to_toml()).unwrap();
+            }
+            assert_eq!(variant.to_string().parse(), Ok(variant));
+        }
+        assert!("window-200".parse::<Variant>().is_err());
+    }
+
+    #[test]
+    fn nobody_of_the_target_is_in_the_pretraining() {
+        let base = Preset::find("study").unwrap();
+        let sets = Variant::Pretraining.preset(&base).data.data_sets;
+        assert!(!sets.contains(&TARGET) && !sets.is_empty());
+    }
+}
