@@ -1,60 +1,16 @@
 //! The main job, small: made-up recordings to a judged model file, through the command line itself.
 
+#[path = "small.rs"]
+mod small;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::Parser as _;
-use myointent::command::Cli;
-use myointent::recording::synth::{self, SynthOptions};
 use myointent::stage::integer_rows;
 use shared::model_file::Model;
 use shared::preprocess::clean;
 use shared::report_line::{Kind, Report};
-
-/// A preset that trains in seconds; what it learns is beside the point.
-fn small_preset(folder: &Path) -> PathBuf {
-    let text = myointent::preset::BUILT_IN[0].1;
-    let text = text
-        .replace("name = \"quickstart\"", "name = \"small\"")
-        .replace("spliced_seconds = 180.0", "spliced_seconds = 20.0")
-        .replace("stride = 150", "stride = 600")
-        .replace("epochs = 5", "epochs = 1")
-        .replace("epochs = 6", "epochs = 1")
-        .replace("steps = 150", "steps = 4")
-        .replace("batch = 32", "batch = 8")
-        .replace("d_model = 64", "d_model = 48")
-        .replace("feed_forward = 256", "feed_forward = 64");
-    let path = folder.join("small.toml");
-    fs::write(&path, text).unwrap();
-    path
-}
-
-fn myointent(arguments: &[&str]) -> bool {
-    let line = std::iter::once("myointent").chain(arguments.iter().copied());
-    Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
-}
-
-/// An empty folder of this test's own.
-fn folder(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// Writes made-up recordings of four people and returns their folder and one file.
-fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
-    let data = folder.join("data");
-    let options = SynthOptions {
-        subjects: 4,
-        recordings: 1,
-        seconds: 30,
-        ..SynthOptions::default()
-    };
-    let files = synth::write(&options, &data).unwrap();
-    (data, files[0].clone())
-}
+use small::{folder, myointent, recordings, small_preset};
 
 fn quickstart(folder: &Path, run: &str) -> PathBuf {
     let (data, _) = recordings(folder);

@@ -379,9 +379,15 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
     };
     let (mut held_out, held_out_counts) = listed(&data.held_out, data.held_out_share);
     let (mut validation, validation_counts) = listed(&data.validation, data.validation_share);
-    // One draw for both, so that nobody is drawn twice.
+    // One draw for both, so that nobody is drawn twice, and from those who have no role yet.
+    let listed = |subject: &String| held_out.contains(subject) || validation.contains(subject);
+    let rest: Vec<Recording> = recordings
+        .iter()
+        .filter(|recording| !listed(&recording.subject))
+        .cloned()
+        .collect();
     let drawn = Split::new(
-        recordings,
+        &rest,
         &SplitOptions {
             seed: preset.seed,
             held_out: Choice::PerDataSet(held_out_counts),

@@ -4,6 +4,7 @@ pub mod arguments;
 pub mod data;
 pub mod distill;
 pub mod evaluate;
+pub mod export;
 pub mod info;
 pub mod predict;
 pub mod presets;
@@ -52,6 +53,8 @@ enum Command {
     Distill(distill::Arguments),
     /// Write the student as a model file of integers.
     Quantize(quantize::Arguments),
+    /// Write the teacher's weights as safetensors, under the reference's names.
+    Export(export::Arguments),
     /// Judge teacher, float student and integer student on the people left out.
     Evaluate(evaluate::Arguments),
     /// Train and judge every comparison of the paper, everybody left out in turn.
@@ -78,6 +81,7 @@ impl Cli {
             Command::Train(arguments) => train::run(&arguments),
             Command::Distill(arguments) => distill::run(&arguments),
             Command::Quantize(arguments) => quantize::run(&arguments),
+            Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Study(arguments) => study::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),

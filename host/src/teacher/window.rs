@@ -212,6 +212,46 @@ mod tests {
     }
 
     #[test]
+    fn windows_without_labels_teach_only_what_needs_none() {
+        use rand::SeedableRng as _;
+        use shared::intent::Vocabulary;
+
+        use crate::corpus::Stream;
+
+        let stream = |label| Stream::new(vec![[1; CHANNELS]; 700], vec![label; 700]);
+        let corpus = Corpus {
+            vocabulary: Vocabulary::Three,
+            streams: vec![stream(None), stream(Some(Intent::Open))],
+        };
+        let tasks = [Task::Intent, Task::SelfSupervised];
+        let examples = examples(&corpus, 100, 600, &tasks);
+        let of = |stream| {
+            let own = examples.iter().filter(move |e| e.window.stream == stream);
+            own.map(|e| e.task).collect::<Vec<_>>()
+        };
+        assert_eq!(of(0), [Task::SelfSupervised; 2]);
+        assert_eq!(of(1), [Task::Intent; 2]);
+
+        let grid = Grid {
+            window: 600,
+            patch: 10,
+        };
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let batch = batch(&corpus, &examples, grid, None, &mut rng, &Device::default());
+        assert!(batch.emg_cells > 0);
+        assert_eq!(
+            crate::estimate::numbers(batch.input.blocked.unwrap()),
+            [1.0, 1.0, 0.0, 0.0]
+        );
+        let counts = crate::estimate::numbers(batch.intent_weight);
+        assert!(counts[..1200].iter().all(|&weight| weight == 0.0));
+        assert_eq!(
+            batch.intent_samples,
+            counts[1200..].iter().filter(|&&w| w > 0.0).count()
+        );
+    }
+
+    #[test]
     fn half_a_token_hides_all_of_it() {
         let snapped = snap(&[true, false, false, false, true, true, true, true], 4);
         assert_eq!(
