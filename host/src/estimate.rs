@@ -23,11 +23,17 @@ const LEAD: usize = 100;
 /// So every model judges every sample of a short recording, and none has seen its future.
 #[must_use]
 pub fn padded(emg: &[CleanSample]) -> Vec<CleanSample> {
-    let lead = &emg[..emg.len().min(LEAD)];
+    lead_in(emg, WINDOW)
+}
+
+/// A stream of any kind with `length` samples in front: its first 100, over and over.
+#[must_use]
+pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
+    let lead = &samples[..samples.len().min(LEAD)];
     lead.iter()
         .cycle()
-        .take(if lead.is_empty() { 0 } else { WINDOW })
-        .chain(emg)
+        .take(if lead.is_empty() { 0 } else { length })
+        .chain(samples)
         .copied()
         .collect()
 }

@@ -32,7 +32,8 @@ pub trait Learner: Sync {
     /// at the end of the schedule, where the rate is 0.
     fn steps(&self) -> usize;
 
-    /// Assembles one step's batch in parts whose losses add up to the step's.
+    /// Assembles one step's batch in parts whose losses add up to the step's; in one part, if the model
+    /// measures its batches (batch norm).
     fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard>;
 
     /// The loss of one part, to go downhill on, and its named figures, which add up too.
@@ -189,6 +190,14 @@ pub fn gradients<L: Learner>(
     model: &L::Model,
     shards: Vec<L::Shard>,
 ) -> (GradientsParams, Vec<Part>) {
+    // A single part is computed on the model itself, so that what it measures of the batch stays with it.
+    let shards = match <[L::Shard; 1]>::try_from(shards) {
+        Ok([shard]) => {
+            let (loss, parts) = learner.loss(model, shard);
+            return (GradientsParams::from_grads(loss.backward(), model), parts);
+        }
+        Err(shards) => shards,
+    };
     let done: Vec<_> = shards
         .into_par_iter()
         .map(|shard| {

@@ -7,6 +7,7 @@ pub mod evaluation;
 pub mod fit;
 pub mod interrupt;
 pub mod metric;
+pub mod peers;
 pub mod plan;
 pub mod preset;
 pub mod progress;

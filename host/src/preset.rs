@@ -7,6 +7,7 @@ use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
 use thiserror::Error;
 
+use crate::peers::PeerSettings;
 use crate::recording::DataSet;
 use crate::schedule::Course;
 use crate::student::distillation::Distillation;
@@ -44,6 +45,9 @@ pub struct Preset {
     pub student: StudentConfig,
     /// How the student is trained.
     pub distillation: Distillation,
+    /// How the paper's baselines are trained; as in the reference, unless said.
+    #[serde(default)]
+    pub peers: PeerSettings,
 }
 
 /// How a trained teacher is trained on; whatever is not here is as in its first training.
@@ -310,6 +314,17 @@ impl Preset {
                     "a gain of 0 or more and a rotation of 0 to 3",
                 );
             }
+        }
+        let peers = &self.peers;
+        if peers.stride == 0 || peers.batch == 0 || peers.epochs == 0 {
+            return refuse(
+                "peers",
+                "0".to_owned(),
+                "stride, batch and epochs of 1 or more",
+            );
+        }
+        if !(1..=500).contains(&peers.lstm_step) {
+            return refuse("peers.lstm_step", peers.lstm_step.to_string(), "1 to 500");
         }
         if !(0.0..1.0).contains(&self.data.held_out_share)
             || !(0.0..1.0).contains(&self.data.validation_share)

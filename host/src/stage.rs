@@ -16,6 +16,8 @@ use crate::estimate::{Rows, padded, student_rows, teacher_rows};
 use crate::evaluation::judge::{BUFFERS, Candidate, LookAhead, Truth, Verdict, judge};
 use crate::evaluation::trial::{self, Trial};
 use crate::interrupt::Interrupt;
+use crate::peers::training::Lesson;
+use crate::peers::{self, Peer};
 use crate::plan::Plan;
 use crate::progress;
 use crate::recording::Library;
@@ -156,6 +158,26 @@ impl Stage<'_> {
         self.train_student(distillation::ALONE, &labels_alone)
     }
 
+    /// Trains the paper's baselines.
+    ///
+    /// # Errors
+    /// When there is nothing to learn from, the folder cannot be written or the user interrupts.
+    pub fn train_peers(&self, peers: &[Peer]) -> anyhow::Result<()> {
+        let lesson = Lesson {
+            training: &self.plan.training(self.library),
+            validation: &self.plan.validation(self.library),
+            settings: &self.plan.preset.peers,
+            seed: self.plan.preset.seed,
+            device: &self.device,
+            run: self.run,
+            resume: self.resume,
+            interrupt: self.interrupt,
+        };
+        peers
+            .iter()
+            .try_for_each(|&peer| peers::training::train(peer, &lesson))
+    }
+
     fn train_student(&self, name: &'static str, config: &Distillation) -> anyhow::Result<()> {
         let preset = &self.plan.preset;
         let corpus = self.plan.training(self.library);
@@ -243,7 +265,7 @@ impl Stage<'_> {
     }
 
     /// Judges whatever the run has trained on the subjects left out: teacher, float student and, of a
-    /// model file, integer student.
+    /// model file, integer student; and every peer.
     ///
     /// # Errors
     /// When there is no model, or one of them is damaged.
@@ -291,7 +313,7 @@ impl Stage<'_> {
         }
         for &truth in truths {
             for candidate in candidates {
-                for look_ahead in LookAhead::ALL {
+                for look_ahead in candidate.conditions() {
                     verdicts.extend(judge(
                         candidate,
                         trials,
@@ -314,6 +336,13 @@ impl Stage<'_> {
         if self.has(teacher::training::NAME) {
             candidates.push(self.teacher_candidate(TEACHER, trials)?);
         }
+        candidates.extend(peers::evaluation::candidates(
+            self.run,
+            trials,
+            self.plan.preset.classes,
+            &self.device.clone().inner(),
+            self.interrupt,
+        )?);
         if self.has(distillation::NAME) {
             let student = self.student(distillation::NAME)?;
             candidates.push(self.student_candidate(STUDENT, &student, trials)?);
@@ -363,6 +392,7 @@ impl Stage<'_> {
         let rows = self.ask(name, &streams, rows)?;
         Ok(Candidate {
             name: name.to_owned(),
+            looks_back: true,
             rows,
         })
     }
@@ -503,6 +533,7 @@ fn integer_candidate(name: &str, bytes: &[u8], trials: &[Trial]) -> anyhow::Resu
         .collect::<anyhow::Result<_>>()?;
     Ok(Candidate {
         name: name.to_owned(),
+        looks_back: true,
         rows,
     })
 }

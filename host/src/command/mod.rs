@@ -6,6 +6,7 @@ pub mod distill;
 pub mod evaluate;
 pub mod export;
 pub mod info;
+pub mod peers;
 pub mod predict;
 pub mod presets;
 pub mod quantize;
@@ -49,6 +50,8 @@ enum Command {
     Data(data::Command),
     /// Train the teacher: the masked transformer.
     Train(train::Arguments),
+    /// Train the paper's baselines, to be judged beside our own models.
+    Peers(peers::Arguments),
     /// Train the student from the teacher and the labels.
     Distill(distill::Arguments),
     /// Write the student as a model file of integers.
@@ -79,6 +82,7 @@ impl Cli {
             Command::Quickstart(arguments) => quickstart::run(&arguments),
             Command::Data(command) => data::run(command),
             Command::Train(arguments) => train::run(&arguments),
+            Command::Peers(arguments) => peers::run(&arguments),
             Command::Distill(arguments) => distill::run(&arguments),
             Command::Quantize(arguments) => quantize::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),

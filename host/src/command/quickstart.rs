@@ -8,7 +8,7 @@ use shared::units::LOOK_AHEAD;
 
 use super::arguments::{BackendArguments, DataArguments, recordings};
 use super::table::tables;
-use crate::evaluation::judge::{confusion, offsets};
+use crate::evaluation::judge::{LookAhead, confusion, offsets};
 use crate::evaluation::track::track;
 use crate::fit::EpochMetrics;
 use crate::interrupt::Interrupt;
@@ -189,7 +189,8 @@ pub fn report(
         .iter()
         .find(|candidate| candidate.name == INTEGER);
     if let Some(integer) = device.or(judged.candidates.first()) {
-        let settings = judged.reading.settings();
+        let reading = integer.condition(judged.reading);
+        let settings = reading.settings();
         let vocabulary = preset.vocabulary();
         // The recording with the most changes shows most.
         let changes =
@@ -211,12 +212,15 @@ pub fn report(
                     emg: trial.emg.clone(),
                     truth: trial.moved.clone(),
                     emitted: track.spoken,
-                    look_ahead_samples: LOOK_AHEAD,
+                    look_ahead_samples: match reading {
+                        LookAhead::None => 0,
+                        LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
+                    },
                 }
                 .section(0..SHOWN),
             );
         }
-        let counts = confusion(integer, &judged.trials, vocabulary, judged.reading)?;
+        let counts = confusion(integer, &judged.trials, vocabulary, reading)?;
         data.confusion = Some(Confusion {
             names: counts.intents.iter().map(|&name| name.to_owned()).collect(),
             counts: counts
@@ -225,7 +229,7 @@ pub fn report(
                 .map(|row| row[..vocabulary.classes()].to_vec())
                 .collect(),
         });
-        data.offsets_ms = offsets(integer, &judged.trials, vocabulary, judged.reading)?
+        data.offsets_ms = offsets(integer, &judged.trials, vocabulary, reading)?
             .into_iter()
             .map(|samples| f64::from(samples) * 5.0)
             .collect();

@@ -79,8 +79,29 @@ impl LookAhead {
 pub struct Candidate {
     /// Name in tables.
     pub name: String,
+    /// Whether its rows speak of past patches too; if not, there is nothing to look ahead with.
+    pub looks_back: bool,
     /// Rows of each trial's patches, in the order of the trials.
     pub rows: Vec<Vec<Rows>>,
+}
+
+impl Candidate {
+    /// The conditions that it can be judged under.
+    pub fn conditions(&self) -> impl Iterator<Item = LookAhead> {
+        LookAhead::ALL
+            .into_iter()
+            .filter(|&look_ahead| self.looks_back || look_ahead == LookAhead::None)
+    }
+
+    /// A wanted condition, or none of it where there is nothing to look ahead with.
+    #[must_use]
+    pub fn condition(&self, wanted: LookAhead) -> LookAhead {
+        if self.looks_back {
+            wanted
+        } else {
+            LookAhead::None
+        }
+    }
 }
 
 /// One line of the table.
@@ -242,4 +263,23 @@ pub fn confusion(
         confusion.add(&trial.moved, &track.spoken)?;
     }
     Ok(confusion)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_without_a_look_back_is_judged_without_look_ahead_alone() {
+        let conditions = |looks_back| {
+            let candidate = Candidate {
+                name: "any".to_owned(),
+                looks_back,
+                rows: Vec::new(),
+            };
+            candidate.conditions().collect::<Vec<_>>()
+        };
+        assert_eq!(conditions(false), [LookAhead::None]);
+        assert_eq!(conditions(true), LookAhead::ALL);
+    }
 }
