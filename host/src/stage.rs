@@ -13,7 +13,7 @@ use shared::smoother::{Likelihood, Reading};
 use shared::units::{CleanSample, HOLD, LOOK_AHEAD, PATCH, WINDOW_PATCHES};
 
 use crate::estimate::{Rows, padded, student_rows, teacher_rows};
-use crate::evaluation::judge::{BUFFERS, Candidate, LookAhead, Truth, Verdict, judge};
+use crate::evaluation::judge::{Candidate, LookAhead, Truth, Verdict, judge};
 use crate::evaluation::trial::{self, Trial};
 use crate::interrupt::Interrupt;
 use crate::peers::training::Lesson;
@@ -46,7 +46,7 @@ pub struct Stage<'a> {
 }
 
 /// Judgement of several models, as `results.json` keeps it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {
     /// Data sets and subjects that were judged; no model has seen them.
     pub held_out: Vec<String>,
@@ -76,6 +76,8 @@ pub const ALONE: &str = "student without teacher";
 /// The same in integers.
 pub const INTEGER_ALONE: &str = "integer student without teacher";
 
+/// Name of [`Results`] in a run folder.
+pub const RESULTS: &str = "results.json";
 const CHOOSING: &str = "choosing the reading";
 const FIGURES: &str = "figures.json";
 const READING: &str = "reading.json";
@@ -289,7 +291,7 @@ impl Stage<'_> {
             published: self.judge_all(&published, &trials, &[Truth::Published, Truth::Moved])?,
             spliced: self.judge_all(&in_random_order, &spliced, &[Truth::Moved])?,
         };
-        self.run.save_json("results.json", &results)?;
+        self.run.save_json(RESULTS, &results)?;
         self.run.save_json(FIGURES, &figures(&results))?;
         Ok((
             results,
@@ -449,7 +451,7 @@ impl Stage<'_> {
             )?;
             Ok(verdicts
                 .last()
-                .map_or(0, |verdict| verdict.spoken[BUFFERS.len() - 1].correct))
+                .map_or(0, |verdict| verdict.widest().correct))
         };
         let same_instant = correct(LookAhead::SameInstant)? > correct(LookAhead::AllRows)?;
         self.run.save_json(READING, &same_instant)?;
@@ -562,7 +564,7 @@ fn figures(results: &Results) -> Vec<Figure> {
             && verdict.truth == Truth::Moved
     });
     for verdict in chosen {
-        let widest = &verdict.spoken[BUFFERS.len() - 1];
+        let widest = verdict.widest();
         let mut keep = |what: &str, mean: Option<f64>| {
             if let Some(value) = mean {
                 #[expect(clippy::cast_possible_truncation, reason = "an accuracy")]

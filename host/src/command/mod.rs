@@ -14,7 +14,9 @@ pub mod quickstart;
 pub mod replay;
 pub mod score;
 pub mod study;
+pub mod summary;
 pub mod table;
+pub mod tables;
 pub mod train;
 
 use std::process::ExitCode;
@@ -62,6 +64,10 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Train and judge every comparison of the paper, everybody left out in turn.
     Study(study::Arguments),
+    /// Gather the results of a protocol's folds.
+    Summary(summary::Arguments),
+    /// Write a study's tables, in the paper's layout, as Markdown and CSV.
+    Tables(tables::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),
     /// Write a model's logits and labels over a recording or a window.
@@ -88,6 +94,8 @@ impl Cli {
             Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Study(arguments) => study::run(&arguments),
+            Command::Summary(arguments) => summary::run(&arguments),
+            Command::Tables(arguments) => tables::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),

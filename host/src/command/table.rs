@@ -1,9 +1,10 @@
 //! The table of an evaluation, for people.
 
-use crate::evaluation::judge::{BUFFERS, LookAhead, Truth, Verdict};
-use crate::metric::summary::{MeanSd, Summary};
+use crate::evaluation::judge::{LookAhead, Truth, Verdict};
+use crate::metric::summary::Summary;
 use crate::report::Table;
 use crate::stage::Results;
+use crate::study::cell::{one_ms, share};
 
 /// Tables of an evaluation: labels as published, labels moved, random order and rhythm.
 #[must_use]
@@ -75,43 +76,23 @@ fn table(caption: &str, verdicts: &[&Verdict], reading: LookAhead) -> Table {
 }
 
 fn line(verdict: &Verdict) -> Vec<String> {
-    let widest = &verdict.spoken[BUFFERS.len() - 1];
-    let accuracy = |summary: &Summary| share(summary.transition_accuracy);
-    let offset = |summary: &Summary| {
-        summary
-            .offset
-            .as_ref()
-            .map_or_else(none, |offset| format!("{:+.0}", offset.signed.mean))
-    };
+    let widest = verdict.widest();
+    let accuracy = |summary: &Summary| share(summary.transition_accuracy).shown;
+    let mean = |summary: &Summary| summary.offset.map(|offset| offset.signed.mean);
+    let offset = |value: Option<f64>| one_ms(value).shown;
     let mut cells = vec![
         verdict.data_set.clone(),
         verdict.model.clone(),
         verdict.look_ahead.name().to_owned(),
-        share(widest.raw_accuracy),
+        share(widest.raw_accuracy).shown,
     ];
     cells.extend(verdict.spoken.iter().map(accuracy));
     cells.extend([
-        offset(widest),
-        widest
-            .offset
-            .as_ref()
-            .map_or_else(none, |offset| format!("{:+.0}", offset.signed_median)),
-        offset(&verdict.emitted),
+        offset(mean(widest)),
+        offset(widest.offset.map(|offset| offset.signed_median)),
+        offset(mean(&verdict.emitted)),
         widest.subjects.len().to_string(),
         widest.events.to_string(),
     ]);
     cells
-}
-
-fn none() -> String {
-    "-".to_owned()
-}
-
-/// Mean and sample deviation over subjects.
-fn share(value: Option<MeanSd>) -> String {
-    match value {
-        Some(MeanSd { mean, sd: Some(sd) }) => format!("{mean:.3} ({sd:.2})"),
-        Some(MeanSd { mean, sd: None }) => format!("{mean:.3}"),
-        None => none(),
-    }
 }

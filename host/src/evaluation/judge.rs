@@ -1,7 +1,7 @@
 //! Every model, every condition, one table: what each says about people whom none has seen.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, Vocabulary};
 use shared::smoother::{Reading, Settings};
 use thiserror::Error;
@@ -18,7 +18,7 @@ use crate::metric::transition::Rule;
 pub const BUFFERS: [usize; 3] = [60, 120, 200];
 
 /// What the labels are compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Truth {
     /// Labels as published: the cues, as the paper scores.
@@ -28,7 +28,7 @@ pub enum Truth {
 }
 
 /// How rows become labels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LookAhead {
     /// The newest row alone.
@@ -105,7 +105,7 @@ impl Candidate {
 }
 
 /// One line of the table.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// Which model.
     pub model: String,
@@ -116,9 +116,17 @@ pub struct Verdict {
     /// What the labels were compared with.
     pub truth: Truth,
     /// Scores with each buffer of [`BUFFERS`], labels booked at the instant spoken of.
-    pub spoken: Vec<Summary>,
+    pub spoken: [Summary; BUFFERS.len()],
     /// Scores with the widest buffer, labels booked when emitted.
     pub emitted: Summary,
+}
+
+impl Verdict {
+    /// Scores with the widest buffer, the paper's, booked at the instant spoken of.
+    #[must_use]
+    pub const fn widest(&self) -> &Summary {
+        &self.spoken[BUFFERS.len() - 1]
+    }
 }
 
 /// Why candidates cannot be judged.
@@ -181,7 +189,7 @@ pub fn judge(
             data_set: set.to_owned(),
             look_ahead,
             truth,
-            spoken: (0..BUFFERS.len()).map(of).collect(),
+            spoken: std::array::from_fn(of),
             emitted: of(BUFFERS.len()),
         }
     };

@@ -9,7 +9,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 use super::summary::{MeanSd, median};
 
 /// Offsets of many transitions together, in ms.
-#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct OffsetSummary {
     /// Transitions.
     pub count: usize,

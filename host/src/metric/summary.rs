@@ -14,7 +14,7 @@ use super::transition::{Rule, TransitionScore};
 use super::{MetricError, transition};
 
 /// Mean and sample standard deviation.
-#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct MeanSd {
     /// Arithmetic mean.
     pub mean: f64,
@@ -85,7 +85,7 @@ impl RecordingScore {
 }
 
 /// The scores of one subject.
-#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct SubjectScore {
     /// Who.
     pub subject: String,
@@ -99,12 +99,14 @@ pub struct SubjectScore {
     pub events: usize,
     /// `correct / events`; none without a change.
     pub transition_accuracy: Option<f64>,
-    /// Offsets of the changes judged `ok`.
+    /// Offset of each change judged `ok`, in samples: medians over more people need every one.
+    pub offsets: Vec<i32>,
+    /// The same offsets summed up.
     pub offset: Option<OffsetSummary>,
 }
 
 /// The scores of everybody.
-#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Each subject, in alphabetical order.
     pub subjects: Vec<SubjectScore>,
@@ -120,6 +122,28 @@ pub struct Summary {
     pub offset: Option<OffsetSummary>,
 }
 
+impl Summary {
+    /// Of everybody's scores, each subject once; the order does not matter.
+    #[must_use]
+    pub fn of_subjects(mut subjects: Vec<SubjectScore>) -> Self {
+        subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
+        let raw: Vec<f64> = subjects.iter().filter_map(|s| s.raw_accuracy).collect();
+        let transition: Vec<f64> = subjects
+            .iter()
+            .filter_map(|s| s.transition_accuracy)
+            .collect();
+        let offsets: Vec<i32> = subjects.iter().flat_map(|s| s.offsets.clone()).collect();
+        Self {
+            raw_accuracy: MeanSd::of(&raw),
+            transition_accuracy: MeanSd::of(&transition),
+            correct: subjects.iter().map(|s| s.correct).sum(),
+            events: subjects.iter().map(|s| s.events).sum(),
+            offset: offset::summary(&offsets),
+            subjects,
+        }
+    }
+}
+
 /// Sums recordings up by subject and over subjects.
 #[must_use]
 pub fn summary(scores: &[RecordingScore]) -> Summary {
@@ -127,27 +151,11 @@ pub fn summary(scores: &[RecordingScore]) -> Summary {
     for score in scores {
         by_subject.entry(&score.subject).or_default().push(score);
     }
-    let subjects: Vec<_> = by_subject
+    let subjects = by_subject
         .into_iter()
         .map(|(subject, scores)| of_subject(subject, &scores))
         .collect();
-    let raw: Vec<f64> = subjects.iter().filter_map(|s| s.raw_accuracy).collect();
-    let transition: Vec<f64> = subjects
-        .iter()
-        .filter_map(|s| s.transition_accuracy)
-        .collect();
-    let offsets: Vec<i32> = scores
-        .iter()
-        .flat_map(|s| s.transitions.offsets())
-        .collect();
-    Summary {
-        raw_accuracy: MeanSd::of(&raw),
-        transition_accuracy: MeanSd::of(&transition),
-        correct: subjects.iter().map(|s| s.correct).sum(),
-        events: subjects.iter().map(|s| s.events).sum(),
-        offset: offset::summary(&offsets),
-        subjects,
-    }
+    Summary::of_subjects(subjects)
 }
 
 fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
@@ -166,11 +174,14 @@ fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
         events,
         transition_accuracy: (events > 0).then(|| correct as f64 / events as f64),
         offset: offset::summary(&offsets),
+        offsets,
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     const R: Option<Intent> = Some(Intent::Relax);
@@ -217,5 +228,37 @@ mod tests {
             RecordingScore::new("a", "r", &step(500), &prediction, &Rule::default()).unwrap();
         assert_eq!(score.raw_accuracy, Some(1.0));
         assert_eq!(score.transitions.correct(), 1);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn subjects_in_any_folds_sum_up_as_if_judged_together(
+            recordings in prop::collection::vec((0..6_usize, 0..150_usize), 1..16),
+            fold_of in prop::collection::vec(0..3_usize, 6),
+        ) {
+            let score = |(at, &(who, late)): (usize, &(usize, usize))| {
+                let (subject, name) = (format!("s{who}"), format!("r{at}"));
+                let prediction = step(500 + late);
+                RecordingScore::new(&subject, &name, &step(500), &prediction, &Rule::default())
+                    .unwrap()
+            };
+            let scores: Vec<_> = recordings.iter().enumerate().map(score).collect();
+            let mut merged = Vec::new();
+            for fold in (0..3).rev() {
+                let own = |score: &&RecordingScore| fold_of[score.subject[1..].parse::<usize>().unwrap()] == fold;
+                let part: Vec<_> = scores.iter().filter(own).cloned().collect();
+                merged.extend(summary(&part).subjects);
+            }
+            let merged = Summary::of_subjects(merged);
+            prop_assert_eq!(&merged, &summary(&scores));
+            // The naive twin: every followed change of everybody, sorted, in the middle.
+            let mut late: Vec<_> = scores.iter().flat_map(|s| s.transitions.offsets()).collect();
+            late.sort_unstable();
+            if late.len() % 2 == 1 {
+                let middle = f64::from(late[late.len() / 2]) * 5.0;
+                prop_assert_eq!(merged.offset.unwrap().signed_median, middle);
+            }
+        }
     }
 }
