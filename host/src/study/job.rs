@@ -10,6 +10,7 @@ use burn::tensor::Device;
 
 use super::variant::Variant;
 use crate::interrupt::Interrupt;
+use crate::peers::Peer;
 use crate::plan::{Plan, Turn};
 use crate::preset::Preset;
 use crate::progress;
@@ -83,6 +84,7 @@ impl Study<'_> {
         let model = if variant.has_students() {
             stage.distill()?;
             stage.train_alone()?;
+            stage.train_peers(&Peer::ALL)?;
             Some(stage.quantize(&folder.file(crate::command::quickstart::MODEL))?)
         } else {
             None
