@@ -86,6 +86,31 @@ fn a_study_leaves_everybody_out_once_and_its_jobs_stand_for_themselves() {
         .unwrap();
     assert_eq!(before, after);
     assert!(!job("3"), "there is no third fold");
+
+    // All of them together are judged as one.
+    let main = study.join("main");
+    assert!(myointent(&["summary", main.to_str().unwrap()]));
+    let all = &json(&main.join("summary.json"))["results"]["published"][0]["emitted"];
+    let judged: Vec<&str> = all["subjects"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|score| score["subject"].as_str().unwrap())
+        .collect();
+    assert_eq!(judged, left_out);
+    let tables = folder.join("tables");
+    let write = || myointent(&["tables", path, "--out", tables.to_str().unwrap()]);
+    assert!(write());
+    let page = |name: &str| fs::read_to_string(tables.join(name)).unwrap();
+    assert!(page("tables.md").contains("2 of 2 folds"));
+    let window = page("window-moved.csv");
+    assert!(window.contains("\n100,0,") && window.contains("\n600,0,"));
+
+    // A fold that is not there is told; one that is not judged is refused.
+    fs::rename(main.join("fold-2"), folder.join("elsewhere")).unwrap();
+    assert!(write() && page("tables.md").contains("1 of 2 folds"));
+    fs::remove_file(main.join("fold-1/results.json")).unwrap();
+    assert!(!write());
 }
 
 #[test]
