@@ -20,7 +20,9 @@ pub fn small_preset(folder: &Path) -> PathBuf {
         .replace("steps = 150", "steps = 4")
         .replace("batch = 32", "batch = 8")
         .replace("d_model = 64", "d_model = 48")
-        .replace("feed_forward = 256", "feed_forward = 64");
+        .replace("feed_forward = 256", "feed_forward = 64")
+        .replace("stride = 60\n", "stride = 600\nepochs = 1\n")
+        .replace("lstm_step = 10", "lstm_step = 100");
     let path = folder.join("small.toml");
     fs::write(&path, text).unwrap();
     path

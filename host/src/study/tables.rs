@@ -7,6 +7,7 @@ use super::scores::{ACCURACY, BY_BUFFER, Heading, Line, Measure, scores};
 use super::section::{MAIN, Section, TRUTHS, WRIST, is_known};
 use super::{Outcome, Outcomes, Sheet, folds};
 use crate::evaluation::judge::Truth;
+use crate::peers::Peer;
 use crate::stage::{ALONE, INTEGER, INTEGER_ALONE, STUDENT, TEACHER};
 
 /// The tables of a study, in the order of the page.
@@ -20,11 +21,11 @@ pub struct Tables {
 
 /// Rows in the order of the paper: its peers, then ours; models that are not here come last.
 const MODELS: [&str; 10] = [
-    "LDA",
-    "MLP",
-    "LSTM",
-    "ED-TCN",
-    "TraHGR",
+    Peer::Lda.name(),
+    Peer::Mlp.name(),
+    Peer::Lstm.name(),
+    Peer::EdTcn.name(),
+    Peer::TraHgr.name(),
     TEACHER,
     STUDENT,
     INTEGER,
