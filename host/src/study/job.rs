@@ -17,7 +17,7 @@ use crate::progress;
 use crate::recording::Library;
 use crate::recording::folds::Protocol;
 use crate::run_folder::{RunError, RunFolder};
-use crate::stage::Stage;
+use crate::stage::{RESULTS, Stage};
 
 /// What all jobs of a study have in common.
 pub struct Study<'a> {
@@ -59,7 +59,7 @@ impl Study<'_> {
     pub fn run(&self, variant: Variant, fold: Option<usize>) -> anyhow::Result<()> {
         let path = self.path(variant, fold);
         let folder = RunFolder::open(&path)?;
-        if folder.file("results.json").exists() {
+        if folder.file(RESULTS).exists() {
             progress::say(&format!("{}: done before", path.display()));
             return Ok(());
         }
