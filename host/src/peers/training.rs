@@ -243,7 +243,7 @@ impl<N: Network> Learner for PeerLearner<'_, N> {
         order.shuffle(rng);
         let mut items: Vec<Vec<Window>> = order.chunks(self.batch).map(<[_]>::to_vec).collect();
         // A few windows say little about a batch's mean: batch norm does without the last, short batch.
-        if N::IN_ONE_PIECE && items.len() > 1 && order.len() % self.batch != 0 {
+        if N::IN_ONE_PIECE && items.len() > 1 && !order.len().is_multiple_of(self.batch) {
             items.pop();
         }
         items
