@@ -243,7 +243,7 @@ impl<N: Network> Learner for PeerLearner<'_, N> {
         order.shuffle(rng);
         let mut items: Vec<Vec<Window>> = order.chunks(self.batch).map(<[_]>::to_vec).collect();
         // A few windows say little about a batch's mean: batch norm does without the last, short batch.
-        if N::IN_ONE_PIECE && items.len() > 1 && order.len() % self.batch != 0 {
+        if N::IN_ONE_PIECE && items.len() > 1 && !order.len().is_multiple_of(self.batch) {
             items.pop();
         }
         items
@@ -375,9 +375,7 @@ mod tests {
                 label.is_some_and(|intent| intent.class() == best_class(&rows[0][..3]))
             })
             .count();
-        let accuracy = right as f64 / rows.len() as f64;
-        println!("{}: {accuracy:.3}", peer.name());
-        accuracy
+        right as f64 / rows.len() as f64
     }
 
     fn quick(epochs: usize, learning_rate: f64) -> PeerSettings {
@@ -391,36 +389,36 @@ mod tests {
         }
     }
 
-    // Windows of 3 s cannot follow a change at once: of holds of 4.5 s on average a third of the patches
-    // lies in the half window after a change.
+    // A window of 3 s cannot follow a change at once, and what was loud before still fills most of it: no
+    // peer names every patch rightly. Chance is 0.33, and after so few steps all have reached 0.8.
 
     #[test]
     fn lda_learns_which_channels_are_loud() {
         let accuracy = accuracy_after(Peer::Lda, &quick(1, 0.0));
-        assert!(accuracy > 0.6, "{accuracy}");
+        assert!(accuracy > 0.7, "{accuracy}");
     }
 
     #[test]
     fn the_mlp_learns_which_channels_are_loud() {
         let accuracy = accuracy_after(Peer::Mlp, &quick(2, 1e-3));
-        assert!(accuracy > 0.6, "{accuracy}");
+        assert!(accuracy > 0.7, "{accuracy}");
     }
 
     #[test]
     fn the_lstm_learns_which_channels_are_loud() {
-        let accuracy = accuracy_after(Peer::Lstm, &quick(4, 2e-3));
-        assert!(accuracy > 0.6, "{accuracy}");
+        let accuracy = accuracy_after(Peer::Lstm, &quick(1, 2e-3));
+        assert!(accuracy > 0.7, "{accuracy}");
     }
 
     #[test]
     fn the_ed_tcn_learns_which_channels_are_loud() {
-        let accuracy = accuracy_after(Peer::EdTcn, &quick(3, 1e-3));
-        assert!(accuracy > 0.6, "{accuracy}");
+        let accuracy = accuracy_after(Peer::EdTcn, &quick(2, 1e-3));
+        assert!(accuracy > 0.7, "{accuracy}");
     }
 
     #[test]
     fn trahgr_learns_which_channels_are_loud() {
-        let accuracy = accuracy_after(Peer::TraHgr, &quick(8, 1e-3));
-        assert!(accuracy > 0.6, "{accuracy}");
+        let accuracy = accuracy_after(Peer::TraHgr, &quick(3, 1e-3));
+        assert!(accuracy > 0.7, "{accuracy}");
     }
 }
