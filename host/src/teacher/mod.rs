@@ -1,7 +1,11 @@
 //! The paper's transformer, whole: masks, tasks, model, training (ReactEMG, arXiv 2506.19815).
 
+pub mod attention;
 pub mod checkpoint;
 pub mod dropout;
+#[cfg(feature = "flex")]
+mod exponential;
+pub mod feed_forward;
 pub mod masking;
 pub mod model;
 pub mod training;

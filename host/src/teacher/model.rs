@@ -6,13 +6,14 @@
 
 use burn::module::{Module, Param};
 use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
-use burn::tensor::activation::{gelu, softmax};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use shared::units::CHANNELS;
 
+use super::attention::attend;
 use super::dropout::Dropout;
+use super::feed_forward::activate;
 use super::window::Grid;
 use crate::corpus::Companding;
 
@@ -204,9 +205,8 @@ impl Teacher {
             + position;
 
         let mut x = Tensor::cat(vec![emg, intent], 1);
-        let block = input.blocked.map(|blocked| Block::new(blocked, tokens));
         for layer in &self.layers {
-            x = layer.forward(x, block.as_ref(), dropout);
+            x = layer.forward(x, input.blocked.as_ref(), dropout);
         }
         let emg = x.clone().slice([0..batch, 0..tokens]);
         let intent = x.slice([0..batch, tokens..2 * tokens]);
@@ -233,66 +233,21 @@ impl Teacher {
     }
 }
 
-/// Blocked attention of some windows of a batch: nobody looks at an intent, and intents look at
-/// nobody, which leaves them a zero attention result.
-struct Block {
-    /// Added to the scores, `[b, 1, 1, 2 tokens]`.
-    bias: Tensor<4>,
-    /// Multiplies the attention result, `[b, 2 tokens, 1]`.
-    keep: Tensor<3>,
-}
-
-impl Block {
-    fn new(blocked: Tensor<1>, tokens: usize) -> Self {
-        let [batch] = blocked.dims();
-        let device = blocked.device();
-        let intents = Tensor::<1>::cat(
-            vec![
-                Tensor::zeros([tokens], &device),
-                Tensor::ones([tokens], &device),
-            ],
-            0,
-        );
-        let cells = blocked.reshape([batch, 1]) * intents.reshape([1, 2 * tokens]);
-        Self {
-            bias: (cells.clone() * -1e9).reshape([batch, 1, 1, 2 * tokens]),
-            keep: (cells * -1.0 + 1.0).reshape([batch, 2 * tokens, 1]),
-        }
-    }
-}
-
 impl TeacherLayer {
-    fn forward(&self, x: Tensor<3>, block: Option<&Block>, dropout: &mut Dropout) -> Tensor<3> {
-        let attended = self.attention(self.norm1.forward(x.clone()), block, dropout);
+    fn forward(
+        &self,
+        x: Tensor<3>,
+        blocked: Option<&Tensor<1>>,
+        dropout: &mut Dropout,
+    ) -> Tensor<3> {
+        let qkv = self.qkv.forward(self.norm1.forward(x.clone()));
+        let mask = dropout.mask(self.attention_dropout);
+        let attended = self.out.forward(attend(qkv, self.heads, blocked, mask));
         let x = x + dropout.drop(attended, self.dropout);
-        let hidden = gelu(self.linear1.forward(self.norm2.forward(x.clone())));
-        let hidden = self.linear2.forward(dropout.drop(hidden, self.dropout));
+        let hidden = self.linear1.forward(self.norm2.forward(x.clone()));
+        let hidden = self
+            .linear2
+            .forward(activate(hidden, dropout.mask(self.dropout)));
         x + dropout.drop(hidden, self.dropout)
-    }
-
-    fn attention(&self, x: Tensor<3>, block: Option<&Block>, dropout: &mut Dropout) -> Tensor<3> {
-        let [batch, tokens, d] = x.dims();
-        let width = d / self.heads;
-        let qkv = self
-            .qkv
-            .forward(x)
-            .reshape([batch, tokens, 3, self.heads, width])
-            .permute([2, 0, 3, 1, 4]);
-        let part = |i: usize| qkv.clone().slice_dim(0, i..i + 1).squeeze_dim::<4>(0);
-        // Scaling the queries touches d values a token instead of one a pair.
-        let query = part(0) * (1.0 / (width as f32).sqrt());
-        let mut scores = query.matmul(part(1).swap_dims(2, 3));
-        if let Some(block) = block {
-            scores = scores + block.bias.clone();
-        }
-        let weights = dropout.drop(softmax(scores, 3), self.attention_dropout);
-        let mut attended = weights
-            .matmul(part(2))
-            .swap_dims(1, 2)
-            .reshape([batch, tokens, d]);
-        if let Some(block) = block {
-            attended = attended * block.keep.clone();
-        }
-        self.out.forward(attended)
     }
 }

@@ -1,0 +1,87 @@
+"""Training steps and inference, ours and PyTorch's, in turn within one run.
+
+    python host/benches/torch/compare.py [--rounds 9]
+
+Needs `pip install torch numpy safetensors`; builds our half itself. Each round asks either side
+for a step and a window, so that whatever else the machine does hits both.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+RUNS = [("paper", 8), ("cpu", 128)]
+
+
+def ours():
+    """Builds our half and finds it among what Cargo made."""
+    command = "cargo bench --locked --no-run --message-format=json".split()
+    output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout
+    for line in output.splitlines():
+        message = json.loads(line)
+        if message.get("executable") and message["target"]["name"] == "training_step":
+            return message["executable"]
+    sys.exit("cargo bench made no `training_step`: is it in host/Cargo.toml?")
+
+
+class Side:
+    """One of the programs, which answers a line with a line."""
+
+    def __init__(self, name, command):
+        self.name, self.seconds, self.peak = name, {"step": [], "window": []}, 0.0
+        threads = {"OMP_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"}
+        self.process = subprocess.Popen(
+            command, env=os.environ | threads, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        )
+
+    def ask(self, question, warm_up):
+        print(question, file=self.process.stdin, flush=True)
+        answer = json.loads(self.process.stdout.readline())
+        self.peak = answer["peak_mib"]
+        if not warm_up:
+            self.seconds[question].append(answer["seconds"])
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--ours", help="our half, already built")
+    parser.add_argument("--also", help="an older build of our half, to see what a change bought")
+    arguments = parser.parse_args()
+    program = arguments.ours or ours()
+    torch = [sys.executable, str(HERE / "step.py")]
+    print("| what | side | median s | min s | ours / side (medians) | peak MiB |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for name, batch in RUNS:
+        of = [name, str(batch)]
+        sides = [Side("ours", [program, *of]), Side("torch", [*torch, *of])]
+        if name == "paper":
+            sides.append(Side("torch, attention kept", [*torch, *of, "--no-attention-dropout"]))
+        if arguments.also:
+            sides.append(Side("ours before", [arguments.also, *of]))
+        for round in range(-2, arguments.rounds):
+            for question in ("step", "window"):
+                for side in sides:
+                    side.ask(question, warm_up=round < 0)
+        for question in ("step", "window"):
+            what = f"{name}, {f'step of {batch}' if question == 'step' else 'one window'}"
+            medians = [statistics.median(side.seconds[question]) for side in sides]
+            for side, median in zip(sides, medians):
+                print(f"| {what} | {side.name} | {median:.4f} | {min(side.seconds[question]):.4f} "
+                      f"| {medians[0] / median:.2f} | {side.peak:.0f} |", flush=True)
+        for side in sides:
+            side.close()
+
+
+main()

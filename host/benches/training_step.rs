@@ -1,0 +1,100 @@
+//! Seconds of a teacher's training step and of a window's inference: our half of
+//! `host/benches/torch/compare.py`, which starts this and PyTorch and asks both in turn.
+//!
+//! Given a preset and a batch, answers each line of input with a line of JSON: `step` with the
+//! seconds of a training step (batch, forward, backward, AdamW) on two threads, `window` with those
+//! of one window's inference on one thread.
+
+use std::io::BufRead as _;
+use std::time::Instant;
+
+use anyhow::{Context as _, anyhow, bail};
+use burn::module::Module as _;
+use burn::tensor::Device;
+use myointent::corpus::{Corpus, Stream};
+use myointent::estimate::numbers;
+use myointent::fit::{Learner as _, gradients, optimizer};
+use myointent::preset::Preset;
+use myointent::recording::synth::{self, SynthOptions};
+use myointent::teacher::training;
+use myointent::teacher::window::inference_input;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use shared::intent::Vocabulary;
+use shared::units::CHANNELS;
+
+// As the program itself does (host/src/main.rs).
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> anyhow::Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [name, batch] = arguments.as_slice() else {
+        println!("usage: training_step PRESET BATCH; see host/benches/torch/compare.py");
+        return Ok(());
+    };
+    let mut preset = Preset::find(name).map_err(|e| anyhow!("{e}"))?;
+    preset.teacher_training.batch = batch.parse().context("a batch is a number")?;
+    let pool = |threads| {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .context("threads for the bench")
+    };
+    let (one, two) = (pool(1)?, pool(2)?);
+
+    let recording = synth::generate(&SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        seconds: 120,
+        ..SynthOptions::default()
+    })
+    .remove(0);
+    let labels = recording.labels_in(Vocabulary::Three);
+    let corpus = Corpus {
+        vocabulary: Vocabulary::Three,
+        streams: vec![Stream::new(recording.samples, labels)],
+    };
+    let device = Device::default().autodiff();
+    let settings = &preset.teacher_training;
+    let grid = preset.teacher.grid();
+    let learner = training::learner(grid, &corpus, &corpus, settings, 42, &device);
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let item = learner.epoch(&mut rng).remove(0);
+    if item.len() != settings.batch {
+        bail!("a batch of {} from the recording, not {batch}", item.len());
+    }
+    let mut model = Some(preset.teacher.init(3, &device));
+    let mut adam = optimizer(settings.weight_decay);
+    let emg = vec![0.5; grid.window * CHANNELS];
+
+    for line in std::io::stdin().lock().lines() {
+        let before = model.take().context("put back below")?;
+        let start = Instant::now();
+        model = Some(match line?.trim() {
+            "step" => two.install(|| {
+                let shards = learner.shards(&item, &mut rng);
+                let (gradients, _) = gradients(&learner, &before, shards);
+                adam.step(1e-4, before, gradients)
+            }),
+            "window" => one.install(|| {
+                let plain = device.clone().inner();
+                let input = inference_input(emg.clone(), grid, 3, &plain);
+                drop(numbers(before.valid().forward(input).intent));
+                before
+            }),
+            other => bail!("step or window, not `{other}`"),
+        });
+        let seconds = start.elapsed().as_secs_f64();
+        println!("{{\"seconds\": {seconds}, \"peak_mib\": {}}}", peak_mib());
+    }
+    Ok(())
+}
+
+/// Largest resident size so far; 0 where the system does not say.
+fn peak_mib() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+    kib.unwrap_or(0.0) / 1024.0
+}

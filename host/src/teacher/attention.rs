@@ -1,0 +1,113 @@
+//! Attention of every token to every token of its window.
+//!
+//! One meaning, two ways: [`plain`] says it in Burn's operations and runs anywhere; on the CPU it
+//! would write and keep 1200 x 1200 scores a head, so there [`fused`] does it in blocks.
+
+#[cfg(feature = "flex")]
+mod fused;
+#[cfg(feature = "flex")]
+mod product;
+#[cfg(feature = "flex")]
+mod rows;
+#[cfg(feature = "flex")]
+mod window;
+
+use burn::tensor::Tensor;
+use burn::tensor::activation::softmax;
+
+use super::dropout::Mask;
+
+/// Attends, `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, heads side by side.
+///
+/// `blocked` is 1 for windows in which nobody looks at the second half of the tokens and these
+/// look at nobody, which leaves them 0, `[b]`. `mask` says what is dropped of the weights.
+#[must_use]
+pub fn attend(
+    qkv: Tensor<3>,
+    heads: usize,
+    blocked: Option<&Tensor<1>>,
+    mask: Option<Mask>,
+) -> Tensor<3> {
+    #[cfg(feature = "flex")]
+    if is_flex(&qkv) {
+        return on_flex(qkv, heads, blocked, mask);
+    }
+    plain(qkv, heads, blocked, mask)
+}
+
+/// Whether the CPU's fused operations take this tensor.
+#[cfg(feature = "flex")]
+pub(super) fn is_flex(x: &Tensor<3>) -> bool {
+    use burn::tensor::{DType, Device};
+    x.dtype() == DType::F32 && x.device() == Device::flex()
+}
+
+#[cfg(feature = "flex")]
+fn on_flex(
+    qkv: Tensor<3>,
+    heads: usize,
+    blocked: Option<&Tensor<1>>,
+    mask: Option<Mask>,
+) -> Tensor<3> {
+    use burn::backend::Dispatch;
+    use fused::{FusedAttention as _, Settings};
+
+    let flags = blocked.map_or_else(Vec::new, |flags| crate::estimate::numbers(flags.clone()));
+    let settings = Settings {
+        heads,
+        blocked: flags.into_iter().map(|flag| flag > 0.0).collect(),
+        mask,
+    };
+    Tensor::from_dispatch(Dispatch::fused_attention(qkv.into_dispatch(), settings))
+}
+
+/// The same in Burn's operations.
+fn plain(
+    qkv: Tensor<3>,
+    heads: usize,
+    blocked: Option<&Tensor<1>>,
+    mask: Option<Mask>,
+) -> Tensor<3> {
+    let [batch, tokens, d] = qkv.dims();
+    let d = d / 3;
+    let width = d / heads;
+    let qkv = qkv
+        .reshape([batch, tokens, 3, heads, width])
+        .permute([2, 0, 3, 1, 4]);
+    let part = |i: usize| qkv.clone().slice_dim(0, i..i + 1).squeeze_dim::<4>(0);
+    // Scaling the queries touches d values a token instead of one a pair.
+    let query = part(0) * (1.0 / (width as f32).sqrt());
+    let mut scores = query.matmul(part(1).swap_dims(2, 3));
+    let hidden = blocked.map(|blocked| hidden(blocked.clone(), tokens));
+    if let Some(hidden) = &hidden {
+        scores = scores + hidden.clone().reshape([batch, 1, 1, tokens]) * -1e9;
+    }
+    let mut weights = softmax(scores, 3);
+    if let Some(mask) = mask {
+        weights = mask.apply(weights);
+    }
+    let attended = weights
+        .matmul(part(2))
+        .swap_dims(1, 2)
+        .reshape([batch, tokens, d]);
+    match hidden {
+        Some(hidden) => attended * (hidden * -1.0 + 1.0).reshape([batch, tokens, 1]),
+        None => attended,
+    }
+}
+
+/// 1 for the second half of the tokens of blocked windows, `[b, tokens]`.
+fn hidden(blocked: Tensor<1>, tokens: usize) -> Tensor<2> {
+    let device = blocked.device();
+    let halves = Tensor::<1>::cat(
+        vec![
+            Tensor::zeros([tokens / 2], &device),
+            Tensor::ones([tokens - tokens / 2], &device),
+        ],
+        0,
+    );
+    blocked.unsqueeze_dim::<2>(1) * halves.unsqueeze_dim::<2>(0)
+}
+
+#[cfg(all(test, feature = "flex"))]
+mod tests;

@@ -1,0 +1,83 @@
+use burn::tensor::{Device, Distribution, Tensor};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{attend, plain};
+use crate::estimate::numbers;
+use crate::teacher::dropout::{Dropout, Mask};
+
+const HEADS: usize = 2;
+const D: usize = 12;
+
+fn random(dims: [usize; 3], device: &Device) -> Tensor<3> {
+    Tensor::random(dims, Distribution::Normal(0.0, 1.5), device)
+}
+
+fn mask() -> Mask {
+    let mut dropout = Dropout::from(ChaCha8Rng::seed_from_u64(5));
+    dropout.mask(0.15).expect("a share above 0")
+}
+
+/// Equal up to the rounding of sums whose terms are as large as the largest value.
+fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
+    let (found, expected) = (numbers(found), numbers(expected));
+    let largest = expected.iter().fold(1.0_f32, |a, b| a.max(b.abs()));
+    for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert!(
+            (found - expected).abs() < 1e-5 * largest,
+            "{what}, value {at}: {found}, not {expected}"
+        );
+    }
+}
+
+/// Both ways on the same numbers, forward and backward.
+fn both_agree(tokens: usize, blocked: Option<&[f32]>, mask: Option<Mask>) {
+    let device = Device::flex().autodiff();
+    let batch = 3;
+    let values = random([batch, tokens, 3 * D], &device);
+    let weights = random([batch, tokens, D], &device);
+    let blocked = blocked.map(|flags| Tensor::<1>::from_floats(flags, &device));
+    let run = |way: fn(Tensor<3>, usize, Option<&Tensor<1>>, Option<Mask>) -> Tensor<3>| {
+        let qkv = values.clone().detach().require_grad();
+        let output = way(qkv.clone(), HEADS, blocked.as_ref(), mask);
+        let gradients = (output.clone() * weights.clone()).sum().backward();
+        let gradient = qkv.grad(&gradients).expect("a gradient of the input");
+        (output.inner(), gradient)
+    };
+    let ((found, found_gradient), (expected, gradient)) = (run(attend), run(plain));
+    assert_close(found, expected, "output");
+    assert_close(found_gradient, gradient, "gradient");
+}
+
+#[test]
+fn blocks_give_what_the_whole_gives() {
+    both_agree(22, None, None);
+}
+
+#[test]
+fn blocks_drop_what_the_whole_drops() {
+    both_agree(22, None, Some(mask()));
+}
+
+#[test]
+fn blocked_windows_hide_their_second_half() {
+    both_agree(22, Some(&[0.0, 1.0, 0.0]), None);
+    both_agree(22, Some(&[1.0, 1.0, 0.0]), Some(mask()));
+}
+
+#[test]
+fn windows_of_several_blocks_are_whole() {
+    // 600 queries of 600 keys take three blocks, the last one short.
+    both_agree(600, Some(&[0.0, 0.0, 1.0]), Some(mask()));
+}
+
+#[test]
+fn without_gradients_the_output_is_the_same() {
+    let device = Device::flex();
+    let values = random([2, 30, 3 * D], &device);
+    assert_close(
+        attend(values.clone(), HEADS, None, None),
+        plain(values, HEADS, None, None),
+        "output",
+    );
+}
