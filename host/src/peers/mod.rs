@@ -1,9 +1,10 @@
 //! The paper's five baselines, trained and judged on what our own models are: the same recordings, split,
 //! windows, smoother and metrics. What is theirs is what they hear, their network and its training.
 //!
-//! A recording's samples go through a peer's [`FrontEnd`](front_end::FrontEnd) (features of one window), then its network; the
-//! logits of its [`Answers`](answers::Answers) become [`Rows`](crate::estimate::Rows). Dimensions are those of the
-//! reference's code, which differs from the paper's text here and there.
+//! A recording's samples go through a peer's [front end](front_end::FrontEnd), which makes features of one
+//! window, then through its network; the logits of its [answers](answers::Answers) become
+//! [`Rows`](crate::estimate::Rows). Dimensions are those of the reference's code, which differs from the
+//! paper's text here and there.
 
 pub mod answers;
 pub mod butterworth;
