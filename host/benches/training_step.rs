@@ -70,7 +70,7 @@ fn main() -> anyhow::Result<()> {
 
     for line in std::io::stdin().lock().lines() {
         let before = model.take().context("put back below")?;
-        let start = Instant::now();
+        let (start, busy) = (Instant::now(), processor_seconds());
         model = Some(match line?.trim() {
             "step" => two.install(|| {
                 let shards = learner.shards(&item, &mut rng);
@@ -86,7 +86,11 @@ fn main() -> anyhow::Result<()> {
             other => bail!("step or window, not `{other}`"),
         });
         let seconds = start.elapsed().as_secs_f64();
-        println!("{{\"seconds\": {seconds}, \"peak_mib\": {}}}", peak_mib());
+        let busy = processor_seconds() - busy;
+        println!(
+            "{{\"seconds\": {seconds}, \"processor\": {busy}, \"peak_mib\": {}}}",
+            peak_mib()
+        );
     }
     Ok(())
 }
@@ -97,4 +101,14 @@ fn peak_mib() -> f64 {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     let kib = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
     kib.unwrap_or(0.0) / 1024.0
+}
+
+/// Processor time of all threads so far, in seconds; 0 where the system does not say.
+fn processor_seconds() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten();
+    let nanoseconds = threads.flatten().filter_map(|thread| {
+        let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    nanoseconds.sum::<f64>() * 1e-9
 }
