@@ -1,7 +1,7 @@
 //! Attention of every token to every token of its window.
 //!
-//! One meaning, two ways: [`plain`] says it in Burn's operations and runs anywhere; on the CPU it
-//! would write and keep 1200 x 1200 scores a head, so there [`fused`] does it in blocks.
+//! One meaning, two ways: `plain` says it in Burn's operations and runs anywhere; on the CPU it
+//! would write and keep 1200 x 1200 scores a head, so there `fused` does it in blocks.
 
 #[cfg(feature = "flex")]
 mod fused;
