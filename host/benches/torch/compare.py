@@ -3,7 +3,8 @@
     python host/benches/torch/compare.py [--rounds 9]
 
 Needs `pip install torch numpy safetensors`; builds our half itself. Each round asks either side
-for a step and a window, so that whatever else the machine does hits both.
+for a step and a window, so that whatever else the machine does hits both; processor time is what
+the threads ran, without the time they waited for a core.
 """
 
 import argparse
@@ -34,7 +35,8 @@ class Side:
     """One of the programs, which answers a line with a line."""
 
     def __init__(self, name, command):
-        self.name, self.seconds, self.peak = name, {"step": [], "window": []}, 0.0
+        self.name, self.peak = name, 0.0
+        self.seconds, self.processor = {"step": [], "window": []}, {"step": [], "window": []}
         threads = {"OMP_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"}
         self.process = subprocess.Popen(
             command, env=os.environ | threads, text=True,
@@ -42,11 +44,19 @@ class Side:
         )
 
     def ask(self, question, warm_up):
+        busy = self.processor_seconds()
         print(question, file=self.process.stdin, flush=True)
         answer = json.loads(self.process.stdout.readline())
+        busy = self.processor_seconds() - busy
         self.peak = answer["peak_mib"]
         if not warm_up:
             self.seconds[question].append(answer["seconds"])
+            self.processor[question].append(busy)
+
+    def processor_seconds(self):
+        """What the process's threads ran so far; 0 where the system does not say."""
+        threads = Path(f"/proc/{self.process.pid}/task").glob("*/schedstat")
+        return sum(int(thread.read_text().split()[0]) for thread in threads) * 1e-9
 
     def close(self):
         self.process.stdin.close()
@@ -61,8 +71,9 @@ def main():
     arguments = parser.parse_args()
     program = arguments.ours or ours()
     torch = [sys.executable, str(HERE / "step.py")]
-    print("| what | side | median s | min s | ours / side (medians) | peak MiB |")
-    print("| --- | --- | --- | --- | --- | --- |")
+    print("| what | side | median s | min s | processor s | ours / side: median, min, processor "
+          "| peak MiB |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
     for name, batch in RUNS:
         of = [name, str(batch)]
         sides = [Side("ours", [program, *of]), Side("torch", [*torch, *of])]
@@ -76,10 +87,15 @@ def main():
                     side.ask(question, warm_up=round < 0)
         for question in ("step", "window"):
             what = f"{name}, {f'step of {batch}' if question == 'step' else 'one window'}"
-            medians = [statistics.median(side.seconds[question]) for side in sides]
-            for side, median in zip(sides, medians):
-                print(f"| {what} | {side.name} | {median:.4f} | {min(side.seconds[question]):.4f} "
-                      f"| {medians[0] / median:.2f} | {side.peak:.0f} |", flush=True)
+            rows = [
+                [statistics.median(side.seconds[question]), min(side.seconds[question]),
+                 statistics.median(side.processor[question])]
+                for side in sides
+            ]
+            for side, row in zip(sides, rows):
+                times = " | ".join(f"{value:.4f}" for value in row)
+                ratios = ", ".join(f"{our / their:.2f}" for our, their in zip(rows[0], row))
+                print(f"| {what} | {side.name} | {times} | {ratios} | {side.peak:.0f} |", flush=True)
         for side in sides:
             side.close()
 
