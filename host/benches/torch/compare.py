@@ -44,12 +44,19 @@ class Side:
         )
 
     def ask(self, question, warm_up):
+        busy = self.processor_seconds()
         print(question, file=self.process.stdin, flush=True)
         answer = json.loads(self.process.stdout.readline())
+        busy = self.processor_seconds() - busy
         self.peak = answer["peak_mib"]
         if not warm_up:
             self.seconds[question].append(answer["seconds"])
-            self.processor[question].append(answer["processor"])
+            self.processor[question].append(busy)
+
+    def processor_seconds(self):
+        """What the process's threads ran so far; 0 where the system does not say."""
+        threads = Path(f"/proc/{self.process.pid}/task").glob("*/schedstat")
+        return sum(int(thread.read_text().split()[0]) for thread in threads) * 1e-9
 
     def close(self):
         self.process.stdin.close()
