@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::average::Average;
 use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::run_folder::{RunError, RunFolder};
@@ -68,6 +69,9 @@ pub struct Pace {
     pub course: Course,
     /// Decoupled weight decay.
     pub weight_decay: f32,
+    /// Decay of the running mean of the weights, which is then what is validated and kept; 0 keeps the model
+    /// itself.
+    pub average: f64,
     /// Seed of everything drawn.
     pub seed: u64,
 }
@@ -123,6 +127,16 @@ pub fn fit<L: Learner>(
         model = run.load_model(&last, model)?;
         optimizer = run.load_optimizer(&adam, optimizer)?;
     }
+    let mean_file = format!("{name}-mean");
+    let mut average = if pace.average > 0.0 {
+        let mean = match state.step {
+            0 => model.clone(),
+            _ => run.load_model(&mean_file, model.clone())?,
+        };
+        Some(Average::new(&mean, pace.average, state.step))
+    } else {
+        None
+    };
     run.retain_lines(&metrics_file, |line| {
         line["epoch"].as_u64() <= Some(state.epochs_done as u64)
     })?;
@@ -145,13 +159,18 @@ pub fn fit<L: Learner>(
             let (gradients, parts) = gradients(learner, &model, learner.shards(&item, &mut rng));
             model = optimizer.step(rate, model, gradients);
             state.step += 1;
+            if let Some(average) = &mut average {
+                average.add(&model);
+            }
             means.add(&parts);
             bar.set_message(means.to_string());
             bar.inc(1);
         }
         bar.finish_and_clear();
 
-        let (loss, parts) = learner.validate(&model.valid());
+        let mean = average.as_ref().map(|average| average.apply(model.clone()));
+        let kept = mean.as_ref().unwrap_or(&model);
+        let (loss, parts) = learner.validate(&kept.valid());
         let mut validation = Means::default();
         validation.add(&parts);
         progress::say(&format!(
@@ -161,7 +180,10 @@ pub fn fit<L: Learner>(
         ));
         if state.best.is_none_or(|best| loss < best) {
             state.best = Some(loss);
-            run.save_model(name, &model)?;
+            run.save_model(name, kept)?;
+        }
+        if mean.is_some() {
+            run.save_model(&mean_file, kept)?;
         }
         state.epochs_done = epoch + 1;
         run.save_model(&last, &model)?;

@@ -1,5 +1,6 @@
 //! From recordings to a model file: reading, training, distilling, quantizing, measuring.
 
+pub mod average;
 pub mod command;
 pub mod corpus;
 pub mod estimate;

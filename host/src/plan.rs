@@ -1,7 +1,7 @@
 //! From a preset and the recordings at hand to what will run: who is left out, how late the labels
 //! are, which streams are trained on. Saved beside the results.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
@@ -320,6 +320,11 @@ impl Plan {
                 .or_default()
                 .push(recording);
         }
+        let people = |recordings: &[&Recording]| {
+            let names: BTreeSet<&str> = recordings.iter().map(|r| r.subject.as_str()).collect();
+            names.len()
+        };
+        let most = by_set.values().map(|own| people(own)).max().unwrap_or(0);
         let mut streams = Vec::new();
         for recordings in by_set.values() {
             if self.preset.data.as_published {
@@ -328,7 +333,10 @@ impl Plan {
                 }));
             }
             if self.preset.data.spliced_seconds > 0.0 {
-                let spliced = self.spliced(recordings, self.preset.data.spliced_seconds);
+                let share = most as f64 / people(recordings) as f64;
+                let seconds =
+                    self.preset.data.spliced_seconds * share.powf(self.preset.data.balance);
+                let spliced = self.spliced(recordings, seconds);
                 streams.extend(
                     spliced
                         .into_iter()

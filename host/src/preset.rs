@@ -85,6 +85,10 @@ pub struct DataChoice {
     pub align_electrodes: bool,
     /// Seconds of spliced recordings made for each subject and data set, in random order and rhythm.
     pub spliced_seconds: f64,
+    /// How far smaller data sets are made up for: the seconds grow with the ratio of the largest set's number of
+    /// subjects to the set's own, to this power. 0 not at all, 1 wholly.
+    #[serde(default)]
+    pub balance: f64,
     /// Whether recordings are also used as published, order and rhythm included.
     pub as_published: bool,
     /// Most subjects of a data set to train on; 0 takes all. A quick run needs no crowd.
@@ -305,13 +309,15 @@ impl Preset {
             .into_iter()
             .flatten()
         {
-            if !(augmentation.gain.is_finite() && augmentation.gain >= 0.0)
+            if ![augmentation.gain, augmentation.electrode_gain]
+                .iter()
+                .all(|gain| gain.is_finite() && *gain >= 0.0)
                 || augmentation.rotation > 3
             {
                 return refuse(
                     "augmentation",
                     format!("{augmentation:?}"),
-                    "a gain of 0 or more and a rotation of 0 to 3",
+                    "gains of 0 or more and a rotation of 0 to 3",
                 );
             }
         }
@@ -334,6 +340,17 @@ impl Preset {
                 self.data.held_out_share.to_string(),
                 "0 or more, below 1",
             );
+        }
+        if !(0.0..=1.0).contains(&self.data.balance) {
+            return refuse("data.balance", self.data.balance.to_string(), "0 to 1");
+        }
+        for (key, average) in [
+            ("teacher_training.average", self.teacher_training.average),
+            ("distillation.average", self.distillation.average),
+        ] {
+            if !(0.0..1.0).contains(&average) {
+                return refuse(key, average.to_string(), "0 or more, below 1");
+            }
         }
         if !(self.data.spliced_seconds.is_finite() && self.data.spliced_seconds >= 0.0)
             || (self.data.spliced_seconds < 10.0 && !self.data.as_published)

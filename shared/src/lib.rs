@@ -4,7 +4,7 @@
 //! emulated Cortex-M4F and on the board.
 #![no_std]
 #![deny(missing_docs)]
-#![cfg_attr(not(target_arch = "arm"), forbid(unsafe_code))]
+#![cfg_attr(not(cortex_m4), forbid(unsafe_code))]
 #![deny(unsafe_code)]
 // The unit tests have no std either: they also run on a core without operating system, under the
 // harness of tests/device/runtime.

@@ -158,6 +158,7 @@ impl Class {
             learning_rate: settings.learning_rate,
             course: Course::Constant,
             weight_decay: settings.weight_decay,
+            average: 0.0,
             seed: lesson.seed,
         };
         let learner = PeerLearner {

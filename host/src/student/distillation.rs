@@ -39,6 +39,9 @@ pub struct Distillation {
     pub warm_up: f64,
     /// Decoupled weight decay.
     pub weight_decay: f32,
+    /// Decay of the running mean of the weights that is kept; 0 keeps those of the last step.
+    #[serde(default)]
+    pub average: f64,
     /// Share of the teacher's word against the labels', 0..=1; 0 trains without a teacher.
     pub teacher_share: f64,
     /// Softening of both sides before they are compared.
@@ -101,6 +104,7 @@ pub fn train(
         learning_rate: config.learning_rate,
         course: Course::WarmUp(config.warm_up),
         weight_decay: config.weight_decay,
+        average: config.average,
         seed,
     };
     fit(&learner, model, pace, run, resume, interrupt)

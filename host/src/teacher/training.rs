@@ -39,6 +39,9 @@ pub struct TeacherTraining {
     pub course: Course,
     /// Decoupled weight decay, on every parameter.
     pub weight_decay: f32,
+    /// Decay of the running mean of the weights that is kept; 0, as in the paper, keeps those of the last step.
+    #[serde(default)]
+    pub average: f64,
     /// Tasks; every window is presented once as each.
     pub tasks: Vec<Task>,
     /// Variations of the training windows; none in the paper.
@@ -108,6 +111,7 @@ pub fn train(
         learning_rate: config.learning_rate,
         course: config.course,
         weight_decay: config.weight_decay,
+        average: config.average,
         seed,
     };
     let Some(lora) = config.lora else {

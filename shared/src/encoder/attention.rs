@@ -1,14 +1,15 @@
 //! Causal attention over the newest patches, with its memory.
 
 use super::{
-    HEADS,
-    linear::{add, linear_of_token, replace},
+    HEADS, MAX_SPAN,
+    linear::{self, as_is, quantize},
     norm::normalise,
+    scratch::Scratch,
 };
 use crate::{
     arithmetic::{exp, inverse_square_root},
-    kernels::{Active, KEY_LIMIT, Kernels, QUERY_LIMIT},
-    model_file::{Floats, LayerWeights},
+    kernels::{Active, Aligned, KEY_LIMIT, Kernels, QUERY_LIMIT},
+    model_file::LayerWeights,
 };
 
 /// Keys and values of the newest `SPAN` patches of one layer, quantized per patch and head.
@@ -16,21 +17,19 @@ use crate::{
 /// A ring: slot `s` holds some patch until the patch `SPAN` later takes its place.
 #[derive(Clone, Debug)]
 pub struct Memory<const D: usize, const SPAN: usize> {
-    keys: [[i16; D]; SPAN],
-    key_scales: [[f32; HEADS]; SPAN],
-    /// By channel, then slot: the weighted sum over the patches is then a product of two rows,
-    /// the same loop as query times key.
-    values: [[i16; SPAN]; D],
-    value_scales: [[f32; HEADS]; SPAN],
+    keys: Aligned<[[i16; D]; SPAN]>,
+    key_scales: [[f32; SPAN]; HEADS],
+    values: Aligned<[[i16; D]; SPAN]>,
+    value_scales: [[f32; SPAN]; HEADS],
 }
 
 impl<const D: usize, const SPAN: usize> Memory<D, SPAN> {
     /// All zeros.
     pub const EMPTY: Self = Self {
-        keys: [[0; D]; SPAN],
-        key_scales: [[0.0; HEADS]; SPAN],
-        values: [[0; SPAN]; D],
-        value_scales: [[0.0; HEADS]; SPAN],
+        keys: Aligned([[0; D]; SPAN]),
+        key_scales: [[0.0; SPAN]; HEADS],
+        values: Aligned([[0; D]; SPAN]),
+        value_scales: [[0.0; SPAN]; HEADS],
     };
 
     /// `h += W_o a + b_o`, a being what the newest patch attends to.
@@ -43,44 +42,33 @@ impl<const D: usize, const SPAN: usize> Memory<D, SPAN> {
         newest: usize,
         filled: usize,
         h: &mut [f32; D],
+        scratch: &mut Scratch<D>,
     ) {
-        let token = normalise(&layer.norm1, h);
-        let mut qkv = [[0.0; D]; 3];
-        linear_of_token(&layer.qkv, &[token], qkv.as_flattened_mut(), replace);
-        let [query, key, value] = qkv;
-        self.remember(newest, &key, &value);
-        let mut attended = [0.0; D];
+        let Scratch {
+            token,
+            wide,
+            codes,
+            sums,
+            heads,
+        } = scratch;
+        normalise(&layer.norm1, h, token);
+        let flat = wide.as_flattened_mut();
+        linear::map(&layer.qkv, quantize(token, codes), flat, as_is);
+        let [query, key, value] = wide;
+        remember(key, &mut self.keys.0[newest], &mut self.key_scales, newest);
+        remember(
+            value,
+            &mut self.values.0[newest],
+            &mut self.value_scales,
+            newest,
+        );
         let width = const { D / HEADS };
-        let heads = query
-            .chunks_exact(width)
-            .zip(attended.chunks_exact_mut(width));
-        for (head, (query, attended)) in heads.enumerate() {
-            let bias = layer.relative_bias.row(head, SPAN);
-            self.attend_head(head, query, bias, newest, filled, attended);
+        let queries = query.chunks_exact(width);
+        for (head, (query, attended)) in queries.zip(token.chunks_exact_mut(width)).enumerate() {
+            let bias = &layer.relative_bias[head * SPAN..(head + 1) * SPAN];
+            self.attend_head(head, query, bias, (newest, filled), heads, attended);
         }
-        linear_of_token(&layer.out, &[attended], h, add);
-    }
-
-    /// Quantizes a key and a value, head by head, into slot `slot`.
-    #[inline]
-    fn remember(&mut self, slot: usize, key: &[f32; D], value: &[f32; D]) {
-        let width = const { D / HEADS };
-        let scales = &mut self.key_scales[slot];
-        let heads = key
-            .chunks_exact(width)
-            .zip(self.keys[slot].chunks_exact_mut(width));
-        for ((key, codes), scale) in heads.zip(scales) {
-            *scale = Active::quantize(key, KEY_LIMIT, codes);
-        }
-        let mut codes = [0; D];
-        let scales = &mut self.value_scales[slot];
-        let heads = value.chunks_exact(width).zip(codes.chunks_exact_mut(width));
-        for ((value, codes), scale) in heads.zip(scales) {
-            *scale = Active::quantize(value, KEY_LIMIT, codes);
-        }
-        for (channel, code) in self.values.iter_mut().zip(codes) {
-            channel[slot] = code;
-        }
+        linear::add(&layer.out, quantize(token, codes), sums, h);
     }
 
     /// `attended = sum over t of softmax(q k_t / sqrt(width) + bias[p - t]) v_t` of one head.
@@ -92,50 +80,102 @@ impl<const D: usize, const SPAN: usize> Memory<D, SPAN> {
         &self,
         head: usize,
         query: &[f32],
-        bias: Floats<'_>,
-        newest: usize,
-        filled: usize,
+        bias: &[f32],
+        (newest, filled): (usize, usize),
+        heads: &mut Heads,
         attended: &mut [f32],
     ) {
         let width = const { D / HEADS };
-        let mut codes = [0; D];
-        let query_codes = &mut codes[..width];
+        let first = head * width;
+        let Heads {
+            codes,
+            sums,
+            weights,
+            folded,
+        } = heads;
+        let query_codes = &mut codes.0[..width];
         let scale =
             Active::quantize(query, QUERY_LIMIT, query_codes) * inverse_square_root(width as f32);
+        let keys = &self.keys.0.as_flattened()[first..];
+        Active::row_products(query_codes, keys, D, &mut sums[..filled]);
 
-        let mut scores = [0.0; SPAN];
+        // Slots up to the newest patch's, then those that the ring has not come round to again; in each the
+        // later slot is the later patch, and a bias belongs to an age.
+        let parts = [0..newest + 1, newest + 1..filled];
         let mut largest = f32::MIN;
-        let ages = slots_from::<SPAN>(newest).take(filled).zip(bias.iter());
-        for ((slot, bias), score) in ages.zip(&mut scores) {
-            let key = &self.keys[slot][head * width..(head + 1) * width];
-            let product = Active::dot(query_codes, key) as f32;
-            *score = product * (scale * self.key_scales[slot][head]) + bias;
-            if *score > largest {
-                largest = *score;
+        for slots in parts.clone() {
+            let scores = weights[slots.clone()].iter_mut();
+            let scales = &self.key_scales[head][slots.clone()];
+            let products = sums[slots.clone()].iter().zip(scales);
+            let biases = bias[slots].iter().rev();
+            for ((score, (&product, key_scale)), bias) in scores.zip(products).zip(biases) {
+                *score = product as f32 * (scale * key_scale) + bias;
+                if *score > largest {
+                    largest = *score;
+                }
             }
         }
 
         // The weights stay unnormalised and take up the scale of their value; what is divided by
         // their sum is the one factor of the result.
-        let mut sum = 0.0;
-        let mut folded = [0.0; SPAN];
-        for (slot, score) in slots_from::<SPAN>(newest).take(filled).zip(&scores) {
-            let weight = exp(score - largest);
-            sum += weight;
-            folded[slot] = weight * self.value_scales[slot][head];
+        let scales = &self.value_scales[head][..filled];
+        for ((weight, folded), scale) in weights.iter_mut().zip(&mut *folded).zip(scales) {
+            *weight = exp(*weight - largest);
+            *folded = *weight * scale;
         }
-        let mut weights = [0; SPAN];
-        let scale = Active::quantize(&folded, QUERY_LIMIT, &mut weights) / sum;
+        let mut sum = 0.0;
+        for slots in parts {
+            for weight in weights[slots].iter().rev() {
+                sum += weight;
+            }
+        }
+        let slots = const { SPAN.next_multiple_of(4) };
+        folded[filled..slots].fill(0.0);
+        let codes = &mut codes.0[..slots];
+        let scale = Active::quantize(&folded[..slots], QUERY_LIMIT, codes) / sum;
 
-        let values = &self.values[head * width..(head + 1) * width];
-        for (attended, channel) in attended.iter_mut().zip(values) {
-            *attended = Active::dot(&weights, channel) as f32 * scale;
+        let values = &self.values.0.as_flattened()[first..];
+        Active::weighted_rows(&codes[..filled], values, D, &mut sums[..width]);
+        for (attended, &sum) in attended.iter_mut().zip(&*sums) {
+            *attended = sum as f32 * scale;
         }
     }
 }
 
-/// The slots from the newest patch back.
+/// Quantizes a key or a value, head by head, into its slot.
 #[inline]
-fn slots_from<const SPAN: usize>(newest: usize) -> impl Iterator<Item = usize> {
-    (0..=newest).rev().chain((newest + 1..SPAN).rev())
+fn remember<const D: usize, const SPAN: usize>(
+    token: &[f32; D],
+    codes: &mut [i16; D],
+    scales: &mut [[f32; SPAN]; HEADS],
+    slot: usize,
+) {
+    let width = const { D / HEADS };
+    let heads = token.chunks_exact(width).zip(codes.chunks_exact_mut(width));
+    for ((token, codes), scales) in heads.zip(scales) {
+        scales[slot] = Active::quantize(token, KEY_LIMIT, codes);
+    }
+}
+
+/// Where one head after another is worked out.
+#[derive(Clone, Debug)]
+pub struct Heads {
+    /// The query's, then the attention weights'.
+    codes: Aligned<[i16; MAX_SPAN]>,
+    /// By slot, then by channel of the head.
+    sums: [i32; MAX_SPAN],
+    /// By slot: scores, then weights.
+    weights: [f32; MAX_SPAN],
+    /// Weights times the scales of their values.
+    folded: [f32; MAX_SPAN],
+}
+
+impl Heads {
+    /// All zeros.
+    pub const EMPTY: Self = Self {
+        codes: Aligned([0; MAX_SPAN]),
+        sums: [0; MAX_SPAN],
+        weights: [0.0; MAX_SPAN],
+        folded: [0.0; MAX_SPAN],
+    };
 }

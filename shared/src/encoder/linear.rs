@@ -1,61 +1,59 @@
 //! Linear maps of quantized tokens.
 
 use crate::{
-    kernels::{Active, Kernels, TOKEN_LIMIT},
+    kernels::{Active, Aligned, Kernels, TILE_ROWS, TOKEN_LIMIT},
     model_file::LinearWeights,
 };
 
-/// Rows that one call of the kernel takes: enough to share its set-up, few enough for the stack.
-const ROWS: usize = 16;
+/// Where one map after another puts the codes of its input, at most twice `D` of them.
+pub type Codes<const D: usize> = Aligned<[[i16; D]; 2]>;
 
-/// Gives every output `y = sum as f32 * (scale * row scale) + bias` to `store`, in this order.
+/// Codes of a token and their scale: what a map reads.
 ///
-/// The input is `codes * scale`; the sum is exact in i32. `outputs` has one place per row.
+/// `token` is at most `2 D` long.
 #[inline]
-pub fn linear(
+pub fn quantize<'c, const D: usize>(token: &[f32], codes: &'c mut Codes<D>) -> (&'c [i16], f32) {
+    let codes = &mut codes.0.as_flattened_mut()[..token.len()];
+    let scale = Active::quantize(token, TOKEN_LIMIT, codes);
+    (codes, scale)
+}
+
+/// Gives every output `y = finish(sum as f32 * (scale * row scale) + bias)`.
+///
+/// The input is `codes * scale`; the sum is exact in i32. `outputs` has one place per row, and more up to a whole
+/// number of tiles: sums come to where their outputs will be.
+#[inline]
+pub fn map(
     map: &LinearWeights<'_>,
-    codes: &[i16],
-    scale: f32,
+    (codes, scale): (&[i16], f32),
     outputs: &mut [f32],
-    store: impl Fn(&mut f32, f32),
+    finish: impl Fn(f32) -> f32,
 ) {
-    let mut sums = [0; ROWS];
-    let mut constants = map.scales.iter().zip(map.bias.iter());
-    let blocks = map.weights.chunks(ROWS * codes.len().max(1));
-    for (rows, outputs) in blocks.zip(outputs.chunks_mut(ROWS)) {
-        let sums = &mut sums[..outputs.len()];
-        Active::multiply(rows, codes, sums);
-        for ((output, &sum), (row_scale, bias)) in
-            outputs.iter_mut().zip(&*sums).zip(&mut constants)
-        {
-            store(output, sum as f32 * (scale * row_scale) + bias);
-        }
+    Active::multiply(map.weights, codes, bytemuck::cast_slice_mut(outputs));
+    for (output, (row_scale, bias)) in outputs.iter_mut().zip(map.scales.iter().zip(map.bias)) {
+        let sum = output.to_bits().cast_signed();
+        *output = finish(sum as f32 * (scale * row_scale) + bias);
     }
 }
 
-/// As [`linear`], for an input in f32: quantized as one token first.
+/// As [`map`], every output added to `h`: the residual stream. `sums` is lent for the time.
 #[inline]
-pub fn linear_of_token<const N: usize>(
+pub fn add<const D: usize>(
     map: &LinearWeights<'_>,
-    token: &[[f32; N]],
-    outputs: &mut [f32],
-    store: impl Fn(&mut f32, f32),
+    (codes, scale): (&[i16], f32),
+    sums: &mut [i32; D],
+    h: &mut [f32; D],
 ) {
-    // A token is one or two rows of N: the width, or the feed-forward's twice the width.
-    let mut codes = [[0; N]; 2];
-    let codes = &mut codes.as_flattened_mut()[..token.len() * N];
-    let scale = Active::quantize(token.as_flattened(), TOKEN_LIMIT, codes);
-    linear(map, codes, scale, outputs, store);
+    const { assert!(D.is_multiple_of(TILE_ROWS)) }
+    Active::multiply(map.weights, codes, sums);
+    let rows = h.iter_mut().zip(&*sums);
+    for ((h, &sum), (row_scale, bias)) in rows.zip(map.scales.iter().zip(map.bias)) {
+        *h += sum as f32 * (scale * row_scale) + bias;
+    }
 }
 
-/// The output replaces what was there.
+/// The output as it is.
 #[inline]
-pub fn replace(place: &mut f32, value: f32) {
-    *place = value;
-}
-
-/// The output is added to what was there: the residual stream.
-#[inline]
-pub fn add(place: &mut f32, value: f32) {
-    *place += value;
+pub fn as_is(value: f32) -> f32 {
+    value
 }

@@ -2,11 +2,13 @@
 
 use super::{
     Logits,
-    linear::{linear_of_token, replace},
+    linear::{self, as_is, quantize},
     norm::normalise,
+    scratch::Scratch,
 };
 use crate::{
     intent::MAX_CLASSES,
+    kernels::TILE_ROWS,
     model_file::{LinearWeights, NormWeights},
     units::LOOK_BACK,
 };
@@ -19,11 +21,13 @@ pub fn scores<const D: usize>(
     head: &LinearWeights<'_>,
     h: &[f32; D],
     classes: usize,
+    scratch: &mut Scratch<D>,
 ) -> Logits {
-    let token = normalise(norm, h);
+    normalise(norm, h, &mut scratch.token);
+    let token = quantize(&scratch.token, &mut scratch.codes);
     let mut outputs = [0.0; LOOK_BACK * MAX_CLASSES];
-    let outputs = &mut outputs[..LOOK_BACK * classes];
-    linear_of_token(head, &[token], outputs, replace);
+    let rows = (LOOK_BACK * classes).next_multiple_of(TILE_ROWS);
+    linear::map(head, token, &mut outputs[..rows], as_is);
     let mut logits = Logits::default();
     for (row, outputs) in logits.iter_mut().zip(outputs.chunks_exact(classes)) {
         row[..classes].copy_from_slice(outputs);

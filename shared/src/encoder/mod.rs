@@ -21,6 +21,7 @@ pub mod look_back_head;
 pub mod norm;
 pub mod patch_embedding;
 pub mod probe;
+pub mod scratch;
 
 use crate::{
     kernels,
@@ -30,11 +31,14 @@ use crate::{
 };
 use attention::Memory;
 use probe::{Part, Probe};
+use scratch::Scratch;
 
 /// Attention heads of every model.
 pub const HEADS: usize = 4;
 /// Widest residual stream: a head of 32, the most terms of a product of two codes.
 pub const MAX_WIDTH: usize = HEADS * kernels::MAX_TERMS;
+/// Narrowest residual stream.
+pub const MIN_WIDTH: usize = 16;
 /// Most layers.
 pub const MAX_LAYERS: usize = 3;
 /// Longest attention span, in patches.
@@ -43,6 +47,8 @@ pub const MAX_SPAN: usize = kernels::MAX_TERMS;
 // Longest rows: the patch, and the second matrix of the feed-forward.
 const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
 const _: () = assert!(2 * MAX_WIDTH <= kernels::MAX_COLUMNS);
+// The head's outputs have room for whole tiles.
+const _: () = assert!((LOOK_BACK * crate::intent::MAX_CLASSES).is_multiple_of(kernels::TILE_ROWS));
 // The state of the usual student stays small: d = 64, two layers, 27 patches.
 const _: () = assert!(size_of::<EncoderState<64, 2, 27>>() < 20 * 1024);
 
@@ -80,6 +86,7 @@ pub struct EncoderState<const D: usize, const L: usize, const SPAN: usize> {
     next: usize,
     /// Patches remembered, at most `SPAN`.
     filled: usize,
+    scratch: Scratch<D>,
 }
 
 impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN> {
@@ -90,6 +97,7 @@ impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN>
             layers: [const { Memory::EMPTY }; L],
             next: 0,
             filled: 0,
+            scratch: Scratch::EMPTY,
         }
     }
 
@@ -102,7 +110,7 @@ impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN>
 
 impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SPAN> {
     const FITS: () = {
-        assert!(D > 0 && D <= MAX_WIDTH && D.is_multiple_of(8));
+        assert!(D >= MIN_WIDTH && D <= MAX_WIDTH && D.is_multiple_of(8));
         assert!(L > 0 && L <= MAX_LAYERS && SPAN > 0 && SPAN <= MAX_SPAN);
         assert!(receptive_field(L, SPAN) + LOOK_BACK - 1 <= WINDOW_PATCHES);
     };
@@ -165,15 +173,18 @@ impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SP
         let newest = state.next;
         state.next = (newest + 1) % SPAN;
         state.filled = (state.filled + 1).min(SPAN);
-        let mut h = patch_embedding::embed::<D>(&self.embed, self.companding, patch);
+        let scratch = &mut state.scratch;
+        let mut h = [0.0; D];
+        patch_embedding::embed(&self.embed, self.companding, patch, &mut h);
         probe.done(Part::Embed);
         for (layer, memory) in self.layers.iter().zip(&mut state.layers) {
-            memory.attend(layer, newest, state.filled, &mut h);
+            memory.attend(layer, newest, state.filled, &mut h, scratch);
             probe.done(Part::Attention);
-            feed_forward::feed_forward(layer, &mut h);
+            feed_forward::feed_forward(layer, &mut h, scratch);
             probe.done(Part::FeedForward);
         }
-        let logits = look_back_head::scores(&self.final_norm, &self.head, &h, self.classes);
+        let (norm, head) = (&self.final_norm, &self.head);
+        let logits = look_back_head::scores(norm, head, &h, self.classes, scratch);
         probe.done(Part::Head);
         logits
     }

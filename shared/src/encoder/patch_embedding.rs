@@ -2,11 +2,11 @@
 
 use super::{
     Patch,
-    linear::{linear, replace},
+    linear::{self, as_is},
 };
 use crate::{
+    kernels::Aligned,
     model_file::{Companding, LinearWeights},
-    units::{CHANNELS, PATCH},
 };
 
 /// The code of an input of 1.
@@ -55,20 +55,18 @@ impl Companding {
 ///
 /// A value above 128, which no cleaned sample has, counts as 128.
 #[inline]
-#[must_use]
 pub fn embed<const D: usize>(
     map: &LinearWeights<'_>,
     companding: Companding,
     patch: &Patch,
-) -> [f32; D] {
+    h: &mut [f32; D],
+) {
     let table = companding.table();
-    let mut codes = [0; PATCH * CHANNELS];
-    for (code, &value) in codes.iter_mut().zip(patch.as_flattened()) {
-        *code = table[usize::from(value.min(128))];
-    }
-    let mut h = [0.0; D];
-    linear(map, &codes, const { 1.0 / ONE as f32 }, &mut h, replace);
-    h
+    let code = |value: u8| table[usize::from(value.min(128))];
+    let codes = Aligned(patch.map(|sample| sample.map(code)));
+    let codes = codes.0.as_flattened();
+    let scale = const { 1.0 / ONE as f32 };
+    linear::map(map, (codes, scale), h, as_is);
 }
 
 #[cfg(test)]

@@ -150,10 +150,10 @@ fn a_model_of_another_shape_is_refused() {
 fn the_state_of_the_usual_student_has_its_stated_size() {
     let bytes = size_of::<EncoderState<64, 2, 27>>();
     // Per layer keys and values of 27 x 64 i16 and 2 x 27 x 4 scales; then two indices.
-    assert_eq!(
-        bytes,
-        2 * (2 * 27 * 64 * 2 + 2 * 27 * 4 * 4) + 2 * size_of::<usize>()
-    );
+    let memory = 2 * (2 * 27 * 64 * 2 + 2 * 27 * 4 * 4) + 2 * size_of::<usize>();
+    // Four times 64 numbers, codes of two tokens and sums of one; of a head 32 codes, sums, weights and folded ones.
+    let scratch = 4 * 64 * 4 + 2 * 64 * 2 + 64 * 4 + 32 * (2 + 4 + 4 + 4);
+    assert_eq!(bytes, memory + scratch);
 }
 
 /// The formulas of the module's first lines in f64, over all patches at once, with no

@@ -2,7 +2,7 @@
 //!
 //! Naive twins in i64, lengths from nothing to the longest, extremes and seeded noise.
 
-use super::{KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT};
+use super::{Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT};
 
 /// A kernel and its twin disagree.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
@@ -44,34 +44,25 @@ const FILLS: [Fill; 5] = [
     Fill::Alternating,
     Fill::Noise,
 ];
-/// Row lengths of `multiply`; the terms of `dot` and `quantize` are those that fit.
-const LENGTHS: [usize; 17] = [
-    0,
-    1,
-    2,
-    3,
-    4,
-    5,
-    7,
-    8,
-    15,
-    16,
-    27,
-    31,
-    32,
-    80,
-    127,
-    511,
-    MAX_COLUMNS,
-];
-/// Rows of `multiply`: odd, so that forms that take rows in pairs have one left.
-const ROWS: usize = 5;
-const SHORT: usize = 13;
+/// Columns of `multiply`: whole groups, whole blocks of groups and what lies between.
+const COLUMNS: [usize; 13] = [0, 4, 8, 12, 16, 20, 32, 48, 64, 80, 124, 508, MAX_COLUMNS];
+/// Rows of `multiply`: one tile and several.
+const ROWS: [usize; 2] = [4, 12];
+/// Terms of the products of codes.
+const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];
+/// Rows of as many terms, or columns of them, and what lies between two rows.
+const BESIDE: [(usize, usize); 6] = [(1, 0), (3, 4), (4, 0), (9, 4), (16, 5), (27, 1)];
+/// Lengths of `quantize`.
+const LENGTHS: [usize; 7] = [0, 1, 2, 7, 16, 127, MAX_COLUMNS];
+/// Draws of noise for each kernel, of random shapes.
+const DRAWS: usize = 10_000;
+/// Most columns in a draw: ten thousand of them on an emulated core are a matter of seconds.
+const DRAWN_COLUMNS: usize = 96;
+const MOST_ROWS: usize = 12;
 
-/// Judgements of one call of [`judge`].
-pub const CASES: usize = FILLS.len() * (LENGTHS.len() * ROWS + SHORT + LENGTHS.len());
-
-const _: () = assert!(LENGTHS[SHORT - 1] == MAX_TERMS);
+/// Calls of kernels in one call of [`judge`].
+pub const CASES: usize = 4 * DRAWS
+    + FILLS.len() * (COLUMNS.len() * ROWS.len() + 2 * TERMS.len() * BESIDE.len() + LENGTHS.len());
 
 /// Judges a form by the whole catalogue and counts the judgements.
 ///
@@ -82,72 +73,149 @@ pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
     let mut judged = 0;
     let mut noise = Noise(0x2545_f491);
     for fill in FILLS {
+        for columns in COLUMNS {
+            for rows in ROWS {
+                judged += multiply::<K>(columns, rows, fill, &mut noise)?;
+            }
+        }
+        for terms in TERMS {
+            for (beside, between) in BESIDE {
+                judged += row_products::<K>(terms, beside, between, fill, &mut noise)?;
+                judged += weighted_rows::<K>(terms, beside, between, fill, &mut noise)?;
+            }
+        }
         for length in LENGTHS {
-            judged += multiply::<K>(length, fill, &mut noise)?;
             judged += quantize::<K>(length, fill, &mut noise)?;
         }
-        for &length in &LENGTHS[..SHORT] {
-            judged += dot::<K>(length, fill, &mut noise)?;
-        }
+    }
+    for _ in 0..DRAWS {
+        let columns = 4 * noise.below(DRAWN_COLUMNS / 4 + 1);
+        let rows = 4 + 4 * noise.below(MOST_ROWS / 4);
+        judged += multiply::<K>(columns, rows, Fill::Noise, &mut noise)?;
+        let [terms, beside, between] = [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| noise.below(most));
+        judged += row_products::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
+        judged += weighted_rows::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
+        judged += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
     }
     Ok(judged)
 }
 
-fn multiply<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
-    let mut weights = [0_i8; ROWS * MAX_COLUMNS];
-    let mut input = [0_i16; MAX_COLUMNS];
-    let weights = &mut weights[..ROWS * length];
-    let input = &mut input[..length];
+fn multiply<K: Kernels>(
+    columns: usize,
+    rows: usize,
+    fill: Fill,
+    noise: &mut Noise,
+) -> Result<usize, Mismatch> {
+    let mut weights = Aligned([0_i8; MOST_ROWS * MAX_COLUMNS]);
+    let mut input = Aligned([0_i16; MAX_COLUMNS]);
+    let weights = &mut weights.0[..rows * columns];
+    let input = &mut input.0[..columns];
     for (index, weight) in weights.iter_mut().enumerate() {
         *weight = noise.value(fill, index, [-127, 127], [127, 127]) as i8;
     }
     for (index, code) in input.iter_mut().enumerate() {
         *code = noise.value(fill, index, [-32_768, 32_767], [-32_768, 32_767]) as i16;
     }
-    let mut outputs = [i32::MIN; ROWS];
-    K::multiply(weights, input, &mut outputs);
-    for (row, &found) in outputs.iter().enumerate() {
-        let weights = &weights[row * length..(row + 1) * length];
-        let expected = weights
-            .iter()
-            .zip(&*input)
-            .map(|(&w, &x)| i64::from(w) * i64::from(x))
+    let mut sums = [i32::MIN; MOST_ROWS];
+    K::multiply(weights, input, &mut sums[..rows]);
+    for (row, &found) in sums[..rows].iter().enumerate() {
+        let expected = (0..columns)
+            .map(|column| {
+                let weight = weights[place_in_tiles(row, column, columns)];
+                i64::from(weight) * i64::from(input[column])
+            })
             .sum();
-        let found = i64::from(found);
         agree(Mismatch {
             kernel: "multiply",
-            length,
+            length: columns,
             fill,
             row,
             expected,
-            found,
+            found: i64::from(found),
         })?;
     }
-    Ok(ROWS)
+    Ok(1)
 }
 
-fn dot<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
-    let [mut a, mut b] = [[0_i16; MAX_TERMS]; 2];
-    let [query, key] = [QUERY_LIMIT, KEY_LIMIT].map(i32::from);
-    for index in 0..length {
-        a[index] = noise.value(fill, index, [-query, query], [query, query]) as i16;
-        b[index] = noise.value(fill, index, [-key, key], [-key, key]) as i16;
+/// Where a weight lies: the order of [`Kernels::multiply`], said once more.
+fn place_in_tiles(row: usize, column: usize, columns: usize) -> usize {
+    let byte = [0, 2, 1, 3][column % 4];
+    row / 4 * 4 * columns + column / 4 * 16 + row % 4 * 4 + byte
+}
+
+/// Operands of the two products of codes: the single row, and the rows with what lies between.
+struct Operands {
+    single: Aligned<[i16; MAX_TERMS]>,
+    rows: Aligned<[i16; 2 * MAX_TERMS * MAX_TERMS + 8 * MAX_TERMS]>,
+}
+
+impl Operands {
+    fn new(fill: Fill, noise: &mut Noise) -> Self {
+        let [single, rows] = [QUERY_LIMIT, KEY_LIMIT].map(i32::from);
+        let mut operands = Self {
+            single: Aligned([0; _]),
+            rows: Aligned([0; _]),
+        };
+        for (index, code) in operands.single.0.iter_mut().enumerate() {
+            *code = noise.value(fill, index, [-single, single], [single, single]) as i16;
+        }
+        for (index, code) in operands.rows.0.iter_mut().enumerate() {
+            *code = noise.value(fill, index, [-rows, rows], [-rows, rows]) as i16;
+        }
+        operands
     }
-    let (a, b) = (&a[..length], &b[..length]);
-    let expected = a
-        .iter()
-        .zip(b)
-        .map(|(&a, &b)| i64::from(a) * i64::from(b))
-        .sum();
-    let found = i64::from(K::dot(a, b));
-    agree(Mismatch {
-        kernel: "dot",
-        length,
-        fill,
-        row: 0,
-        expected,
-        found,
-    })?;
+}
+
+fn row_products<K: Kernels>(
+    terms: usize,
+    count: usize,
+    between: usize,
+    fill: Fill,
+    noise: &mut Noise,
+) -> Result<usize, Mismatch> {
+    let operands = Operands::new(fill, noise);
+    let (query, rows) = (&operands.single.0[..terms], &operands.rows.0);
+    let stride = (terms + between).max(1);
+    let mut sums = [i32::MIN; MAX_TERMS];
+    K::row_products(query, rows, stride, &mut sums[..count]);
+    for (row, &found) in sums[..count].iter().enumerate() {
+        let pairs = query.iter().zip(&rows[row * stride..]);
+        agree(Mismatch {
+            kernel: "row_products",
+            length: terms,
+            fill,
+            row,
+            expected: pairs.map(|(&a, &b)| i64::from(a) * i64::from(b)).sum(),
+            found: i64::from(found),
+        })?;
+    }
+    Ok(1)
+}
+
+fn weighted_rows<K: Kernels>(
+    terms: usize,
+    columns: usize,
+    between: usize,
+    fill: Fill,
+    noise: &mut Noise,
+) -> Result<usize, Mismatch> {
+    let operands = Operands::new(fill, noise);
+    let (weights, rows) = (&operands.single.0[..terms], &operands.rows.0);
+    let stride = columns + between;
+    let mut sums = [i32::MIN; MAX_TERMS];
+    K::weighted_rows(weights, rows, stride, &mut sums[..columns]);
+    for (column, &found) in sums[..columns].iter().enumerate() {
+        let values = (0..terms).map(|row| i64::from(rows[row * stride + column]));
+        let products = weights.iter().zip(values);
+        agree(Mismatch {
+            kernel: "weighted_rows",
+            length: terms,
+            fill,
+            row: column,
+            expected: products.map(|(&w, v)| i64::from(w) * v).sum(),
+            found: i64::from(found),
+        })?;
+    }
     Ok(1)
 }
 
@@ -201,6 +269,17 @@ fn agree(pair: Mismatch) -> Result<(), Mismatch> {
 struct Noise(u32);
 
 impl Noise {
+    fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0
+    }
+
+    fn below(&mut self, most: usize) -> usize {
+        self.bits() as usize % most
+    }
+
     /// `range` is that of noise and of alternation; `maxima` are the values of the two extremes.
     fn value(&mut self, fill: Fill, index: usize, range: [i32; 2], extremes: [i32; 2]) -> i32 {
         match fill {
@@ -208,12 +287,7 @@ impl Noise {
             Fill::Minima => extremes[0],
             Fill::Maxima => extremes[1],
             Fill::Alternating => range[index % 2],
-            Fill::Noise => {
-                self.0 ^= self.0 << 13;
-                self.0 ^= self.0 >> 17;
-                self.0 ^= self.0 << 5;
-                range[0] + (self.0 % (range[1] - range[0] + 1) as u32) as i32
-            }
+            Fill::Noise => range[0] + (self.bits() % (range[1] - range[0] + 1) as u32) as i32,
         }
     }
 }
@@ -223,15 +297,18 @@ mod tests {
     use super::*;
     use crate::kernels::portable::Portable;
 
-    /// Forgets the last term of a row of odd length, the classic slip of a paired loop.
+    /// Forgets the last term of an odd number, the classic slip of a paired loop.
     struct DropsTheTail;
 
     impl Kernels for DropsTheTail {
-        fn multiply(weights: &[i8], input: &[i16], outputs: &mut [i32]) {
-            Portable::multiply(weights, input, outputs);
+        fn multiply(weights: &[i8], input: &[i16], sums: &mut [i32]) {
+            Portable::multiply(weights, input, sums);
         }
-        fn dot(a: &[i16], b: &[i16]) -> i32 {
-            Portable::dot(&a[..a.len() / 2 * 2], b)
+        fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+            Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);
+        }
+        fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+            Portable::weighted_rows(weights, rows, stride, sums);
         }
         fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
             Portable::quantize(values, limit, codes)
@@ -241,6 +318,19 @@ mod tests {
     #[test]
     fn the_catalogue_catches_a_dropped_tail() {
         let mismatch = judge::<DropsTheTail>().unwrap_err();
-        assert_eq!((mismatch.kernel, mismatch.length), ("dot", 1));
+        assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+    }
+
+    #[test]
+    fn tiles_are_those_that_the_writer_packs() {
+        for (rows, columns) in [(1, 4), (5, 8), (11, 16)] {
+            let matrix: alloc::vec::Vec<i8> =
+                (0..rows * columns).map(|place| place as i8).collect();
+            let tiles = crate::kernels::packing::packed(&matrix, columns);
+            for place in 0..rows * columns {
+                let found = tiles[place_in_tiles(place / columns, place % columns, columns)];
+                assert_eq!(found, matrix[place]);
+            }
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use super::{FORMAT_VERSION, MAGIC};
+use super::{ALIGNMENT, FORMAT_VERSION, MAGIC};
 use crate::{
-    encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, any_shape::SHAPES},
+    encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, any_shape::SHAPES},
     units::{LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES},
 };
 
@@ -12,6 +12,14 @@ use crate::{
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
+    /// In memory where its numbers cannot be read.
+    #[error(
+        "lies {found} bytes behind a multiple of {ALIGNMENT} in memory: put it into a buffer that begins at one"
+    )]
+    Misaligned {
+        /// Bytes beyond the multiple.
+        found: usize,
+    },
     /// Not even room for the first fields and the checksum.
     #[error("{found} bytes, a model has at least {expected}: write the file again")]
     TooShort {
@@ -55,7 +63,9 @@ pub enum ModelError {
         field: &'static str,
     },
     /// Width d of the residual stream.
-    #[error("width {found}, expected a multiple of 8 up to {MAX_WIDTH}: train a supported width")]
+    #[error(
+        "width {found}, expected a multiple of 8, {MIN_WIDTH} to {MAX_WIDTH}: train a supported width"
+    )]
     Width {
         /// The file's width.
         found: usize,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{Excerpt, ModelError};
 use crate::{
-    encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, receptive_field},
+    encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, receptive_field},
     intent::Vocabulary,
     smoother::{Likelihood, Reading, Settings},
     units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES},
@@ -20,7 +20,7 @@ const DIVISOR: u8 = 128;
 /// The numbers that decide every tensor's shape.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Dimensions {
-    /// Width d of the residual stream: a multiple of 8, at most 128.
+    /// Width d of the residual stream: a multiple of 8, 16 to 128.
     pub width: usize,
     /// Layers L, 1 to 3.
     pub layers: usize,
@@ -248,7 +248,7 @@ impl<'m> WireHeader<'m> {
             self.layers.into(),
         ];
         let [span, patch, look_back] = [self.span, self.patch, self.look_back].map(usize::from);
-        if width == 0 || width > MAX_WIDTH || !width.is_multiple_of(8) {
+        if !(MIN_WIDTH..=MAX_WIDTH).contains(&width) || !width.is_multiple_of(8) {
             return Err(ModelError::Width { found: width });
         }
         if heads != HEADS {

@@ -1,58 +1,26 @@
-//! The tensors as they lie in the file: borrowed, at any alignment.
+//! The tensors as they lie in the file: borrowed.
 
 use crate::encoder::MAX_LAYERS;
-
-/// Little-endian f32 numbers, read one at a time.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Floats<'m>(pub(super) &'m [[u8; 4]]);
-
-impl<'m> Floats<'m> {
-    /// The numbers in order.
-    pub fn iter(self) -> impl ExactSizeIterator<Item = f32> + use<'m> {
-        self.0.iter().map(|&bytes| f32::from_le_bytes(bytes))
-    }
-
-    /// How many numbers.
-    #[must_use]
-    pub const fn len(self) -> usize {
-        self.0.len()
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub const fn is_empty(self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// The numbers of row `row` of a matrix with that many columns; none beyond its end.
-    #[must_use]
-    pub fn row(self, row: usize, columns: usize) -> Self {
-        Self(
-            self.0
-                .get(row * columns..(row + 1) * columns)
-                .unwrap_or_default(),
-        )
-    }
-}
 
 /// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] x[c] + bias[r]`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LinearWeights<'m> {
-    /// Row-major `[outputs][inputs]`, each -127..=127.
+    /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::kernels::Kernels::multiply), each
+    /// -127..=127.
     pub weights: &'m [i8],
     /// One per output.
-    pub scales: Floats<'m>,
+    pub scales: &'m [f32],
     /// One per output.
-    pub bias: Floats<'m>,
+    pub bias: &'m [f32],
 }
 
 /// A layer norm's learned part, `[d]` each.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NormWeights<'m> {
     /// Factor after normalising.
-    pub gain: Floats<'m>,
+    pub gain: &'m [f32],
     /// Term after the gain.
-    pub bias: Floats<'m>,
+    pub bias: &'m [f32],
 }
 
 /// One pre-norm layer.
@@ -63,7 +31,7 @@ pub struct LayerWeights<'m> {
     /// d -> 3d: query, key, value.
     pub qkv: LinearWeights<'m>,
     /// `[heads][span]`: what is added to the score of the patch that many patches back.
-    pub relative_bias: Floats<'m>,
+    pub relative_bias: &'m [f32],
     /// d -> d: after attention.
     pub out: LinearWeights<'m>,
     /// Before the feed-forward.

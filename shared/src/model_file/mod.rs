@@ -2,7 +2,7 @@
 //!
 //! [`Model::parse`] proves every length, dimension and number once; after it nothing about a model
 //! can fail but its fit to a compiled [`Encoder`](crate::encoder::Encoder). Weights stay where they
-//! lie, in flash or in a buffer, at any alignment. Byte by byte: docs/model-file.md.
+//! lie, in flash or in a buffer, as the words they are: the bytes begin at a multiple of four. Byte by byte: docs/model-file.md.
 
 mod error;
 mod header;
@@ -15,7 +15,7 @@ mod writer;
 
 pub use error::{Excerpt, ModelError, TensorName};
 pub use header::{Companding, Dimensions, Header, List, Provenance, SmootherDefaults};
-pub use layout::{Floats, LayerWeights, LinearWeights, NormWeights, Weights};
+pub use layout::{LayerWeights, LinearWeights, NormWeights, Weights};
 pub use reader::Model;
 #[cfg(any(test, feature = "write"))]
 pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, quantize_rows};
@@ -23,7 +23,12 @@ pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts
 /// First bytes of every model file.
 pub const MAGIC: [u8; 8] = *b"myointnt";
 /// The format that this crate reads and writes.
-pub const FORMAT_VERSION: u8 = 1;
+pub const FORMAT_VERSION: u8 = 2;
+/// The file in memory, and every tensor in the file, begins at a multiple of so many bytes.
+pub const ALIGNMENT: usize = align_of::<f32>();
+
+// Numbers are read where they lie.
+const _: () = assert!(cfg!(target_endian = "little") && ALIGNMENT == 4);
 /// Magic, version and length: what can be read before the length is known.
 const PREFIX_BYTES: usize = MAGIC.len() + 1 + 4;
 /// The CRC-32 at the end, little endian.

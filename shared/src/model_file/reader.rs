@@ -1,13 +1,14 @@
 //! From bytes to a model whose every length and number is proved.
 
 use super::{
-    CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
+    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
     error::{ModelError, TensorName},
     header::{Header, WireHeader},
-    layout::{Floats, LayerWeights, LinearWeights, NormWeights, Weights},
+    layout::{LayerWeights, LinearWeights, NormWeights, Weights},
 };
 use crate::{
     encoder::HEADS,
+    kernels::TILE_ROWS,
     units::{CHANNELS, LOOK_BACK, PATCH},
 };
 
@@ -33,10 +34,15 @@ impl<'m> Model<'m> {
     /// the length is believed.
     pub fn parse(region: &'m [u8]) -> Result<Self, ModelError> {
         let (length, body) = checked_body(region)?;
+        let found = region.as_ptr().addr() % ALIGNMENT;
+        if found != 0 {
+            return Err(ModelError::Misaligned { found });
+        }
         let (wire, tensors) = postcard::take_from_bytes::<WireHeader<'m>>(body)
             .map_err(|_| ModelError::Header { field: "header" })?;
         let header = wire.interpret()?;
         let mut tensors = Tensors {
+            end: PREFIX_BYTES + body.len(),
             rest: tensors,
             layer: None,
         };
@@ -91,6 +97,8 @@ fn checked_body(region: &[u8]) -> Result<(usize, &[u8]), ModelError> {
 
 /// What is left of the tensors, and which layer is being read.
 struct Tensors<'m> {
+    /// Where in the file `rest` ends.
+    end: usize,
     rest: &'m [u8],
     layer: Option<usize>,
 }
@@ -128,7 +136,7 @@ impl<'m> Tensors<'m> {
         inputs: usize,
     ) -> Result<LinearWeights<'m>, ModelError> {
         Ok(LinearWeights {
-            weights: self.integers(group, outputs * inputs)?,
+            weights: self.integers(group, outputs.next_multiple_of(TILE_ROWS) * inputs)?,
             scales: self.scales(group, outputs)?,
             bias: self.floats(group, "bias", outputs)?,
         })
@@ -150,11 +158,11 @@ impl<'m> Tensors<'m> {
         }
     }
 
-    fn scales(&mut self, group: &'static str, count: usize) -> Result<Floats<'m>, ModelError> {
+    fn scales(&mut self, group: &'static str, count: usize) -> Result<&'m [f32], ModelError> {
         let scales = self.floats(group, "scales", count)?;
-        match scales.iter().enumerate().find(|&(_, scale)| scale < 0.0) {
+        match scales.iter().enumerate().find(|&(_, &scale)| scale < 0.0) {
             None => Ok(scales),
-            Some((index, found)) => Err(ModelError::Scale {
+            Some((index, &found)) => Err(ModelError::Scale {
                 tensor: self.name(group, "scales"),
                 index,
                 found,
@@ -167,16 +175,17 @@ impl<'m> Tensors<'m> {
         group: &'static str,
         part: &'static str,
         count: usize,
-    ) -> Result<Floats<'m>, ModelError> {
+    ) -> Result<&'m [f32], ModelError> {
         let tensor = self.name(group, part);
-        let floats = Floats(self.bytes(tensor, 4 * count)?.as_chunks::<4>().0);
+        // Every tensor begins at a multiple of four.
+        let floats: &[f32] = bytemuck::cast_slice(self.bytes(tensor, 4 * count)?);
         match floats
             .iter()
             .enumerate()
             .find(|(_, number)| !number.is_finite())
         {
             None => Ok(floats),
-            Some((index, found)) => Err(ModelError::NotFinite {
+            Some((index, &found)) => Err(ModelError::NotFinite {
                 tensor,
                 index,
                 found,
@@ -185,8 +194,11 @@ impl<'m> Tensors<'m> {
     }
 
     fn bytes(&mut self, tensor: TensorName, expected: usize) -> Result<&'m [u8], ModelError> {
-        let (bytes, rest) = postcard::take_from_bytes::<&'m [u8]>(self.rest)
+        let (field, rest) = postcard::take_from_bytes::<&'m [u8]>(self.rest)
             .map_err(|_| ModelError::WeightsEnd { tensor })?;
+        let start = self.end - rest.len() - field.len();
+        let pad = start.next_multiple_of(ALIGNMENT) - start;
+        let bytes = field.get(pad..).unwrap_or_default();
         if bytes.len() != expected {
             return Err(ModelError::WeightLength {
                 tensor,

@@ -5,16 +5,17 @@ use alloc::{string::String, vec, vec::Vec};
 use serde::Serialize;
 
 use super::{
-    CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
+    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
     error::ModelError,
     header::{Companding, Dimensions, SmootherDefaults, WireHeader},
     reader::Model,
 };
+use crate::kernels::packing::packed;
 
 /// A linear map with quantized rows.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LinearParts {
-    /// Row-major `[outputs][inputs]`, each -127..=127.
+    /// Row-major `[outputs][inputs]`, each -127..=127; in the file they lie in tiles.
     pub weights: Vec<i8>,
     /// One per output: `weight = integer * scale`.
     pub scales: Vec<f32>,
@@ -209,7 +210,9 @@ pub(super) fn append<T: Serialize + ?Sized>(file: &mut Vec<u8>, item: &T) {
 }
 
 fn append_linear(file: &mut Vec<u8>, linear: &LinearParts) {
-    append::<[u8]>(file, bytemuck::cast_slice(&linear.weights));
+    let columns = linear.weights.len().checked_div(linear.bias.len());
+    let tiles = packed(&linear.weights, columns.unwrap_or(0));
+    append_tensor(file, bytemuck::cast_slice(&tiles));
     append_floats(file, &linear.scales);
     append_floats(file, &linear.bias);
 }
@@ -224,5 +227,21 @@ fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
         .iter()
         .flat_map(|number| number.to_le_bytes())
         .collect();
-    append::<[u8]>(file, &bytes);
+    append_tensor(file, &bytes);
+}
+
+/// The bytes behind as many zeros as make them begin at a multiple of four bytes.
+fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
+    for pad in 0..ALIGNMENT {
+        let field = [&[0; ALIGNMENT][..pad], bytes].concat();
+        let start = file.len();
+        append::<[u8]>(file, &field);
+        if (file.len() - bytes.len()).is_multiple_of(ALIGNMENT) {
+            return;
+        }
+        // The field's own length took another byte, or the next pad is the right one.
+        if pad + 1 < ALIGNMENT {
+            file.truncate(start);
+        }
+    }
 }

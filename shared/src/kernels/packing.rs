@@ -1,0 +1,55 @@
+//! From a matrix in rows to the tiles that [`Kernels::multiply`](super::Kernels::multiply) reads.
+
+use alloc::vec::Vec;
+
+use super::{GROUP, GROUP_ORDER, TILE_ROWS};
+
+/// The tiles of a row-major matrix of so many columns; rows of zeros fill the last one.
+///
+/// What is no whole number of rows, or of groups of columns, stays as it is: nothing reads it.
+#[must_use]
+pub fn packed(matrix: &[i8], columns: usize) -> Vec<i8> {
+    if columns == 0 || !columns.is_multiple_of(GROUP) || !matrix.len().is_multiple_of(columns) {
+        return matrix.to_vec();
+    }
+    let mut matrix = matrix.to_vec();
+    matrix.resize(matrix.len().next_multiple_of(TILE_ROWS * columns), 0);
+    let mut tiles = Vec::with_capacity(matrix.len());
+    for tile in matrix.chunks(TILE_ROWS * columns) {
+        for start in (0..columns).step_by(GROUP) {
+            for row in tile.chunks_exact(columns) {
+                tiles.extend(GROUP_ORDER.map(|column| row[start + column]));
+            }
+        }
+    }
+    tiles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_holds_groups_of_columns_row_by_row_and_the_last_tile_is_filled_with_zeros() {
+        // Tens are the row, ones the column.
+        let matrix: Vec<i8> = (0..5)
+            .flat_map(|row| (0..8).map(move |column| 10 * row + column))
+            .collect();
+        let expected = [
+            [0, 2, 1, 3, 10, 12, 11, 13, 20, 22, 21, 23, 30, 32, 31, 33],
+            [4, 6, 5, 7, 14, 16, 15, 17, 24, 26, 25, 27, 34, 36, 35, 37],
+            [40, 42, 41, 43, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
+            [44, 46, 45, 47, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
+        ];
+        assert_eq!(packed(&matrix, 8), expected.concat());
+    }
+
+    #[test]
+    fn what_is_no_matrix_stays_as_it_is() {
+        let odd: Vec<i8> = (0..21).collect();
+        for columns in [0, 3, 6, 7, 8] {
+            assert_eq!(packed(&odd, columns), odd);
+        }
+        assert!(packed(&[], 4).is_empty());
+    }
+}
