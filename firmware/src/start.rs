@@ -21,6 +21,8 @@ compile_error!("choose a board: --features nrf52840, nrf52832 or emulator");
     not(any(feature = "radio-softdevice", feature = "radio-trouble"))
 ))]
 compile_error!("choose a radio: --features radio-softdevice or radio-trouble");
+#[cfg(all(feature = "model-in-ram", not(feature = "nrf52840")))]
+compile_error!("model-in-ram needs the 256 KiB of an nRF52840");
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {

@@ -69,23 +69,19 @@ pub struct Augmentation {
     pub gain: f64,
     /// Largest rotation of the electrodes, in places either way.
     pub rotation: usize,
-    /// Standard deviation of the logarithm of a gain of each electrode's own: how it sits on the skin.
-    #[serde(default)]
-    pub electrode_gain: f64,
 }
 
 /// One drawn variation, applied to a whole window or sequence.
 #[derive(Clone, Copy, Debug)]
 pub struct Variation {
-    /// By place in the model's input.
-    gains: [f32; CHANNELS],
+    gain: f32,
     rotation: usize,
 }
 
 impl Variation {
     /// Leaves everything as it is.
     pub const NONE: Self = Self {
-        gains: [1.0; CHANNELS],
+        gain: 1.0,
         rotation: 0,
     };
 }
@@ -96,32 +92,27 @@ impl Augmentation {
     /// # Panics
     /// Never: a preset with a negative or infinite gain is refused when it is read.
     pub fn draw(&self, rng: &mut impl RngExt) -> Variation {
-        let gain = gain(self.gain, rng);
-        let gains = std::array::from_fn(|_| gain * self::gain(self.electrode_gain, rng));
+        let gain = if self.gain > 0.0 {
+            let gains = LogNormal::new(0.0, self.gain).expect("presets hold a finite gain >= 0");
+            gains.sample(rng) as f32
+        } else {
+            1.0
+        };
         let places = rng.random_range(0..=2 * self.rotation);
         Variation {
-            gains,
+            gain,
             rotation: (places + CHANNELS - self.rotation) % CHANNELS,
         }
     }
 }
 
-fn gain(deviation: f64, rng: &mut impl RngExt) -> f32 {
-    if deviation > 0.0 {
-        let gains = LogNormal::new(0.0, deviation).expect("presets hold a finite gain >= 0");
-        gains.sample(rng) as f32
-    } else {
-        1.0
-    }
-}
-
 impl Variation {
-    /// Writes samples as the model's input, value / 128 times its gain, at most 1.
+    /// Writes samples as the model's input, value / 128 times the gain, at most 1.
     pub fn write(self, samples: &[CleanSample], input: &mut Vec<f32>) {
         for sample in samples {
             for channel in 0..CHANNELS {
                 let code = sample[(channel + self.rotation) % CHANNELS];
-                input.push((f32::from(code) / 128.0 * self.gains[channel]).min(1.0));
+                input.push((f32::from(code) / 128.0 * self.gain).min(1.0));
             }
         }
     }
@@ -171,7 +162,7 @@ mod tests {
     fn rotation_moves_channels_around_the_ring() {
         let mut input = Vec::new();
         Variation {
-            gains: [1.0; CHANNELS],
+            gain: 1.0,
             rotation: 7,
         }
         .write(&[[0, 16, 32, 48, 64, 80, 96, 128]], &mut input);
@@ -182,7 +173,7 @@ mod tests {
     fn gain_saturates_where_the_armband_does() {
         let mut input = Vec::new();
         Variation {
-            gains: [2.0; CHANNELS],
+            gain: 2.0,
             rotation: 0,
         }
         .write(&[[100, 10, 0, 0, 0, 0, 0, 0]], &mut input);

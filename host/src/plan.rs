@@ -132,13 +132,14 @@ impl Plan {
         let labelled = Self::labelled(&preset, library)?;
         let fold = turn.map(|turn| Fold {
             number: turn.number,
-            of: turn.protocol.folds(&labelled),
+            of: turn.protocol.folds(labelled.iter().copied()),
         });
         if let Some(Fold { number, of }) = fold {
             if of < 2 || !(1..=of).contains(&number) {
                 return Err(PlanError::Fold { number, of });
             }
-            preset.data.held_out = folds::folds(&labelled, of, preset.seed).swap_remove(number - 1);
+            let mut groups = folds::folds(labelled.iter().copied(), of, preset.seed);
+            preset.data.held_out = groups.swap_remove(number - 1);
             preset.data.held_out_share = 0.0;
             preset.data.validation.clear();
         }
@@ -162,13 +163,15 @@ impl Plan {
     ///
     /// # Errors
     /// When there are none.
-    pub fn labelled(preset: &Preset, library: &Library) -> Result<Vec<Recording>, PlanError> {
+    pub fn labelled<'l>(
+        preset: &Preset,
+        library: &'l Library,
+    ) -> Result<Vec<&'l Recording>, PlanError> {
         let vocabulary = preset.vocabulary();
-        let labelled: Vec<Recording> = library
+        let labelled: Vec<&Recording> = library
             .recordings
             .iter()
             .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
-            .cloned()
             .collect();
         if labelled.is_empty() {
             return Err(PlanError::NoLabels {
@@ -176,7 +179,7 @@ impl Plan {
                 classes: vocabulary.classes(),
             });
         }
-        let wanted = |recording: &Recording| preset.data.data_sets.contains(&recording.data_set);
+        let wanted = |recording: &&Recording| preset.data.data_sets.contains(&recording.data_set);
         Ok(if labelled.iter().any(wanted) {
             labelled.into_iter().filter(wanted).collect()
         } else {
@@ -352,7 +355,7 @@ impl Plan {
 }
 
 /// Listed subjects, and for data sets without a listed one a share that the seed chooses.
-fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError> {
+fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError> {
     let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();
     for recording in recordings {
         let known = subjects.entry(recording.data_set).or_default();
@@ -389,13 +392,12 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
     let (mut validation, validation_counts) = listed(&data.validation, data.validation_share);
     // One draw for both, so that nobody is drawn twice, and from those who have no role yet.
     let listed = |subject: &String| held_out.contains(subject) || validation.contains(subject);
-    let rest: Vec<Recording> = recordings
+    let rest = recordings
         .iter()
-        .filter(|recording| !listed(&recording.subject))
-        .cloned()
-        .collect();
+        .copied()
+        .filter(|recording| !listed(&recording.subject));
     let drawn = Split::new(
-        &rest,
+        rest,
         &SplitOptions {
             seed: preset.seed,
             held_out: Choice::PerDataSet(held_out_counts),
@@ -410,7 +412,7 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
             .filter(|subject| !held_out.contains(subject)),
     );
     let mut split = Split::new(
-        recordings,
+        recordings.iter().copied(),
         &SplitOptions {
             seed: preset.seed,
             held_out: Choice::Subjects(held_out),
@@ -436,7 +438,7 @@ fn split(preset: &Preset, recordings: &[Recording]) -> Result<Split, SplitError>
     Ok(split)
 }
 
-fn lags(preset: &Preset, recordings: &[Recording], split: &Split) -> BTreeMap<DataSet, Lag> {
+fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<DataSet, Lag> {
     let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
     for recording in recordings {
         let own = by_set.entry(recording.data_set).or_default();

@@ -309,15 +309,13 @@ impl Preset {
             .into_iter()
             .flatten()
         {
-            if ![augmentation.gain, augmentation.electrode_gain]
-                .iter()
-                .all(|gain| gain.is_finite() && *gain >= 0.0)
+            if !(augmentation.gain.is_finite() && augmentation.gain >= 0.0)
                 || augmentation.rotation > 3
             {
                 return refuse(
                     "augmentation",
                     format!("{augmentation:?}"),
-                    "gains of 0 or more and a rotation of 0 to 3",
+                    "a gain of 0 or more and a rotation of 0 to 3",
                 );
             }
         }

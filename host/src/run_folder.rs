@@ -49,6 +49,12 @@ pub struct RunFolder {
     path: PathBuf,
 }
 
+/// Name of the file of a model's weights.
+#[must_use]
+pub fn model_file(name: &str) -> String {
+    format!("{name}.bpk")
+}
+
 impl RunFolder {
     /// Opens the folder, making it if it is not there.
     ///
@@ -200,12 +206,18 @@ impl RunFolder {
         })
     }
 
+    /// Path of the model, or the optimizer's state, of a name.
+    #[must_use]
+    pub fn model(&self, name: &str) -> PathBuf {
+        self.file(&model_file(name))
+    }
+
     /// Writes a model's weights as `NAME.bpk`.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn save_model(&self, name: &str, model: &impl Module) -> Result<(), RunError> {
-        let path = self.file(&format!("{name}.bpk"));
+        let path = self.model(name);
         let bytes =
             model
                 .clone()
@@ -223,7 +235,7 @@ impl RunFolder {
     /// # Errors
     /// When the file is missing, damaged or of another shape.
     pub fn load_model<M: Module>(&self, name: &str, model: M) -> Result<M, RunError> {
-        load_model(&self.file(&format!("{name}.bpk")), model)
+        load_model(&self.model(name), model)
     }
 
     /// Writes an optimizer's state.
@@ -231,7 +243,7 @@ impl RunFolder {
     /// # Errors
     /// When the file cannot be written.
     pub fn save_optimizer(&self, name: &str, optimizer: &ModuleOptimizer) -> Result<(), RunError> {
-        let path = self.file(&format!("{name}.bpk"));
+        let path = self.model(name);
         let bytes = optimizer.into_bytes().map_err(|error| RunError::Content {
             path: path.clone(),
             reason: error.to_string(),
@@ -248,7 +260,7 @@ impl RunFolder {
         name: &str,
         optimizer: ModuleOptimizer,
     ) -> Result<ModuleOptimizer, RunError> {
-        let path = self.file(&format!("{name}.bpk"));
+        let path = self.model(name);
         optimizer.load(&path).map_err(|error| RunError::Content {
             path,
             reason: error.to_string(),

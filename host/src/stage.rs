@@ -16,6 +16,7 @@ use crate::estimate::{Rows, padded, student_rows, teacher_rows};
 use crate::evaluation::judge::{Candidate, LookAhead, Truth, Verdict, judge};
 use crate::evaluation::trial::{self, Trial};
 use crate::interrupt::Interrupt;
+use crate::parallel;
 use crate::peers::training::Lesson;
 use crate::peers::{self, Peer};
 use crate::plan::Plan;
@@ -363,7 +364,7 @@ impl Stage<'_> {
 
     /// Whether the run's folder holds a model of this name.
     fn has(&self, name: &str) -> bool {
-        self.run.file(&format!("{name}.bpk")).exists()
+        self.run.model(name).exists()
     }
 
     fn teacher_candidate(&self, name: &str, trials: &[Trial]) -> anyhow::Result<Candidate> {
@@ -406,20 +407,7 @@ impl Stage<'_> {
         streams: &[&[CleanSample]],
         rows: impl Fn(&[CleanSample]) -> Vec<Rows> + Sync,
     ) -> Result<Vec<Vec<Rows>>, RunError> {
-        let bar = progress::bar(streams.len(), name);
-        let all = streams
-            .par_iter()
-            .map(|emg| {
-                if self.interrupt.asked() {
-                    return Err(self.run.interrupted());
-                }
-                let rows = rows(emg);
-                bar.inc(1);
-                Ok(rows)
-            })
-            .collect();
-        bar.finish_and_clear();
-        all
+        parallel::map(name, streams, self.run, self.interrupt, |emg| rows(emg))
     }
 
     /// The reading with which the student, or a teacher without one, follows more transitions of the
@@ -491,7 +479,7 @@ impl Stage<'_> {
 
     /// The teacher's word on every patch of the training streams; computed once and kept.
     fn teacher_rows(&self, streams: &[&[CleanSample]]) -> anyhow::Result<Vec<Vec<Rows>>> {
-        let checkpoint = self.run.file(&format!("{}.bpk", teacher::training::NAME));
+        let checkpoint = self.run.model(teacher::training::NAME);
         let weights = std::fs::read(&checkpoint).with_context(|| {
             format!(
                 "{}: no teacher to learn from; run `myointent train` first",

@@ -6,9 +6,11 @@ use anyhow::Context as _;
 use burn::tensor::Device;
 use clap::{Args, ValueEnum};
 
+use crate::interrupt::Interrupt;
 use crate::plan::Plan;
 use crate::recording::{Library, LoadOptions, load, synth};
 use crate::run_folder::RunFolder;
+use crate::stage::Stage;
 
 /// Where recordings lie.
 #[derive(Clone, Debug, Args)]
@@ -82,19 +84,53 @@ impl DataArguments {
     }
 }
 
-/// A run's folder with the plan and the recordings that it was begun with.
-///
-/// # Errors
-/// When the folder holds no plan or the recordings cannot be read.
-pub fn begun(run: &Path) -> anyhow::Result<(RunFolder, Plan, Library)> {
-    let (folder, plan) = RunFolder::existing(run)
-        .and_then(|folder| Plan::load(&folder).map(|plan| (folder, plan)))
-        .with_context(|| {
-            let run = run.display();
-            format!("no run has begun in {run}; start with `myointent train --run {run}`")
-        })?;
-    let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
-    Ok((folder, plan, library))
+/// A run that has a plan, with the recordings that it is about.
+pub struct Begun {
+    /// Where everything is written.
+    pub folder: RunFolder,
+    /// What will run.
+    pub plan: Plan,
+    /// The recordings.
+    pub library: Library,
+}
+
+impl Begun {
+    /// The run in a folder, with the recordings that it was begun with.
+    ///
+    /// # Errors
+    /// When the folder holds no plan or the recordings cannot be read.
+    pub fn open(run: &Path) -> anyhow::Result<Self> {
+        let (folder, plan) = RunFolder::existing(run)
+            .and_then(|folder| Plan::load(&folder).map(|plan| (folder, plan)))
+            .with_context(|| {
+                let run = run.display();
+                format!("no run has begun in {run}; start with `myointent train --run {run}`")
+            })?;
+        let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
+        Ok(Self {
+            folder,
+            plan,
+            library,
+        })
+    }
+
+    /// The run's steps.
+    #[must_use]
+    pub fn stage<'a>(
+        &'a self,
+        backend: &BackendArguments,
+        resume: bool,
+        interrupt: &'a Interrupt,
+    ) -> Stage<'a> {
+        Stage {
+            run: &self.folder,
+            plan: &self.plan,
+            library: &self.library,
+            device: backend.device(),
+            resume,
+            interrupt,
+        }
+    }
 }
 
 /// Recordings below a path, or synthetic ones.

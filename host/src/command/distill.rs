@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, begun};
+use super::arguments::{BackendArguments, Begun};
 use crate::interrupt::Interrupt;
-use crate::stage::Stage;
 use crate::student::distillation;
 
 /// Arguments of `distill`.
@@ -41,19 +40,12 @@ fn share(text: &str) -> Result<f64, String> {
 /// When the run folder holds no teacher or cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let (folder, mut plan, library) = begun(&arguments.run)?;
+    let mut run = Begun::open(&arguments.run)?;
     if let Some(share) = arguments.teacher_share {
-        plan.preset.distillation.teacher_share = share;
-        plan.save(&folder)?;
+        run.plan.preset.distillation.teacher_share = share;
+        run.plan.save(&run.folder)?;
     }
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device: arguments.backend.device(),
-        resume: arguments.resume,
-        interrupt: &interrupt,
-    };
+    let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
     let name = if arguments.alone {
         stage.train_alone()?;
         distillation::ALONE
@@ -61,6 +53,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         stage.distill()?;
         distillation::NAME
     };
-    println!("{}", folder.file(&format!("{name}.bpk")).display());
+    println!("{}", run.folder.model(name).display());
     Ok(())
 }

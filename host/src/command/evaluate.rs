@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use super::arguments::{BackendArguments, begun};
+use super::arguments::{BackendArguments, Begun};
 use super::quickstart::{MODEL, report};
 use super::table::tables;
 use crate::interrupt::Interrupt;
-use crate::stage::Stage;
+use crate::student::distillation;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
@@ -40,13 +40,13 @@ pub struct Arguments {
 /// When a model is missing or damaged.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let (folder, plan, library) = begun(&arguments.run)?;
+    let run = Begun::open(&arguments.run)?;
     let path = arguments
         .model
         .clone()
-        .unwrap_or_else(|| folder.file(MODEL));
+        .unwrap_or_else(|| run.folder.file(MODEL));
     // A run that has trained a teacher alone is judged too.
-    let expected = arguments.model.is_some() || folder.file("student.bpk").exists();
+    let expected = arguments.model.is_some() || run.folder.model(distillation::NAME).exists();
     let model = expected
         .then(|| std::fs::read(&path))
         .transpose()
@@ -56,17 +56,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 path.display()
             )
         })?;
-    let device = arguments.backend.device();
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device,
-        resume: false,
-        interrupt: &interrupt,
-    };
+    let stage = run.stage(&arguments.backend, false, &interrupt);
     let (results, judged) = stage.evaluate(model.as_deref())?;
-    let page = folder.file("report.html");
+    let page = run.folder.file("report.html");
     report(&stage, &results, &judged, &page)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, begun};
+use super::arguments::{BackendArguments, Begun};
 use crate::interrupt::Interrupt;
-use crate::stage::Stage;
 use crate::teacher::checkpoint;
 
 /// Arguments of `export`.
@@ -31,19 +30,12 @@ pub struct Arguments {
 /// When the run folder holds no teacher or the file cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let (folder, plan, library) = begun(&arguments.run)?;
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device: arguments.backend.device(),
-        resume: false,
-        interrupt: &interrupt,
-    };
+    let run = Begun::open(&arguments.run)?;
+    let stage = run.stage(&arguments.backend, false, &interrupt);
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| folder.file("teacher.safetensors"));
+        .unwrap_or_else(|| run.folder.file("teacher.safetensors"));
     checkpoint::save(&out, &stage.teacher()?)?;
     println!("{}", out.display());
     Ok(())

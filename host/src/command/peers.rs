@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 
-use super::arguments::{BackendArguments, DataArguments, begun};
+use super::arguments::{BackendArguments, Begun, DataArguments};
 use crate::interrupt::Interrupt;
 use crate::peers::Peer;
 use crate::plan::Plan;
 use crate::preset::Preset;
 use crate::run_folder::RunFolder;
-use crate::stage::Stage;
 
 /// Arguments of `peers`.
 #[derive(Debug, Args)]
@@ -46,8 +45,8 @@ pub struct Arguments {
 /// When the run folder holds no plan, or one already where a run was to begin, or cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let (folder, plan, library) = match &arguments.preset {
-        None => begun(&arguments.run)?,
+    let run = match &arguments.preset {
+        None => Begun::open(&arguments.run)?,
         Some(preset) => {
             let folder = RunFolder::open(&arguments.run)?;
             if Plan::load(&folder).is_ok() {
@@ -61,23 +60,20 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             let (data, skip_bad) = (arguments.data.data.as_deref(), arguments.data.skip_bad);
             let plan = Plan::new(preset, &library, data, skip_bad, None)?;
             plan.save(&folder)?;
-            (folder, plan, library)
+            Begun {
+                folder,
+                plan,
+                library,
+            }
         }
     };
-    eprintln!("left out: {}", plan.split.held_out.join(", "));
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device: arguments.backend.device(),
-        resume: arguments.resume,
-        interrupt: &interrupt,
-    };
+    eprintln!("left out: {}", run.plan.split.held_out.join(", "));
+    let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
     let mut peers = Peer::ALL.to_vec();
     peers.retain(|peer| arguments.only.is_empty() || arguments.only.contains(peer));
     stage.train_peers(&peers)?;
     for peer in peers {
-        println!("{}", folder.file(&peer.model_file()).display());
+        println!("{}", run.folder.file(&peer.model_file()).display());
     }
     Ok(())
 }

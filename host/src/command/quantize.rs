@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, begun};
+use super::arguments::{BackendArguments, Begun};
 use crate::interrupt::Interrupt;
-use crate::stage::Stage;
 
 /// Arguments of `quantize`.
 #[derive(Debug, Args)]
@@ -27,20 +26,12 @@ pub struct Arguments {
 /// When the run folder holds no student or the file cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let (folder, plan, library) = begun(&arguments.run)?;
+    let run = Begun::open(&arguments.run)?;
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| folder.file(super::quickstart::MODEL));
-    let device = arguments.backend.device();
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device,
-        resume: false,
-        interrupt: &interrupt,
-    };
+        .unwrap_or_else(|| run.folder.file(super::quickstart::MODEL));
+    let stage = run.stage(&arguments.backend, false, &interrupt);
     let bytes = stage.quantize(&out)?;
     println!("{} ({} bytes)", out.display(), bytes.len());
     Ok(())

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use shared::units::LOOK_AHEAD;
 
-use super::arguments::{BackendArguments, DataArguments, recordings};
+use super::arguments::{BackendArguments, Begun, DataArguments, recordings};
 use super::table::tables;
 use crate::evaluation::judge::{LookAhead, confusion, offsets};
 use crate::evaluation::track::track;
@@ -92,23 +92,20 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ));
     }
 
-    let device = arguments.backend.device();
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device,
-        resume: arguments.resume,
-        interrupt: &interrupt,
+    let run = Begun {
+        folder,
+        plan,
+        library,
     };
+    let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
     stage.train()?;
     stage.distill()?;
-    let model = folder.file(MODEL);
+    let model = run.folder.file(MODEL);
     let bytes = stage.quantize(&model)?;
     let (results, judged) = stage.evaluate(Some(&bytes))?;
     // Once more, now that there are measurements to put beside the weights.
     let bytes = stage.quantize(&model)?;
-    let page = folder.file("report.html");
+    let page = run.folder.file("report.html");
     report(&stage, &results, &judged, &page)?;
 
     let mut out = std::io::stdout().lock();

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, DataArguments, begun};
+use super::arguments::{BackendArguments, Begun, DataArguments};
 use crate::interrupt::Interrupt;
 use crate::plan::{Plan, Turn};
 use crate::preset::Preset;
 use crate::recording::folds::Protocol;
 use crate::run_folder::RunFolder;
-use crate::stage::Stage;
+use crate::teacher;
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]
@@ -59,8 +59,8 @@ pub struct Arguments {
 /// When recordings, preset or folder cannot be used.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let (folder, plan, library) = if arguments.resume {
-        begun(&arguments.run)?
+    let run = if arguments.resume {
+        Begun::open(&arguments.run)?
     } else {
         let mut preset = Preset::find(&arguments.preset)?;
         preset.seed = arguments.seed.unwrap_or(preset.seed);
@@ -81,18 +81,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
         let folder = RunFolder::open(&arguments.run)?;
         plan.save(&folder)?;
-        (folder, plan, library)
+        Begun {
+            folder,
+            plan,
+            library,
+        }
     };
-    eprintln!("left out: {}", plan.split.held_out.join(", "));
-    let stage = Stage {
-        run: &folder,
-        plan: &plan,
-        library: &library,
-        device: arguments.backend.device(),
-        resume: arguments.resume,
-        interrupt: &interrupt,
-    };
+    eprintln!("left out: {}", run.plan.split.held_out.join(", "));
+    let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
     stage.train()?;
-    println!("{}", folder.file("teacher.bpk").display());
+    println!("{}", run.folder.model(teacher::training::NAME).display());
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! What the trained peers of a run's folder say at every patch.
 
 use burn::tensor::{Device, Tensor, TensorData};
-use rayon::prelude::*;
 use shared::units::{CleanSample, PATCH, Sample};
 
 use super::Peer;
@@ -17,7 +16,7 @@ use crate::estimate::{Rows, numbers};
 use crate::evaluation::judge::Candidate;
 use crate::evaluation::trial::Trial;
 use crate::interrupt::Interrupt;
-use crate::progress;
+use crate::parallel;
 use crate::run_folder::{RunError, RunFolder};
 use crate::teacher::dropout::Dropout;
 
@@ -48,7 +47,6 @@ impl<N: Network + Send> Voice for Trained<N> {
 
 /// A trained peer.
 pub struct TrainedPeer {
-    peer: Peer,
     front: FrontEnd,
     classes: usize,
     voice: Box<dyn Voice>,
@@ -79,7 +77,6 @@ impl TrainedPeer {
             Peer::TraHgr => network(TraHgrConfig::default().init(classes, device), place)?,
         };
         Ok(Some(Self {
-            peer,
             front: run.load_json(&peer.front_end_file())?,
             classes,
             voice,
@@ -136,23 +133,13 @@ pub fn candidates(
         let Some(trained) = TrainedPeer::load(peer, run, classes, device)? else {
             continue;
         };
-        let bar = progress::bar(trials.len(), trained.peer.name());
-        let rows = trials
-            .par_iter()
-            .map(|trial| {
-                if interrupt.asked() {
-                    return Err(run.interrupted());
-                }
-                let rows = trained.rows(&trial.raw, &trial.emg);
-                bar.inc(1);
-                Ok(rows)
-            })
-            .collect::<Result<_, _>>();
-        bar.finish_and_clear();
+        let rows = parallel::map(peer.name(), trials, run, interrupt, |trial| {
+            trained.rows(&trial.raw, &trial.emg)
+        })?;
         candidates.push(Candidate {
             name: peer.name().to_owned(),
             looks_back: peer.looks_back(),
-            rows: rows?,
+            rows,
         });
     }
     Ok(candidates)

@@ -24,6 +24,8 @@ pub mod training;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
+use crate::run_folder::model_file;
+
 /// One of the paper's baselines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -82,7 +84,7 @@ impl Peer {
     pub fn model_file(self) -> String {
         match self {
             Self::Lda => format!("{}-model.json", self.file()),
-            Self::Mlp | Self::Lstm | Self::EdTcn | Self::TraHgr => format!("{}.bpk", self.file()),
+            Self::Mlp | Self::Lstm | Self::EdTcn | Self::TraHgr => model_file(self.file()),
         }
     }
 

@@ -2,7 +2,6 @@
 
 use std::marker::PhantomData;
 
-use burn::tensor::activation::log_softmax;
 use burn::tensor::{Device, Int, Tensor, TensorData};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -22,6 +21,7 @@ use crate::corpus::Corpus;
 use crate::estimate::{best_class, numbers};
 use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
+use crate::loss::cross_entropy;
 use crate::progress;
 use crate::run_folder::RunFolder;
 use crate::schedule::Course;
@@ -223,10 +223,8 @@ impl Batch {
 
     /// Cross entropy against the labels: the sum over labelled answers over the batch's number of them.
     fn loss(&self, logits: Tensor<3>) -> Tensor<1> {
-        let log_probability = log_softmax(logits, 2)
-            .gather(2, self.label.clone())
-            .squeeze_dim::<2>(2);
-        (log_probability * self.labelled.clone()).sum() * (-1.0 / self.answers.max(1.0))
+        let weight = self.labelled.clone().unsqueeze_dim(2);
+        cross_entropy(logits, self.label.clone(), weight, self.answers)
     }
 }
 

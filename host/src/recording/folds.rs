@@ -23,7 +23,7 @@ pub enum Protocol {
 impl Protocol {
     /// Runs that leave everybody in the recordings out once.
     #[must_use]
-    pub fn folds(self, recordings: &[Recording]) -> usize {
+    pub fn folds<'a>(self, recordings: impl IntoIterator<Item = &'a Recording>) -> usize {
         match self {
             Self::LeaveOneSubjectOut => most_subjects(recordings),
             Self::LeaveGroupsOut(folds) => folds,
@@ -64,7 +64,11 @@ impl FromStr for Protocol {
 /// smaller sets leave nobody out in some runs. The seed deals the subjects; a set's deal does not
 /// depend on the other sets.
 #[must_use]
-pub fn folds(recordings: &[Recording], folds: usize, seed: u64) -> Vec<Vec<String>> {
+pub fn folds<'a>(
+    recordings: impl IntoIterator<Item = &'a Recording>,
+    folds: usize,
+    seed: u64,
+) -> Vec<Vec<String>> {
     let mut groups = vec![Vec::new(); folds];
     for (data_set, mut subjects) in subjects(recordings) {
         subjects.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ fnv(data_set.name())));
@@ -78,7 +82,7 @@ pub fn folds(recordings: &[Recording], folds: usize, seed: u64) -> Vec<Vec<Strin
     groups
 }
 
-fn most_subjects(recordings: &[Recording]) -> usize {
+fn most_subjects<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> usize {
     subjects(recordings)
         .values()
         .map(Vec::len)
@@ -86,7 +90,9 @@ fn most_subjects(recordings: &[Recording]) -> usize {
         .unwrap_or(0)
 }
 
-fn subjects(recordings: &[Recording]) -> BTreeMap<DataSet, Vec<&str>> {
+fn subjects<'a>(
+    recordings: impl IntoIterator<Item = &'a Recording>,
+) -> BTreeMap<DataSet, Vec<&'a str>> {
     let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();
     for recording in recordings {
         subjects

@@ -92,9 +92,12 @@ impl Split {
     ///
     /// # Errors
     /// See [`SplitError`].
-    pub fn new(recordings: &[Recording], options: &SplitOptions) -> Result<Self, SplitError> {
+    pub fn new<'a>(
+        recordings: impl IntoIterator<Item = &'a Recording>,
+        options: &SplitOptions,
+    ) -> Result<Self, SplitError> {
         let mut rest: BTreeSet<(DataSet, &str)> = recordings
-            .iter()
+            .into_iter()
             .map(|r| (r.data_set, r.subject.as_str()))
             .collect();
         let everybody = rest.clone();

@@ -13,6 +13,7 @@ use crate::corpus::{Augmentation, Corpus, Variation, patch_labels};
 use crate::estimate::{Rows, numbers, padded};
 use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
+use crate::loss::cross_entropy;
 use crate::run_folder::{RunError, RunFolder};
 use crate::schedule::Course;
 
@@ -262,10 +263,12 @@ impl StudentLearner<'_> {
 
     /// Cross entropy against the labels, mean over labelled answers.
     fn label_loss(logits: &Tensor<4>, questions: &Questions) -> Tensor<1> {
-        let log_probability = log_softmax(logits.clone(), 3)
-            .gather(3, questions.label.clone())
-            .squeeze_dim::<3>(3);
-        (log_probability * questions.labelled.clone()).sum() * (-1.0 / questions.answers.max(1.0))
+        cross_entropy(
+            logits.clone(),
+            questions.label.clone(),
+            questions.labelled.clone().unsqueeze_dim(3),
+            questions.answers,
+        )
     }
 
     /// Divergence from the softened teacher, mean over its answers, scaled by the temperature's

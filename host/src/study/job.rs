@@ -16,8 +16,9 @@ use crate::preset::Preset;
 use crate::progress;
 use crate::recording::Library;
 use crate::recording::folds::Protocol;
-use crate::run_folder::{RunError, RunFolder};
+use crate::run_folder::{RunError, RunFolder, model_file};
 use crate::stage::{RESULTS, Stage};
+use crate::teacher;
 
 /// What all jobs of a study have in common.
 pub struct Study<'a> {
@@ -49,7 +50,7 @@ impl Study<'_> {
             return Ok(vec![None]);
         }
         let labelled = Plan::labelled(&variant.preset(self.preset), self.library)?;
-        Ok((1..=self.protocol.folds(&labelled)).map(Some).collect())
+        Ok((1..=self.protocol.folds(labelled)).map(Some).collect())
     }
 
     /// Runs a job, or what is left of it; nothing if its results are there.
@@ -117,7 +118,7 @@ impl Study<'_> {
         plan.variant = variant.to_string();
         if variant.is_pretrained() {
             let start = self.path(Variant::Pretraining, None);
-            if !start.join("teacher.bpk").exists() {
+            if !start.join(model_file(teacher::training::NAME)).exists() {
                 bail!(
                     "{}: no teacher to start from; run `myointent study --variant pretraining` first",
                     start.display()

@@ -9,24 +9,6 @@ pub(super) const WRIST: &str = "wrist";
 /// Every table comes twice.
 pub(super) const TRUTHS: [Truth; 2] = [Truth::Moved, Truth::Published];
 
-/// What the variants are, as far as the tables know them.
-const KNOWN: [(&str, &str); 8] = [
-    (MAIN, "3 classes on roshambo and ss-stm"),
-    (
-        WRIST,
-        "the wrist's classes too, on ss-stm, myo-readings and cote-allard",
-    ),
-    ("scratch", "a teacher trained on roshambo alone"),
-    (
-        "pretrained",
-        "a teacher trained on all other sets, never on roshambo",
-    ),
-    ("fine-tuned", "that teacher, fine-tuned on roshambo"),
-    ("lora", "that teacher, fine-tuned on roshambo with LoRA"),
-    ("window-100", "a teacher that sees 100 samples"),
-    ("window-300", "a teacher that sees 300 samples"),
-];
-
 /// A table or its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Section {
@@ -59,9 +41,9 @@ pub(super) fn is_known(variant: &str) -> bool {
 
 /// What a variant that is not there would be.
 pub(super) fn would_fill(variant: &str) -> String {
-    let what = KNOWN
-        .iter()
-        .find(|(known, _)| *known == variant)
-        .map_or_else(String::new, |(_, what)| format!(" ({what})"));
+    let what = variant.parse::<Variant>().map_or_else(
+        |_| String::new(),
+        |known| format!(" ({})", known.description()),
+    );
     format!("`myointent study --variant {variant}`{what} would fill it")
 }

@@ -45,6 +45,24 @@ impl Variant {
         Self::Wrist,
     ];
 
+    /// What it is, for whoever lacks its results.
+    #[must_use]
+    pub fn description(self) -> String {
+        let target = TARGET.name();
+        match self {
+            Self::Main => "3 classes on roshambo and ss-stm".to_owned(),
+            Self::Wrist => {
+                "the wrist's classes too, on ss-stm, myo-readings and cote-allard".to_owned()
+            }
+            Self::Pretraining => format!("a teacher of all sets but {target}, to start from"),
+            Self::Scratch => format!("a teacher trained on {target} alone"),
+            Self::Pretrained => format!("a teacher trained on all other sets, never on {target}"),
+            Self::FineTuned => format!("that teacher, fine-tuned on {target}"),
+            Self::Lora => format!("that teacher, fine-tuned on {target} with LoRA"),
+            Self::Window(samples) => format!("a teacher that sees {samples} samples"),
+        }
+    }
+
     /// Whether everybody is left out in turn.
     #[must_use]
     pub fn has_folds(self) -> bool {

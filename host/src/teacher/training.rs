@@ -1,7 +1,6 @@
 //! Trains a teacher on windows, tasks and masks that are renewed each epoch.
 
 use burn::module::{Lora, Module as _, ParamGroup};
-use burn::tensor::activation::log_softmax;
 use burn::tensor::{Device, Tensor};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -15,6 +14,7 @@ use crate::corpus::{Augmentation, Corpus, Variation};
 use crate::estimate::{best_class, numbers};
 use crate::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::interrupt::Interrupt;
+use crate::loss::cross_entropy;
 use crate::run_folder::{RunError, RunFolder};
 use crate::schedule::Course;
 
@@ -277,11 +277,12 @@ pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
     let difference = output.emg.clone() - batch.emg_target.clone();
     let emg = (difference.square() * batch.input.emg_mask.clone()).sum()
         * (1.0 / batch.emg_cells.max(1) as f64);
-    let log_probabilities = log_softmax(output.intent.clone(), 2)
-        .gather(2, batch.intent_target.clone().unsqueeze_dim(2))
-        .squeeze_dim::<2>(2);
-    let intent = (log_probabilities * batch.intent_weight.clone()).sum()
-        * (-1.0 / batch.intent_samples.max(1) as f64);
+    let intent = cross_entropy(
+        output.intent.clone(),
+        batch.intent_target.clone().unsqueeze_dim(2),
+        batch.intent_weight.clone().unsqueeze_dim(2),
+        batch.intent_samples as f64,
+    );
     (emg, intent)
 }
 
