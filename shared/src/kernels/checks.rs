@@ -2,7 +2,10 @@
 //!
 //! Naive twins in i64, lengths from nothing to the longest, extremes and seeded noise.
 
-use super::{Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT};
+use super::{
+    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT,
+    portable::Portable,
+};
 
 /// A kernel and its twin disagree.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
@@ -35,6 +38,8 @@ pub enum Fill {
     Alternating,
     /// Uniform over the whole range.
     Noise,
+    /// Infinities, what is no number, and the smallest.
+    Special,
 }
 
 const FILLS: [Fill; 5] = [
@@ -54,6 +59,24 @@ const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];
 const BESIDE: [(usize, usize); 6] = [(1, 0), (3, 4), (4, 0), (9, 4), (16, 5), (27, 1)];
 /// Lengths of `quantize`.
 const LENGTHS: [usize; 7] = [0, 1, 2, 7, 16, 127, MAX_COLUMNS];
+/// What no token should be, and what one may just be.
+const SPECIAL: [[f32; 8]; 6] = [
+    [f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -f32::NAN],
+    [1.0, 2.0, f32::INFINITY, 3.0, 4.0, 5.0, 6.0, 7.0],
+    [0.0, -0.0, f32::NEG_INFINITY, 0.0, -1.0, 1.0, 0.0, 0.0],
+    [9e-31, -9e-31, 1e-38, 1e-45, 0.0, -0.0, 0.0, 0.0],
+    [1e-30, -1e-30, 5e-31, 2.5e-31, 1e-38, 0.0, -0.0, 0.0],
+    [
+        f32::MAX,
+        f32::MIN,
+        1.0,
+        -1.0,
+        f32::MIN_POSITIVE,
+        0.0,
+        1e38,
+        -1e38,
+    ],
+];
 /// Draws of noise for each kernel, of random shapes.
 const DRAWS: usize = 10_000;
 /// Most columns in a draw: ten thousand of them on an emulated core are a matter of seconds.
@@ -62,6 +85,7 @@ const MOST_ROWS: usize = 12;
 
 /// Calls of kernels in one call of [`judge`].
 pub const CASES: usize = 4 * DRAWS
+    + SPECIAL.len()
     + FILLS.len() * (COLUMNS.len() * ROWS.len() + 2 * TERMS.len() * BESIDE.len() + LENGTHS.len());
 
 /// Judges a form by the whole catalogue and counts the judgements.
@@ -87,6 +111,9 @@ pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
         for length in LENGTHS {
             judged += quantize::<K>(length, fill, &mut noise)?;
         }
+    }
+    for values in SPECIAL {
+        judged += quantize_special::<K>(values)?;
     }
     for _ in 0..DRAWS {
         let columns = 4 * noise.below(DRAWN_COLUMNS / 4 + 1);
@@ -219,18 +246,22 @@ fn weighted_rows<K: Kernels>(
     Ok(1)
 }
 
-/// Against the formula in f64: a code may differ from it only where the two f32 roundings can
+/// Against the portable form, bit for bit, and against the formula in f64: a code may differ from it only where the two f32 roundings can
 /// carry it, and the largest value has the largest code.
 fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
     let mut values = [0.0_f32; MAX_COLUMNS];
-    let mut codes = [1_i16; MAX_COLUMNS];
-    let (values, codes) = (&mut values[..length], &mut codes[..length]);
+    let mut codes = Aligned([1_i16; MAX_COLUMNS]);
+    let (values, codes) = (&mut values[..length], &mut codes.0[..length]);
     for (index, value) in values.iter_mut().enumerate() {
         let integer = noise.value(fill, index, [-99_999, 99_999], [-99_999, 99_999]);
         *value = integer as f32 * 1e-3;
     }
     let limit = [QUERY_LIMIT, KEY_LIMIT, TOKEN_LIMIT][length % 3];
     let scale = K::quantize(values, limit, codes);
+    // Floats: what every form has to equal to the bit is the portable one.
+    let mut portable = [2_i16; MAX_COLUMNS];
+    let portable = &mut portable[..length];
+    let portable_scale = Portable::quantize(values, limit, portable);
     let mut largest = 0.0;
     for value in &*values {
         if value.abs() > largest {
@@ -245,6 +276,10 @@ fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<
         expected: i64::from(expected.to_bits()),
         found: i64::from(found.to_bits()),
     };
+    agree(mismatch(0, portable_scale, scale))?;
+    for (row, (&code, &portable)) in codes.iter().zip(&*portable).enumerate() {
+        agree(mismatch(row, f32::from(portable), f32::from(code)))?;
+    }
     agree(mismatch(0, largest / f32::from(limit), scale))?;
     for (row, (&value, &code)) in values.iter().zip(&*codes).enumerate() {
         let exact = f64::from(value) * f64::from(limit) / f64::from(largest.max(1e-30));
@@ -252,6 +287,31 @@ fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<
         let is_largest = value.abs() == largest && largest > 0.0;
         if distance.abs() > 0.51 || (is_largest && code.unsigned_abs() != limit.unsigned_abs()) {
             return Err(mismatch(row, exact as f32, f32::from(code)));
+        }
+    }
+    Ok(1)
+}
+
+/// Against the portable form, bit for bit.
+fn quantize_special<K: Kernels>(values: [f32; 8]) -> Result<usize, Mismatch> {
+    let [mut found, mut expected] = [[Aligned([1_i16; 8]); 2]; 2];
+    for (part, limit) in [QUERY_LIMIT, TOKEN_LIMIT].into_iter().enumerate() {
+        let scales = [
+            Portable::quantize(&values, limit, &mut expected[part].0),
+            K::quantize(&values, limit, &mut found[part].0),
+        ];
+        let codes = expected[part].0.into_iter().zip(found[part].0);
+        let pairs = codes.map(|(expected, found)| [i64::from(expected), i64::from(found)]);
+        let scales = scales.map(|scale| i64::from(scale.to_bits()));
+        for (row, [expected, found]) in core::iter::once(scales).chain(pairs).enumerate() {
+            agree(Mismatch {
+                kernel: "quantize",
+                length: values.len(),
+                fill: Fill::Special,
+                row,
+                expected,
+                found,
+            })?;
         }
     }
     Ok(1)
@@ -287,7 +347,9 @@ impl Noise {
             Fill::Minima => extremes[0],
             Fill::Maxima => extremes[1],
             Fill::Alternating => range[index % 2],
-            Fill::Noise => range[0] + (self.bits() % (range[1] - range[0] + 1) as u32) as i32,
+            Fill::Noise | Fill::Special => {
+                range[0] + (self.bits() % (range[1] - range[0] + 1) as u32) as i32
+            }
         }
     }
 }
@@ -295,7 +357,6 @@ impl Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::portable::Portable;
 
     /// Forgets the last term of an odd number, the classic slip of a paired loop.
     struct DropsTheTail;
