@@ -4,7 +4,7 @@
 
 /// The whole region: where it lies, or a copy in RAM, if the feature `model-in-ram` asks for one.
 ///
-/// In flash, each word of weights costs two wait states that no cache hides; a copy costs 160 KiB of RAM. To be
+/// No cache hides what a word of data from flash waits; a copy costs 160 KiB of RAM (docs/budgets.md). To be
 /// called once.
 pub fn bytes() -> &'static [u8] {
     #[cfg(feature = "model-in-ram")]
