@@ -1,7 +1,7 @@
 //! From a preset and the recordings at hand to what will run: who is left out, how late the labels
 //! are, which streams are trained on. Saved beside the results.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
@@ -323,20 +323,17 @@ impl Plan {
                 .or_default()
                 .push(recording);
         }
-        let people = |recordings: &[&Recording]| {
-            let names: BTreeSet<&str> = recordings.iter().map(|r| r.subject.as_str()).collect();
-            names.len()
-        };
-        let most = by_set.values().map(|own| people(own)).max().unwrap_or(0);
+        let people = folds::subjects(by_set.values().flatten().copied());
+        let most = people.values().map(Vec::len).max().unwrap_or(0);
         let mut streams = Vec::new();
-        for recordings in by_set.values() {
+        for (data_set, recordings) in &by_set {
             if self.preset.data.as_published {
                 streams.extend(recordings.iter().map(|recording| {
                     Stream::new(self.samples(recording), self.moved_labels(recording))
                 }));
             }
             if self.preset.data.spliced_seconds > 0.0 {
-                let share = most as f64 / people(recordings) as f64;
+                let share = most as f64 / people[data_set].len() as f64;
                 let seconds =
                     self.preset.data.spliced_seconds * share.powf(self.preset.data.balance);
                 let spliced = self.spliced(recordings, seconds);
@@ -356,13 +353,7 @@ impl Plan {
 
 /// Listed subjects, and for data sets without a listed one a share that the seed chooses.
 fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError> {
-    let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();
-    for recording in recordings {
-        let known = subjects.entry(recording.data_set).or_default();
-        if !known.contains(&recording.subject.as_str()) {
-            known.push(&recording.subject);
-        }
-    }
+    let subjects = folds::subjects(recordings.iter().copied());
     let data = &preset.data;
     let listed = |list: &[String], share: f64| {
         let mut chosen = Vec::new();

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use crate::interrupt::Interrupt;
 use crate::plan::Plan;
 use crate::recording::{Library, LoadOptions, load, synth};
-use crate::run_folder::RunFolder;
+use crate::run_folder::{RunError, RunFolder};
 use crate::stage::Stage;
 
 /// Where recordings lie.
@@ -107,6 +107,19 @@ impl Begun {
                 format!("no run has begun in {run}; start with `myointent train --run {run}`")
             })?;
         let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
+        Ok(Self {
+            folder,
+            plan,
+            library,
+        })
+    }
+
+    /// A run that begins, or goes on, by this plan: it is written into the folder.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn begin(folder: RunFolder, plan: Plan, library: Library) -> Result<Self, RunError> {
+        plan.save(&folder)?;
         Ok(Self {
             folder,
             plan,

@@ -59,12 +59,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             let library = arguments.data.load(preset.seed)?;
             let (data, skip_bad) = (arguments.data.data.as_deref(), arguments.data.skip_bad);
             let plan = Plan::new(preset, &library, data, skip_bad, None)?;
-            plan.save(&folder)?;
-            Begun {
-                folder,
-                plan,
-                library,
-            }
+            Begun::begin(folder, plan, library)?
         }
     };
     eprintln!("left out: {}", run.plan.split.held_out.join(", "));

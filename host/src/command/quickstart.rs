@@ -74,7 +74,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         Plan::new(preset, &library, data, skip_bad, None)?
     };
-    plan.save(&folder)?;
+    let run = Begun::begin(folder, plan, library)?;
+    let plan = &run.plan;
     progress::say(&format!(
         "training on {} subjects: {}",
         plan.split.training.len(),
@@ -92,11 +93,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ));
     }
 
-    let run = Begun {
-        folder,
-        plan,
-        library,
-    };
     let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
     stage.train()?;
     stage.distill()?;

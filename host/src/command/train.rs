@@ -80,12 +80,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             plan.start_from(start)?;
         }
         let folder = RunFolder::open(&arguments.run)?;
-        plan.save(&folder)?;
-        Begun {
-            folder,
-            plan,
-            library,
-        }
+        Begun::begin(folder, plan, library)?
     };
     eprintln!("left out: {}", run.plan.split.held_out.join(", "));
     let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);

@@ -90,7 +90,9 @@ fn most_subjects<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> usi
         .unwrap_or(0)
 }
 
-fn subjects<'a>(
+/// The subjects of each data set, in alphabetical order.
+#[must_use]
+pub fn subjects<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
 ) -> BTreeMap<DataSet, Vec<&'a str>> {
     let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();

@@ -18,7 +18,7 @@ pub fn quantize<'c, const D: usize>(token: &[f32], codes: &'c mut Codes<D>) -> (
     (codes, scale)
 }
 
-/// Gives every output `y = finish(sum as f32 * (scale * row scale) + bias)`.
+/// Gives every output `y = finish(sum * (scale * row scale) + bias)`.
 ///
 /// The input is `codes * scale`; the sum is exact in i32. `outputs` has one place per row, and more up to a whole
 /// number of tiles: sums come to where their outputs will be.
@@ -32,7 +32,7 @@ pub fn map(
     Active::multiply(map.weights, codes, bytemuck::cast_slice_mut(outputs));
     for (output, (row_scale, bias)) in outputs.iter_mut().zip(map.scales.iter().zip(map.bias)) {
         let sum = output.to_bits().cast_signed();
-        *output = finish(sum as f32 * (scale * row_scale) + bias);
+        *output = finish(rescaled(sum, scale * row_scale, *bias));
     }
 }
 
@@ -48,8 +48,13 @@ pub fn add<const D: usize>(
     Active::multiply(map.weights, codes, sums);
     let rows = h.iter_mut().zip(&*sums);
     for ((h, &sum), (row_scale, bias)) in rows.zip(map.scales.iter().zip(map.bias)) {
-        *h += sum as f32 * (scale * row_scale) + bias;
+        *h += rescaled(sum, scale * row_scale, *bias);
     }
+}
+
+#[inline]
+fn rescaled(sum: i32, scale: f32, bias: f32) -> f32 {
+    sum as f32 * scale + bias
 }
 
 /// The output as it is.

@@ -54,10 +54,7 @@ impl Kernels for CortexM4 {
         if !fits {
             return elsewhere(|| Portable::row_products(codes, rows, stride, sums));
         }
-        let mut done = 0;
-        while done < count {
-            // The last block moves up to end with the last row; what it does twice it does alike.
-            let start = done.min(count - BLOCK);
+        blocks(count, BLOCK, |start| {
             // SAFETY: the last of the four rows ends within `rows`, as `start` is at most `count - 4`; `sums` has
             // four places from there; all words are aligned, and there is a group of columns.
             unsafe {
@@ -69,8 +66,7 @@ impl Kernels for CortexM4 {
                     sums.as_mut_ptr().add(start),
                 );
             }
-            done += BLOCK;
-        }
+        });
     }
 
     #[inline]
@@ -86,10 +82,7 @@ impl Kernels for CortexM4 {
         if !fits {
             return elsewhere(|| Portable::weighted_rows(weights, rows, stride, sums));
         }
-        let mut done = 0;
-        while done < columns {
-            // The last block moves up to end with the last column; what it does twice it does alike.
-            let start = done.min(columns - COLUMNS);
+        blocks(columns, COLUMNS, |start| {
             // SAFETY: the last of the eight columns ends within the last row, as `start` is at most `columns - 8`, and
             // is even as both of these are; `sums` has eight places from there; there are two rows or more.
             unsafe {
@@ -101,8 +94,7 @@ impl Kernels for CortexM4 {
                     sums.as_mut_ptr().add(start),
                 );
             }
-            done += COLUMNS;
-        }
+        });
     }
 
     #[inline]
@@ -139,6 +131,17 @@ impl Kernels for CortexM4 {
 #[inline(never)]
 fn elsewhere<T>(form: impl FnOnce() -> T) -> T {
     form()
+}
+
+/// Begins a block of `size` at each multiple of it below `count`, `size` at least. The last one moves up to end
+/// with the end; what it does twice it does alike.
+#[inline(always)]
+fn blocks(count: usize, size: usize, mut begin: impl FnMut(usize)) {
+    let mut done = 0;
+    while done < count {
+        begin(done.min(count - size));
+        done += size;
+    }
 }
 
 /// Rows that [`four_rows`] takes.

@@ -46,7 +46,7 @@ const _: () = assert!(QUERY_LIMIT as i64 * KEY_LIMIT as i64 * MAX_TERMS as i64 <
 /// Kernels take slices at any address; only those that lie so are fast.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(C, align(4))]
-pub struct Aligned<T>(pub T);
+pub struct Aligned<T: ?Sized>(pub T);
 
 /// The inner loops. Pure functions: a form has no state.
 pub trait Kernels {

@@ -232,16 +232,9 @@ fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
 
 /// The bytes behind as many zeros as make them begin at a multiple of four bytes.
 fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
-    for pad in 0..ALIGNMENT {
-        let field = [&[0; ALIGNMENT][..pad], bytes].concat();
-        let start = file.len();
-        append::<[u8]>(file, &field);
-        if (file.len() - bytes.len()).is_multiple_of(ALIGNMENT) {
-            return;
-        }
-        // The field's own length took another byte, or the next pad is the right one.
-        if pad + 1 < ALIGNMENT {
-            file.truncate(start);
-        }
-    }
+    // The zeros count in the length that comes first, which for whole words takes no byte more for them: the
+    // longest lengths of one and of two bytes, 127 and 16 383, are three beyond a multiple of four.
+    let start = file.len() + list([bytes.len()]).len();
+    let pad = start.next_multiple_of(ALIGNMENT) - start;
+    append::<[u8]>(file, &[&[0; ALIGNMENT][..pad], bytes].concat());
 }

@@ -28,9 +28,8 @@ mod image {
     use crate::line;
 
     /// The model that the project ships, where flash has it: at a multiple of four.
-    static MODEL: Aligned<[u8; FILE.len()]> = Aligned(*FILE);
-    const FILE: &[u8; include_bytes!("../../../../../models/three-class.intent").len()] =
-        include_bytes!("../../../../../models/three-class.intent");
+    static MODEL: &Aligned<[u8]> =
+        &Aligned(*include_bytes!("../../../../../models/three-class.intent"));
 
     fn main() {
         let path = arguments().into_iter().next().expect("a file of samples");
