@@ -78,14 +78,18 @@ impl Study<'_> {
             resume: true,
             interrupt: self.interrupt,
         };
-        stage.train()?;
+        if !variant.is_student() {
+            stage.train()?;
+        }
         if !variant.has_folds() {
             return Ok(());
         }
-        let model = if variant.has_students() {
+        let model = if variant.has_students() || variant.is_student() {
             stage.distill()?;
-            stage.train_alone()?;
-            stage.train_peers(&Peer::ALL)?;
+            if variant.has_students() {
+                stage.train_alone()?;
+                stage.train_peers(&Peer::ALL)?;
+            }
             Some(stage.quantize(&folder.file(crate::command::quickstart::MODEL))?)
         } else {
             None

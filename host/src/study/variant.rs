@@ -3,6 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+use shared::encoder::usual_span;
+use shared::units::WINDOW_PATCHES;
+
 use crate::preset::Preset;
 use crate::recording::DataSet;
 
@@ -26,6 +29,13 @@ pub enum Variant {
     Scratch,
     /// A teacher of a shorter window, in samples.
     Window(usize),
+    /// A student of another size, of all sets and the labels alone: what a device's cycles buy.
+    Student {
+        /// Width of a patch's token.
+        width: usize,
+        /// Encoder layers.
+        layers: usize,
+    },
 }
 
 /// The set whose subjects the ablation of pre-training is judged on.
@@ -45,6 +55,22 @@ impl Variant {
         Self::Wrist,
     ];
 
+    /// Students by size; no part of [`Variant::ALL`], to be asked for by name.
+    pub const STUDENTS: [Self; 8] = [
+        Self::student(48, 2),
+        Self::student(64, 2),
+        Self::student(96, 2),
+        Self::student(128, 2),
+        Self::student(48, 3),
+        Self::student(64, 3),
+        Self::student(96, 3),
+        Self::student(128, 3),
+    ];
+
+    const fn student(width: usize, layers: usize) -> Self {
+        Self::Student { width, layers }
+    }
+
     /// What it is, for whoever lacks its results.
     #[must_use]
     pub fn description(self) -> String {
@@ -60,6 +86,9 @@ impl Variant {
             Self::FineTuned => format!("that teacher, fine-tuned on {target}"),
             Self::Lora => format!("that teacher, fine-tuned on {target} with LoRA"),
             Self::Window(samples) => format!("a teacher that sees {samples} samples"),
+            Self::Student { width, layers } => {
+                format!("a student {width} wide with {layers} layers, on all sets")
+            }
         }
     }
 
@@ -69,10 +98,17 @@ impl Variant {
         self != Self::Pretraining
     }
 
-    /// Whether students and peers are trained too; the other variants ask about the teacher alone.
+    /// Whether students with and without a teacher, and peers, are trained too; most other variants ask about the
+    /// teacher alone.
     #[must_use]
     pub fn has_students(self) -> bool {
         matches!(self, Self::Main | Self::Wrist)
+    }
+
+    /// Whether there is a student and nothing else.
+    #[must_use]
+    pub fn is_student(self) -> bool {
+        matches!(self, Self::Student { .. })
     }
 
     /// Whether training starts from [`Variant::Pretraining`].
@@ -88,6 +124,7 @@ impl Variant {
         preset.data.data_sets = match self {
             Self::Main | Self::Window(_) => return self.with_window(preset),
             Self::Scratch | Self::Pretrained | Self::FineTuned | Self::Lora => vec![TARGET],
+            Self::Student { width, layers } => return sized(preset, width, layers),
             Self::Pretraining => vec![DataSet::SsStm, DataSet::MyoReadings, DataSet::CoteAllard],
             Self::Wrist => {
                 preset.classes = 6;
@@ -118,6 +155,19 @@ impl Variant {
     }
 }
 
+/// A student of this size, trained as the one that the project ships (preset `cpu`) is.
+fn sized(mut preset: Preset, width: usize, layers: usize) -> Preset {
+    preset.student.d_model = width;
+    preset.student.layers = layers;
+    preset.student.span = usual_span(layers);
+    preset.data.data_sets.clear();
+    preset.data.balance = 0.5;
+    preset.distillation.patches = 2 * WINDOW_PATCHES;
+    preset.distillation.average = 0.998;
+    preset.distillation.teacher_share = 0.0;
+    preset
+}
+
 impl fmt::Display for Variant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -129,6 +179,7 @@ impl fmt::Display for Variant {
             Self::Lora => f.write_str("lora"),
             Self::Scratch => f.write_str("scratch"),
             Self::Window(samples) => write!(f, "window-{samples}"),
+            Self::Student { width, layers } => write!(f, "student-{width}x{layers}"),
         }
     }
 }
@@ -137,12 +188,12 @@ impl FromStr for Variant {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
+        let all = || Self::ALL.into_iter().chain(Self::STUDENTS);
+        all()
             .find(|variant| variant.to_string() == text)
             .ok_or_else(|| {
-                let known = Self::ALL.map(|variant| variant.to_string()).join(", ");
-                format!("expected one of {known}, found {text:?}")
+                let known: Vec<String> = all().map(|variant| variant.to_string()).collect();
+                format!("expected one of {}, found {text:?}", known.join(", "))
             })
     }
 }
@@ -154,7 +205,7 @@ mod tests {
     #[test]
     fn every_variants_preset_can_run_and_names_are_read_back() {
         let base = Preset::find("study").unwrap();
-        for variant in Variant::ALL {
+        for variant in Variant::ALL.into_iter().chain(Variant::STUDENTS) {
             let preset = variant.preset(&base);
             // A teacher that is taken as it is has no epochs, which a preset of its own must have.
             if variant != Variant::Pretrained {

@@ -25,7 +25,7 @@ pub fn scores<const D: usize>(
 ) -> Logits {
     normalise(norm, h, &mut scratch.token);
     let token = quantize(&scratch.token, &mut scratch.codes);
-    let mut outputs = [0.0; LOOK_BACK * MAX_CLASSES];
+    let mut outputs = [0.0; (LOOK_BACK * MAX_CLASSES).next_multiple_of(TILE_ROWS)];
     let rows = (LOOK_BACK * classes).next_multiple_of(TILE_ROWS);
     linear::map(head, token, &mut outputs[..rows], as_is);
     let mut logits = Logits::default();

@@ -35,20 +35,19 @@ use scratch::Scratch;
 
 /// Attention heads of every model.
 pub const HEADS: usize = 4;
-/// Widest residual stream: a head of 32, the most terms of a product of two codes.
-pub const MAX_WIDTH: usize = HEADS * kernels::MAX_TERMS;
+/// Widest residual stream: a head of 32.
+pub const MAX_WIDTH: usize = 128;
 /// Narrowest residual stream.
 pub const MIN_WIDTH: usize = 16;
 /// Most layers.
 pub const MAX_LAYERS: usize = 3;
-/// Longest attention span, in patches.
+/// Longest attention span, in patches: the most terms of a product of two codes.
 pub const MAX_SPAN: usize = kernels::MAX_TERMS;
 
 // Longest rows: the patch, and the second matrix of the feed-forward.
 const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
 const _: () = assert!(2 * MAX_WIDTH <= kernels::MAX_COLUMNS);
-// The head's outputs have room for whole tiles.
-const _: () = assert!((LOOK_BACK * crate::intent::MAX_CLASSES).is_multiple_of(kernels::TILE_ROWS));
+const _: () = assert!(MAX_WIDTH / HEADS <= kernels::MAX_TERMS);
 // The state of the usual student stays small: d = 64, two layers, 27 patches.
 const _: () = assert!(size_of::<EncoderState<64, 2, 27>>() < 20 * 1024);
 
@@ -65,6 +64,12 @@ pub type Logits = LookBackLogits;
 #[must_use]
 pub const fn receptive_field(layers: usize, span: usize) -> usize {
     layers * (span - 1) + 1
+}
+
+/// The span of a student of so many layers that is meant for a device: whatever their number, it hears 2.7 s.
+#[must_use]
+pub const fn usual_span(layers: usize) -> usize {
+    540 / PATCH / layers
 }
 
 /// The student: width `D`, `L` layers, attention over `SPAN` patches.
