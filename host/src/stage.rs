@@ -23,7 +23,7 @@ use crate::plan::Plan;
 use crate::progress;
 use crate::recording::Library;
 use crate::run_folder::{RunError, RunFolder, write_whole};
-use crate::student::any_encoder::any_encoder;
+use crate::student::any_encoder;
 use crate::student::distillation::{self, Distillation};
 use crate::student::model::Student;
 use crate::student::quantization::quantize;
@@ -533,12 +533,10 @@ fn integer_candidate(name: &str, bytes: &[u8], trials: &[Trial]) -> anyhow::Resu
 /// # Errors
 /// When no encoder of the model's shape is compiled.
 pub fn integer_rows(model: &Model<'_>, emg: &[CleanSample]) -> anyhow::Result<Vec<Rows>> {
-    let mut encoder = any_encoder(model)?;
     let stream = padded(emg);
     let (patches, _) = stream.as_chunks::<PATCH>();
-    Ok(patches
-        .iter()
-        .map(|patch| encoder.step(patch))
+    Ok(any_encoder::outputs(model, patches)?
+        .into_iter()
         .skip(WINDOW_PATCHES)
         .collect())
 }

@@ -10,6 +10,7 @@ use shared::{
         Dimensions, Model,
         samples::{Noise, random_model},
     },
+    pipeline::Encode as _,
     preprocess::Preprocessor,
     smoother::{Settings, Smoother},
     units::{LOOK_BACK, PATCH, Sample, SampleIndex},
@@ -35,13 +36,20 @@ fn encoder<const D: usize, const L: usize, const SPAN: usize>(bench: &mut Criter
         .as_flattened_mut()
         .fill_with(|| (noise.bits() % 129) as u8);
     let patches = vec![patch; 60];
-    let (mut state, _) = encoder.from_scratch(&patches);
-    let name = format!(
-        "encoder step d {D} L {L} span {SPAN}, file {} bytes",
-        bytes.len()
-    );
-    bench.bench_function(&name, |bencher| {
+    let mut state = encoder.fresh();
+    encoder.steps(&mut state, &patches, |logits| {
+        black_box(logits);
+    });
+    let name = format!("d {D} L {L} span {SPAN}, file {} bytes", bytes.len());
+    bench.bench_function(&format!("encoder step {name}"), |bencher| {
         bencher.iter(|| encoder.step(black_box(&mut state), black_box(&patch)));
+    });
+    bench.bench_function(&format!("60 steps {name}"), |bencher| {
+        bencher.iter(|| {
+            encoder.steps(black_box(&mut state), black_box(&patches), |logits| {
+                black_box(logits);
+            });
+        });
     });
 }
 

@@ -40,6 +40,18 @@ pub trait Encode {
 
     /// Takes the next patch, oldest sample first.
     fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits;
+
+    /// Takes patches that follow one another: as many steps, bit for bit, perhaps sooner done.
+    fn steps(
+        &self,
+        state: &mut Self::State,
+        patches: &[[CleanSample; PATCH]],
+        mut output: impl FnMut(LookBackLogits),
+    ) {
+        for patch in patches {
+            output(self.step(state, patch));
+        }
+    }
 }
 
 /// What one input made happen, in order: at most a change of state and a label.

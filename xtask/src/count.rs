@@ -1,7 +1,7 @@
 //! Executed instructions per patch on the Cortex-M4F, part by part.
 
 use std::{
-    fmt, fs,
+    fmt, fs, iter,
     path::{Path, PathBuf},
     process, thread,
     time::Duration,
@@ -30,6 +30,11 @@ const PARTS: [(&str, f64); 8] = [
     ("smoother", 1.4),
     ("rest", 1.4),
 ];
+/// What is told besides: the line as a whole, the encoder without marks between its parts, and from scratch over a window
+/// a patch's share and what is done in one piece.
+const SUMS: [&str; 4] = ["total", "encoder", "rebuild", "slice"];
+/// Most that a slice may keep the radio's tasks waiting.
+const SLICE_MS: f64 = 10.0;
 /// Change of the total for the worse that has to be explained, in percent.
 const TOLERANCE: f64 = 2.0;
 /// The counts of the last commit, in the form that the image prints.
@@ -44,8 +49,14 @@ pub struct Arguments {
     /// A recording to run over, as an npy file of bytes, shape (n, 8). Otherwise a made-up signal.
     #[arg(long, value_name = "FILE.npy")]
     recording: Option<PathBuf>,
+    /// A model to run; otherwise the one that the project ships, judged by its budget.
+    #[arg(long, value_name = "FILE.intent")]
+    model: Option<PathBuf>,
+    /// The model takes patches of 5 samples.
+    #[arg(long, requires = "model")]
+    patch_5: bool,
     /// Take these counts as the committed ones. Say in the commit why they are worse, if they are.
-    #[arg(long, conflicts_with = "recording")]
+    #[arg(long, conflicts_with_all = ["recording", "model"])]
     accept: bool,
 }
 
@@ -60,9 +71,14 @@ pub fn print(arguments: &Arguments) -> Result<()> {
     };
     let toolchain = toolchain::find(false)?;
     qemu::find()?;
-    let image = device::build(&toolchain, Image::Count)?;
-    let table = count(&image, &samples)?;
-    if arguments.recording.is_some() {
+    let image = if arguments.patch_5 {
+        Image::CountOfFives
+    } else {
+        Image::Count
+    };
+    let image = device::build(&toolchain, image)?;
+    let table = count(&image, &samples, arguments.model.as_deref())?;
+    if arguments.recording.is_some() || arguments.model.is_some() {
         println!(
             "{}",
             Comparison {
@@ -96,6 +112,11 @@ pub fn print(arguments: &Arguments) -> Result<()> {
         now <= BUDGET,
         "{now} instructions, over the budget of {BUDGET}"
     );
+    let slice = table.slice_ms();
+    ensure!(
+        slice <= SLICE_MS,
+        "a slice from scratch takes about {slice:.1} ms, over the {SLICE_MS} ms that the radio may wait"
+    );
     Ok(())
 }
 
@@ -120,11 +141,13 @@ pub struct Part {
 pub struct Table {
     /// Patches counted.
     pub patches: u64,
+    /// Bytes of the encoder's state.
+    pub state: u64,
     parts: Vec<Part>,
 }
 
 impl Table {
-    /// A part, or one of the two sums: `total`, and `encoder`, its four parts without marks between.
+    /// A part, or one of [`SUMS`].
     pub fn part(&self, name: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.name == name)
     }
@@ -132,10 +155,13 @@ impl Table {
     /// From what the image printed.
     pub fn parse(output: &str) -> Result<Self> {
         let mut lines = output.lines();
-        let first = lines.next().and_then(|line| line.strip_prefix("patches "));
-        let patches = first
-            .with_context(|| format!("no count in: {output}"))?
-            .parse()?;
+        let mut number = |name: &str| -> Result<u64> {
+            let number = lines.next().and_then(|line| line.strip_prefix(name));
+            Ok(number
+                .with_context(|| format!("no {name}in: {output}"))?
+                .parse()?)
+        };
+        let (patches, state) = (number("patches ")?, number("state ")?);
         let part = |line: &str| {
             let [name, mean, largest] = line.split(' ').collect::<Vec<_>>()[..] else {
                 bail!("no part: {line}");
@@ -148,10 +174,10 @@ impl Table {
         };
         let table = Self {
             patches,
+            state,
             parts: lines.map(part).collect::<Result<_>>()?,
         };
-        let sums = ["total", "encoder"];
-        for name in PARTS.map(|(name, _)| name).iter().chain(&sums) {
+        for name in PARTS.map(|(name, _)| name).iter().chain(&SUMS) {
             ensure!(table.part(name).is_some(), "no part {name} in: {output}");
         }
         Ok(table)
@@ -161,7 +187,13 @@ impl Table {
     fn text(&self) -> String {
         let part = |part: &Part| format!("{} {} {}\n", part.name, part.mean, part.largest);
         let parts: String = self.parts.iter().map(part).collect();
-        format!("patches {}\n{parts}", self.patches)
+        format!("patches {}\nstate {}\n{parts}", self.patches, self.state)
+    }
+
+    /// What a slice takes at 64 MHz, estimated as the parts that take most are.
+    fn slice_ms(&self) -> f64 {
+        self.part("slice")
+            .map_or(0.0, |slice| slice.largest as f64 * 1.52 / 64e3)
     }
 
     /// Cycles of a part's mean; of the total, of all parts.
@@ -210,6 +242,16 @@ impl fmt::Display for Comparison<'_> {
             let mean = encoder.mean;
             writeln!(f, "embed to head without marks between them: {mean}")?;
         }
+        if let [Some(rebuild), Some(slice)] = ["rebuild", "slice"].map(|name| table.part(name)) {
+            writeln!(
+                f,
+                "from scratch: {} a patch, {} or about {:.1} ms in one piece",
+                rebuild.mean,
+                slice.largest,
+                table.slice_ms(),
+            )?;
+        }
+        writeln!(f, "state of the encoder: {} bytes", table.state)?;
         let total = table.part("total").map_or(0, |total| total.mean);
         let verdict = if total > BUDGET { "over" } else { "within" };
         let share = 100.0 * total as f64 / BUDGET as f64;
@@ -221,13 +263,14 @@ impl fmt::Display for Comparison<'_> {
     }
 }
 
-/// Runs the image over samples of 8 bytes each.
-pub fn count(image: &Path, samples: &[u8]) -> Result<Table> {
+/// Runs the image over samples of 8 bytes each, with a model's file or the shipped one.
+pub fn count(image: &Path, samples: &[u8], model: Option<&Path>) -> Result<Table> {
     // One file per process and thread: tests count side by side.
     let name = format!("samples-{}-{:?}", process::id(), thread::current().id());
     let file = image.with_file_name(name);
     fs::write(&file, samples).with_context(|| format!("{} cannot be written", file.display()))?;
-    let outcome = device::run(image, &[&file], Clock::Instructions, LIMIT);
+    let files: Vec<&Path> = iter::once(file.as_path()).chain(model).collect();
+    let outcome = device::run(image, &files, Clock::Instructions, LIMIT);
     fs::remove_file(&file)?;
     let outcome = outcome?;
     ensure!(outcome.success, "the image failed: {}", outcome.output);
@@ -280,12 +323,12 @@ mod tests {
 
     fn output(without: &str, mean: u64) -> String {
         let names = PARTS.map(|(name, _)| name);
-        let names = names.iter().chain(&["total", "encoder"]);
+        let names = names.iter().chain(&SUMS);
         let parts = names.filter(|name| **name != without);
         let lines: Vec<_> = parts
             .map(|name| format!("{name} {mean} 160000\n"))
             .collect();
-        format!("patches 5\n{}", lines.concat())
+        format!("patches 5\nstate 7\n{}", lines.concat())
     }
 
     #[test]

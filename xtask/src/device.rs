@@ -26,6 +26,8 @@ pub enum Image {
     Golden,
     /// Counts instructions.
     Count,
+    /// The same for models that take patches of 5 samples.
+    CountOfFives,
 }
 
 impl Image {
@@ -40,6 +42,12 @@ impl Image {
             Self::Count => &[
                 "--package=myointent-device-images",
                 "--bin=count",
+                "--release",
+            ],
+            Self::CountOfFives => &[
+                "--package=myointent-device-images",
+                "--bin=count",
+                "--features=patch-5",
                 "--release",
             ],
         }

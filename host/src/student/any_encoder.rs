@@ -59,54 +59,26 @@ pub fn with_encoder<'m, T: WithEncoder<'m>>(
     }
 }
 
-/// An encoder and its memory, the shape hidden.
-pub trait AnyEncoder: Send {
-    /// Number of classes, 3 or 6.
-    fn classes(&self) -> usize;
-
-    /// Forgets the stream so far.
-    fn reset(&mut self);
-
-    /// Takes the next patch and gives the scores of the six newest, newest first.
-    fn step(&mut self, patch: &Patch) -> Logits;
-}
-
-/// The encoder of a model, whatever its shape, with a fresh memory.
+/// The scores of the six newest at every one of the patches, newest first: one stream from its beginning.
 ///
 /// # Errors
 ///
 /// As [`with_encoder`].
-pub fn any_encoder<'m>(model: &Model<'m>) -> Result<Box<dyn AnyEncoder + 'm>, AnyEncoderError> {
-    with_encoder(model, Boxed)
+pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<Logits>, AnyEncoderError> {
+    with_encoder(model, Outputs(patches))
 }
 
-struct Boxed;
+struct Outputs<'p>(&'p [Patch]);
 
-impl<'m> WithEncoder<'m> for Boxed {
-    type Output = Box<dyn AnyEncoder + 'm>;
+impl<'m> WithEncoder<'m> for Outputs<'_> {
+    type Output = Vec<Logits>;
 
     fn run<E: Encode<State: Send> + Send + 'm>(self, encoder: E) -> Self::Output {
-        let state = encoder.fresh();
-        Box::new(Running { encoder, state })
-    }
-}
-
-struct Running<E: Encode> {
-    encoder: E,
-    state: E::State,
-}
-
-impl<E: Encode<State: Send> + Send> AnyEncoder for Running<E> {
-    fn classes(&self) -> usize {
-        self.encoder.classes()
-    }
-
-    fn reset(&mut self) {
-        self.encoder.reset(&mut self.state);
-    }
-
-    fn step(&mut self, patch: &Patch) -> Logits {
-        self.encoder.step(&mut self.state, patch)
+        let Self(patches) = self;
+        let mut outputs = Vec::with_capacity(patches.len());
+        let mut state = encoder.fresh();
+        encoder.steps(&mut state, patches, |logits| outputs.push(logits));
+        outputs
     }
 }
 
@@ -126,33 +98,30 @@ mod tests {
         random_model(dimensions, 5).to_bytes().unwrap()
     }
 
-    fn patches() -> impl Iterator<Item = Patch> {
-        (0..40).map(|step| {
-            let mut patch = Patch::default();
-            patch
-                .as_flattened_mut()
-                .iter_mut()
-                .enumerate()
-                .for_each(|(index, value)| {
-                    *value = ((index * 37 + step * 11) % 129) as u8;
-                });
-            patch
-        })
-    }
-
     #[test]
-    fn the_boxed_encoder_is_the_typed_one_and_forgets_on_reset() {
-        let bytes = model_bytes(64, 2, 27);
+    fn the_outputs_are_those_of_the_typed_encoder_step_by_step() {
+        let bytes = model_bytes(64, 2, usual_span(2));
         let model = Model::parse(&bytes).unwrap();
-        let typed = Encoder::<64, 2, 27>::new(&model).unwrap();
-        let mut boxed = any_encoder(&model).unwrap();
-        assert_eq!(boxed.classes(), 6);
-        for _ in 0..2 {
-            boxed.reset();
-            let mut state = typed.fresh();
-            for patch in patches() {
-                assert_eq!(boxed.step(&patch), typed.step(&mut state, &patch));
-            }
+        let typed = Encoder::<64, 2, { usual_span(2) }>::new(&model).unwrap();
+        let patches: Vec<Patch> = (0..39)
+            .map(|step| {
+                let mut patch = Patch::default();
+                for (index, value) in patch.as_flattened_mut().iter_mut().enumerate() {
+                    *value = ((index * 37 + step * 11) % 129) as u8;
+                }
+                patch
+            })
+            .collect();
+        let mut state = typed.fresh();
+        let expected: Vec<Logits> = patches
+            .iter()
+            .map(|patch| typed.step(&mut state, patch))
+            .collect();
+        for count in [0, 1, 3, 4, 38, 39] {
+            assert_eq!(
+                outputs(&model, &patches[..count]).unwrap(),
+                expected[..count]
+            );
         }
     }
 
@@ -161,12 +130,12 @@ mod tests {
         for width in [48, 64, 96, 128] {
             for layers in [2, 3] {
                 let bytes = model_bytes(width, layers, usual_span(layers));
-                assert!(any_encoder(&Model::parse(&bytes).unwrap()).is_ok());
+                assert!(outputs(&Model::parse(&bytes).unwrap(), &[]).is_ok());
             }
         }
         let bytes = model_bytes(64, 2, 20);
         let model = Model::parse(&bytes).unwrap();
-        let refused = any_encoder(&model).err().unwrap();
+        let refused = outputs(&model, &[]).err().unwrap();
         assert_eq!(refused, AnyEncoderError::Shape(model.header.dimensions));
     }
 }

@@ -2,9 +2,9 @@
 
 use super::{
     HEADS, MAX_SPAN,
-    linear::{self, as_is, quantize},
+    linear::{self, Added, Mapped, as_is, quantize},
     norm::normalise,
-    scratch::Scratch,
+    token::Token,
 };
 use crate::{
     arithmetic::{exp, inverse_square_root},
@@ -32,43 +32,56 @@ impl<const D: usize, const SPAN: usize> Memory<D, SPAN> {
         value_scales: [[0.0; SPAN]; HEADS],
     };
 
-    /// `h += W_o a + b_o`, a being what the newest patch attends to.
+    /// `h += W_o a + b_o`, a being what each patch attends to: itself and what is remembered.
     ///
-    /// Keeps the patch's key and value in slot `newest`; `filled` slots, that one included, count.
+    /// Keeps the patches' keys and values in their places, the oldest first: the newest of a full ring takes the place of
+    /// one that those before it still see.
     #[inline]
-    pub fn attend(
+    pub fn attend<const T: usize>(
         &mut self,
         layer: &LayerWeights<'_>,
-        newest: usize,
-        filled: usize,
-        h: &mut [f32; D],
-        scratch: &mut Scratch<D>,
+        places: [Place; T],
+        tokens: &mut [Token<D>; T],
     ) {
-        let Scratch {
-            token,
-            wide,
-            codes,
-            sums,
-            heads,
-        } = scratch;
-        normalise(&layer.norm1, h, token);
-        let flat = wide.as_flattened_mut();
-        linear::map(&layer.qkv, quantize(token, codes), flat, as_is);
-        let [query, key, value] = wide;
-        remember(key, &mut self.keys.0[newest], &mut self.key_scales, newest);
+        let inside = tokens.each_mut().map(|token| {
+            normalise(&layer.norm1, &token.h, &mut token.normalised);
+            Mapped {
+                token: quantize(&token.normalised, &mut token.codes),
+                outputs: token.wide.as_flattened_mut(),
+            }
+        });
+        linear::map(&layer.qkv, inside, as_is);
+        for (token, place) in tokens.iter_mut().zip(places) {
+            self.attend_heads(layer, place, token);
+        }
+        let outside = tokens.each_mut().map(|token| Added {
+            token: quantize(&token.normalised, &mut token.codes),
+            sums: &mut token.sums,
+            h: &mut token.h,
+        });
+        linear::add(&layer.out, outside);
+    }
+
+    /// What the heads attend to comes to where the normalised token was.
+    #[inline]
+    fn attend_heads(&mut self, layer: &LayerWeights<'_>, place: Place, token: &mut Token<D>) {
+        let [query, key, value] = &token.wide;
+        let slot = place.slot;
+        remember(key, &mut self.keys.0[slot], &mut self.key_scales, slot);
         remember(
             value,
-            &mut self.values.0[newest],
+            &mut self.values.0[slot],
             &mut self.value_scales,
-            newest,
+            slot,
         );
         let width = const { D / HEADS };
-        let queries = query.chunks_exact(width);
-        for (head, (query, attended)) in queries.zip(token.chunks_exact_mut(width)).enumerate() {
+        let heads = query
+            .chunks_exact(width)
+            .zip(token.normalised.chunks_exact_mut(width));
+        for (head, (query, attended)) in heads.enumerate() {
             let bias = &layer.relative_bias[head * SPAN..(head + 1) * SPAN];
-            self.attend_head(head, query, bias, (newest, filled), heads, attended);
+            self.attend_head(head, query, bias, place, &mut token.heads, attended);
         }
-        linear::add(&layer.out, quantize(token, codes), sums, h);
     }
 
     /// `attended = sum over t of softmax(q k_t / sqrt(width) + bias[p - t]) v_t` of one head.
@@ -81,7 +94,10 @@ impl<const D: usize, const SPAN: usize> Memory<D, SPAN> {
         head: usize,
         query: &[f32],
         bias: &[f32],
-        (newest, filled): (usize, usize),
+        Place {
+            slot: newest,
+            filled,
+        }: Place,
         heads: &mut Heads,
         attended: &mut [f32],
     ) {
@@ -140,6 +156,15 @@ impl<const D: usize, const SPAN: usize> Memory<D, SPAN> {
             *attended = sum as f32 * scale;
         }
     }
+}
+
+/// Where a patch comes to in the rings of all layers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Place {
+    /// Its slot.
+    pub slot: usize,
+    /// Slots that count, its own included.
+    pub filled: usize,
 }
 
 /// Quantizes a key or a value, head by head, into its slot.

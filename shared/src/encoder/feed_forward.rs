@@ -1,28 +1,30 @@
 //! The feed-forward half of a layer.
 
 use super::{
-    linear::{self, quantize},
+    linear::{self, Added, Mapped, quantize},
     norm::normalise,
-    scratch::Scratch,
+    token::Token,
 };
 use crate::{arithmetic::gelu, model_file::LayerWeights};
 
 /// `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`; twice the width inside.
 #[inline]
-pub fn feed_forward<const D: usize>(
+pub fn feed_forward<const T: usize, const D: usize>(
     layer: &LayerWeights<'_>,
-    h: &mut [f32; D],
-    scratch: &mut Scratch<D>,
+    tokens: &mut [Token<D>; T],
 ) {
-    let Scratch {
-        token,
-        wide,
-        codes,
-        sums,
-        ..
-    } = scratch;
-    let hidden = wide[..2].as_flattened_mut();
-    normalise(&layer.norm2, h, token);
-    linear::map(&layer.ff1, quantize(token, codes), hidden, gelu);
-    linear::add(&layer.ff2, quantize(hidden, codes), sums, h);
+    let inside = tokens.each_mut().map(|token| {
+        normalise(&layer.norm2, &token.h, &mut token.normalised);
+        Mapped {
+            token: quantize(&token.normalised, &mut token.codes),
+            outputs: token.wide[..2].as_flattened_mut(),
+        }
+    });
+    linear::map(&layer.ff1, inside, gelu);
+    let outside = tokens.each_mut().map(|token| Added {
+        token: quantize(token.wide[..2].as_flattened(), &mut token.codes),
+        sums: &mut token.sums,
+        h: &mut token.h,
+    });
+    linear::add(&layer.ff2, outside);
 }

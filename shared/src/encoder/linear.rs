@@ -8,47 +8,75 @@ use crate::{
 /// Where one map after another puts the codes of its input, at most twice `D` of them.
 pub type Codes<const D: usize> = Aligned<[[i16; D]; 2]>;
 
-/// Codes of a token and their scale: what a map reads.
-///
-/// `token` is at most `2 D` long.
-#[inline]
-pub fn quantize<'c, const D: usize>(token: &[f32], codes: &'c mut Codes<D>) -> (&'c [i16], f32) {
-    let codes = &mut codes.0.as_flattened_mut()[..token.len()];
-    let scale = Active::quantize(token, TOKEN_LIMIT, codes);
-    (codes, scale)
+/// What a map reads: a token as `codes * scale`.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantized<'c> {
+    /// Its codes.
+    pub codes: &'c [i16],
+    /// What one of them counts.
+    pub scale: f32,
 }
 
-/// Gives every output `y = finish(sum * (scale * row scale) + bias)`.
-///
-/// The input is `codes * scale`; the sum is exact in i32. `outputs` has one place per row, and more up to a whole
-/// number of tiles: sums come to where their outputs will be.
+/// Codes of a token, at most `2 D` long.
 #[inline]
-pub fn map(
+pub fn quantize<'c, const D: usize>(token: &[f32], codes: &'c mut Codes<D>) -> Quantized<'c> {
+    let codes = &mut codes.0.as_flattened_mut()[..token.len()];
+    let scale = Active::quantize(token, TOKEN_LIMIT, codes);
+    Quantized { codes, scale }
+}
+
+/// A token and where its outputs go.
+#[derive(Debug)]
+pub struct Mapped<'t> {
+    /// The token.
+    pub token: Quantized<'t>,
+    /// One place per row, and more up to a whole number of tiles: sums come to where their outputs will be.
+    pub outputs: &'t mut [f32],
+}
+
+/// Gives every output of every token `y = finish(sum * (scale * row scale) + bias)`; the sum is exact in i32.
+#[inline]
+pub fn map<const T: usize>(
     map: &LinearWeights<'_>,
-    (codes, scale): (&[i16], f32),
-    outputs: &mut [f32],
+    mut tokens: [Mapped<'_>; T],
     finish: impl Fn(f32) -> f32,
 ) {
-    Active::multiply(map.weights, codes, bytemuck::cast_slice_mut(outputs));
-    for (output, (row_scale, bias)) in outputs.iter_mut().zip(map.scales.iter().zip(map.bias)) {
-        let sum = output.to_bits().cast_signed();
-        *output = finish(rescaled(sum, scale * row_scale, *bias));
+    let codes = tokens.each_ref().map(|mapped| mapped.token.codes);
+    let sums = tokens
+        .each_mut()
+        .map(|mapped| bytemuck::cast_slice_mut(mapped.outputs));
+    Active::multiply(map.weights, codes, sums);
+    for Mapped { token, outputs } in tokens {
+        for (output, (row_scale, bias)) in outputs.iter_mut().zip(map.scales.iter().zip(map.bias)) {
+            let sum = output.to_bits().cast_signed();
+            *output = finish(rescaled(sum, token.scale * row_scale, *bias));
+        }
     }
 }
 
-/// As [`map`], every output added to `h`: the residual stream. `sums` is lent for the time.
+/// A token and the residual stream that its outputs are added to.
+#[derive(Debug)]
+pub struct Added<'t, const D: usize> {
+    /// The token.
+    pub token: Quantized<'t>,
+    /// Lent for the time.
+    pub sums: &'t mut [i32; D],
+    /// The residual stream.
+    pub h: &'t mut [f32; D],
+}
+
+/// As [`map`], every output added to the residual stream.
 #[inline]
-pub fn add<const D: usize>(
-    map: &LinearWeights<'_>,
-    (codes, scale): (&[i16], f32),
-    sums: &mut [i32; D],
-    h: &mut [f32; D],
-) {
+pub fn add<const T: usize, const D: usize>(map: &LinearWeights<'_>, mut tokens: [Added<'_, D>; T]) {
     const { assert!(D.is_multiple_of(TILE_ROWS)) }
+    let codes = tokens.each_ref().map(|added| added.token.codes);
+    let sums = tokens.each_mut().map(|added| &mut added.sums[..]);
     Active::multiply(map.weights, codes, sums);
-    let rows = h.iter_mut().zip(&*sums);
-    for ((h, &sum), (row_scale, bias)) in rows.zip(map.scales.iter().zip(map.bias)) {
-        *h += rescaled(sum, scale * row_scale, *bias);
+    for Added { token, sums, h } in tokens {
+        let rows = h.iter_mut().zip(&*sums);
+        for ((h, &sum), (row_scale, bias)) in rows.zip(map.scales.iter().zip(map.bias)) {
+            *h += rescaled(sum, token.scale * row_scale, *bias);
+        }
     }
 }
 

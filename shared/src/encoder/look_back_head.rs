@@ -2,9 +2,9 @@
 
 use super::{
     Logits,
-    linear::{self, as_is, quantize},
+    linear::{self, Mapped, as_is, quantize},
     norm::normalise,
-    scratch::Scratch,
+    token::Token,
 };
 use crate::{
     intent::MAX_CLASSES,
@@ -16,21 +16,28 @@ use crate::{
 /// `W_h norm(h) + b_h`: outputs `j classes .. (j + 1) classes` are row `j`.
 #[inline]
 #[must_use]
-pub fn scores<const D: usize>(
+pub fn scores<const T: usize, const D: usize>(
     norm: &NormWeights<'_>,
     head: &LinearWeights<'_>,
-    h: &[f32; D],
+    tokens: &mut [Token<D>; T],
     classes: usize,
-    scratch: &mut Scratch<D>,
-) -> Logits {
-    normalise(norm, h, &mut scratch.token);
-    let token = quantize(&scratch.token, &mut scratch.codes);
-    let mut outputs = [0.0; (LOOK_BACK * MAX_CLASSES).next_multiple_of(TILE_ROWS)];
+) -> [Logits; T] {
+    let mut outputs = [[0.0; (LOOK_BACK * MAX_CLASSES).next_multiple_of(TILE_ROWS)]; T];
     let rows = (LOOK_BACK * classes).next_multiple_of(TILE_ROWS);
-    linear::map(head, token, &mut outputs[..rows], as_is);
-    let mut logits = Logits::default();
-    for (row, outputs) in logits.iter_mut().zip(outputs.chunks_exact(classes)) {
-        row[..classes].copy_from_slice(outputs);
-    }
-    logits
+    let mut places = outputs.iter_mut();
+    let tokens = tokens.each_mut().map(|token| {
+        normalise(norm, &token.h, &mut token.normalised);
+        Mapped {
+            token: quantize(&token.normalised, &mut token.codes),
+            outputs: places.next().map_or(&mut [], |place| &mut place[..rows]),
+        }
+    });
+    linear::map(head, tokens, as_is);
+    outputs.map(|outputs| {
+        let mut logits = Logits::default();
+        for (row, outputs) in logits.iter_mut().zip(outputs.chunks_exact(classes)) {
+            row[..classes].copy_from_slice(outputs);
+        }
+        logits
+    })
 }

@@ -21,7 +21,8 @@ pub mod look_back_head;
 pub mod norm;
 pub mod patch_embedding;
 pub mod probe;
-pub mod scratch;
+pub mod rebuild;
+pub mod token;
 
 use crate::{
     kernels,
@@ -29,9 +30,9 @@ use crate::{
     pipeline::{Encode, LookBackLogits},
     units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES},
 };
-use attention::Memory;
+use attention::{Memory, Place};
 use probe::{Part, Probe};
-use scratch::Scratch;
+use token::Token;
 
 /// Attention heads of every model.
 pub const HEADS: usize = 4;
@@ -83,15 +84,35 @@ pub struct Encoder<'m, const D: usize, const L: usize, const SPAN: usize> {
     classes: usize,
 }
 
-/// What the encoder remembers of one stream.
+/// What the encoder remembers of one stream, and the patch that is on its way.
 #[derive(Clone, Debug)]
 pub struct EncoderState<const D: usize, const L: usize, const SPAN: usize> {
+    remembered: Remembered<D, L, SPAN>,
+    token: [Token<D>; 1],
+}
+
+/// The rings of all layers.
+#[derive(Clone, Debug)]
+struct Remembered<const D: usize, const L: usize, const SPAN: usize> {
     layers: [Memory<D, SPAN>; L],
     /// Slot of the next patch.
     next: usize,
     /// Patches remembered, at most `SPAN`.
     filled: usize,
-    scratch: Scratch<D>,
+}
+
+impl<const D: usize, const L: usize, const SPAN: usize> Remembered<D, L, SPAN> {
+    /// The place of the next patch, which is from now on one of those before.
+    #[inline]
+    fn place(&mut self) -> Place {
+        let slot = self.next;
+        self.next = (slot + 1) % SPAN;
+        self.filled = (self.filled + 1).min(SPAN);
+        Place {
+            slot,
+            filled: self.filled,
+        }
+    }
 }
 
 impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN> {
@@ -99,17 +120,19 @@ impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN>
     #[must_use]
     pub const fn fresh() -> Self {
         Self {
-            layers: [const { Memory::EMPTY }; L],
-            next: 0,
-            filled: 0,
-            scratch: Scratch::EMPTY,
+            remembered: Remembered {
+                layers: [const { Memory::EMPTY }; L],
+                next: 0,
+                filled: 0,
+            },
+            token: [Token::EMPTY],
         }
     }
 
     /// Forgets everything, in place: what the rings still hold is never read again.
     pub const fn reset(&mut self) {
-        self.next = 0;
-        self.filled = 0;
+        self.remembered.next = 0;
+        self.remembered.filled = 0;
     }
 }
 
@@ -175,54 +198,43 @@ impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SP
         patch: &Patch,
         probe: &mut impl Probe,
     ) -> Logits {
-        let newest = state.next;
-        state.next = (newest + 1) % SPAN;
-        state.filled = (state.filled + 1).min(SPAN);
-        let scratch = &mut state.scratch;
-        let mut h = [0.0; D];
-        patch_embedding::embed(&self.embed, self.companding, patch, &mut h);
+        let EncoderState { remembered, token } = state;
+        let [logits] = self.tile(remembered, token, [patch], probe);
+        logits
+    }
+
+    /// Takes `T` patches that follow one another, the oldest first, as so many steps would.
+    #[inline]
+    fn tile<const T: usize>(
+        &self,
+        remembered: &mut Remembered<D, L, SPAN>,
+        tokens: &mut [Token<D>; T],
+        patches: [&Patch; T],
+        probe: &mut impl Probe,
+    ) -> [Logits; T] {
+        let places = core::array::from_fn(|_| remembered.place());
+        patch_embedding::embed(&self.embed, self.companding, patches, tokens);
         probe.done(Part::Embed);
-        for (layer, memory) in self.layers.iter().zip(&mut state.layers) {
-            memory.attend(layer, newest, state.filled, &mut h, scratch);
+        for (layer, memory) in self.layers.iter().zip(&mut remembered.layers) {
+            memory.attend(layer, places, tokens);
             probe.done(Part::Attention);
-            feed_forward::feed_forward(layer, &mut h, scratch);
+            feed_forward::feed_forward(layer, tokens);
             probe.done(Part::FeedForward);
         }
-        let (norm, head) = (&self.final_norm, &self.head);
-        let logits = look_back_head::scores(norm, head, &h, self.classes, scratch);
+        let logits = self.scores(tokens);
         probe.done(Part::Head);
         logits
     }
 
-    /// Rebuilds a state from patches, oldest first, and gives the outputs of the newest six steps,
-    /// the newest first; zeros where there were fewer patches.
-    ///
-    /// With the newest 60 patches of a stream (or more) all of it equals the uninterrupted run.
-    pub fn rebuild<'p>(
-        &self,
-        state: &mut EncoderState<D, L, SPAN>,
-        patches: impl IntoIterator<Item = &'p Patch>,
-    ) -> [Logits; LOOK_BACK] {
-        state.reset();
-        let mut outputs = [Logits::default(); LOOK_BACK];
-        for patch in patches {
-            outputs.rotate_right(1);
-            outputs[0] = self.step(state, patch);
-        }
-        outputs
-    }
-
-    /// As [`Encoder::rebuild`], with a state of its own.
-    #[must_use]
-    pub fn from_scratch<'p>(
-        &self,
-        patches: impl IntoIterator<Item = &'p Patch>,
-    ) -> (EncoderState<D, L, SPAN>, [Logits; LOOK_BACK]) {
-        let mut state = self.fresh();
-        let outputs = self.rebuild(&mut state, patches);
-        (state, outputs)
+    #[inline]
+    fn scores<const T: usize>(&self, tokens: &mut [Token<D>; T]) -> [Logits; T] {
+        look_back_head::scores(&self.final_norm, &self.head, tokens, self.classes)
     }
 }
+
+/// Patches that [`Encode::steps`] takes at once on a machine that has the memory: enough that the matrices' unpacking
+/// hardly counts.
+const TILE: usize = 4;
 
 impl<const D: usize, const L: usize, const SPAN: usize> Encode for Encoder<'_, D, L, SPAN> {
     type State = EncoderState<D, L, SPAN>;
@@ -241,6 +253,18 @@ impl<const D: usize, const L: usize, const SPAN: usize> Encode for Encoder<'_, D
 
     fn step(&self, state: &mut Self::State, patch: &Patch) -> Logits {
         self.step(state, patch)
+    }
+
+    fn steps(&self, state: &mut Self::State, patches: &[Patch], mut output: impl FnMut(Logits)) {
+        let mut tokens = [const { Token::EMPTY }; TILE];
+        let (tiles, rest) = patches.as_chunks::<TILE>();
+        for tile in tiles {
+            let logits = self.tile(&mut state.remembered, &mut tokens, tile.each_ref(), &mut ());
+            logits.into_iter().for_each(&mut output);
+        }
+        for patch in rest {
+            output(self.step(state, patch));
+        }
     }
 }
 

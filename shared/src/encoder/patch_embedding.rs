@@ -2,12 +2,10 @@
 
 use super::{
     Patch,
-    linear::{self, as_is},
+    linear::{self, Mapped, Quantized, as_is},
+    token::Token,
 };
-use crate::{
-    kernels::Aligned,
-    model_file::{Companding, LinearWeights},
-};
+use crate::model_file::{Companding, LinearWeights};
 
 /// The code of an input of 1.
 pub const ONE: i16 = 1 << 14;
@@ -55,18 +53,25 @@ impl Companding {
 ///
 /// A value above 128, which no cleaned sample has, counts as 128.
 #[inline]
-pub fn embed<const D: usize>(
+pub fn embed<const T: usize, const D: usize>(
     map: &LinearWeights<'_>,
     companding: Companding,
-    patch: &Patch,
-    h: &mut [f32; D],
+    patches: [&Patch; T],
+    tokens: &mut [Token<D>; T],
 ) {
     let table = companding.table();
     let code = |value: u8| table[usize::from(value.min(128))];
-    let codes = Aligned(patch.map(|sample| sample.map(code)));
-    let codes = codes.0.as_flattened();
-    let scale = const { 1.0 / ONE as f32 };
-    linear::map(map, (codes, scale), h, as_is);
+    for (token, patch) in tokens.iter_mut().zip(patches) {
+        token.samples.0 = patch.map(|sample| sample.map(code));
+    }
+    let tokens = tokens.each_mut().map(|token| Mapped {
+        token: Quantized {
+            codes: token.samples.0.as_flattened(),
+            scale: const { 1.0 / ONE as f32 },
+        },
+        outputs: &mut token.h,
+    });
+    linear::map(map, tokens, as_is);
 }
 
 #[cfg(test)]

@@ -46,6 +46,20 @@ fn noisy_patches(count: usize, seed: u64) -> Vec<Patch> {
     (0..count).map(|_| patch()).collect()
 }
 
+/// A fresh state that several patches at once have gone through, and the newest six outputs, newest first.
+fn from_scratch<const D: usize, const L: usize, const SPAN: usize>(
+    encoder: &Encoder<'_, D, L, SPAN>,
+    patches: &[Patch],
+) -> (EncoderState<D, L, SPAN>, [Logits; LOOK_BACK]) {
+    let mut state = encoder.fresh();
+    let mut outputs = [Logits::default(); LOOK_BACK];
+    encoder.steps(&mut state, patches, |logits| {
+        outputs.rotate_right(1);
+        outputs[0] = logits;
+    });
+    (state, outputs)
+}
+
 /// Runs a whole stream and, at its end, the newest window through a fresh state.
 fn compare<const D: usize, const L: usize, const SPAN: usize>(seed: u64, count: usize) {
     let (_, bytes) = model_bytes(D, L, SPAN, seed);
@@ -56,7 +70,7 @@ fn compare<const D: usize, const L: usize, const SPAN: usize>(seed: u64, count: 
         .iter()
         .map(|patch| encoder.step(&mut streaming, patch))
         .collect();
-    let (mut rebuilt, newest) = encoder.from_scratch(&patches[count - WINDOW_PATCHES..]);
+    let (mut rebuilt, newest) = from_scratch(&encoder, &patches[count - WINDOW_PATCHES..]);
     outputs.reverse();
     assert_eq!(bits(&newest), bits(&outputs[..LOOK_BACK]));
     // The rebuilt state also goes on as the uninterrupted one does.
@@ -108,9 +122,9 @@ fn a_window_of_fewer_patches_than_the_receptive_field_does_not_suffice() {
     let (_, bytes) = model_bytes(16, 2, 27, 7);
     let encoder = Encoder::<16, 2, 27>::new(&Model::parse(&bytes).unwrap()).unwrap();
     let patches = noisy_patches(100, 9);
-    let (_, whole) = encoder.from_scratch(&patches);
-    let (_, enough) = encoder.from_scratch(&patches[100 - receptive_field(2, 27)..]);
-    let (_, short) = encoder.from_scratch(&patches[101 - receptive_field(2, 27)..]);
+    let (_, whole) = from_scratch(&encoder, &patches);
+    let (_, enough) = from_scratch(&encoder, &patches[100 - receptive_field(2, 27)..]);
+    let (_, short) = from_scratch(&encoder, &patches[101 - receptive_field(2, 27)..]);
     assert_eq!(bits(&whole[..1]), bits(&enough[..1]));
     assert_ne!(bits(&whole[..1]), bits(&short[..1]));
 }
@@ -119,7 +133,7 @@ fn a_window_of_fewer_patches_than_the_receptive_field_does_not_suffice() {
 fn a_reset_state_is_a_fresh_one() {
     let (_, bytes) = model_bytes(16, 2, 27, 3);
     let encoder = Encoder::<16, 2, 27>::new(&Model::parse(&bytes).unwrap()).unwrap();
-    let (mut state, _) = encoder.from_scratch(&noisy_patches(70, 1));
+    let (mut state, _) = from_scratch(&encoder, &noisy_patches(70, 1));
     state.reset();
     let mut fresh = encoder.fresh();
     for patch in noisy_patches(30, 2) {
@@ -151,9 +165,10 @@ fn the_state_of_the_usual_student_has_its_stated_size() {
     let bytes = size_of::<EncoderState<64, 2, 27>>();
     // Per layer keys and values of 27 x 64 i16 and 2 x 27 x 4 scales; then two indices.
     let memory = 2 * (2 * 27 * 64 * 2 + 2 * 27 * 4 * 4) + 2 * size_of::<usize>();
-    // Four times 64 numbers, codes of two tokens and sums of one; of a head 32 codes, sums, weights and folded ones.
-    let scratch = 4 * 64 * 4 + 2 * 64 * 2 + 64 * 4 + 32 * (2 + 4 + 4 + 4);
-    assert_eq!(bytes, memory + scratch);
+    // Five times 64 numbers, 80 inputs, codes of twice 64 and as many sums as once; of a head 32 codes, sums, weights and
+    // folded ones.
+    let token = 5 * 64 * 4 + 80 * 2 + 2 * 64 * 2 + 64 * 4 + 32 * (2 + 4 + 4 + 4);
+    assert_eq!(bytes, memory + token);
 }
 
 /// The formulas of the module's first lines in f64, over all patches at once, with no

@@ -53,6 +53,8 @@ const FILLS: [Fill; 5] = [
 const COLUMNS: [usize; 13] = [0, 4, 8, 12, 16, 20, 32, 48, 64, 80, 124, 508, MAX_COLUMNS];
 /// Rows of `multiply`: one tile and several.
 const ROWS: [usize; 2] = [4, 12];
+/// Most tokens of `multiply`: one, two that share the weights, and one more.
+const MOST_TOKENS: usize = 3;
 /// Terms of the products of codes.
 const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];
 /// Rows of as many terms, or columns of them, and what lies between two rows.
@@ -86,7 +88,10 @@ const MOST_ROWS: usize = 12;
 /// Calls of kernels in one call of [`judge`].
 pub const CASES: usize = 4 * DRAWS
     + SPECIAL.len()
-    + FILLS.len() * (COLUMNS.len() * ROWS.len() + 2 * TERMS.len() * BESIDE.len() + LENGTHS.len());
+    + FILLS.len()
+        * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
+            + 2 * TERMS.len() * BESIDE.len()
+            + LENGTHS.len());
 
 /// Judges a form by the whole catalogue and counts the judgements.
 ///
@@ -99,7 +104,9 @@ pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
     for fill in FILLS {
         for columns in COLUMNS {
             for rows in ROWS {
-                judged += multiply::<K>(columns, rows, fill, &mut noise)?;
+                judged += multiply::<K, 1>(columns, rows, fill, &mut noise)?;
+                judged += multiply::<K, 2>(columns, rows, fill, &mut noise)?;
+                judged += multiply::<K, MOST_TOKENS>(columns, rows, fill, &mut noise)?;
             }
         }
         for terms in TERMS {
@@ -118,7 +125,10 @@ pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
     for _ in 0..DRAWS {
         let columns = 4 * noise.below(DRAWN_COLUMNS / 4 + 1);
         let rows = 4 + 4 * noise.below(MOST_ROWS / 4);
-        judged += multiply::<K>(columns, rows, Fill::Noise, &mut noise)?;
+        judged += match noise.below(2) {
+            0 => multiply::<K, 1>(columns, rows, Fill::Noise, &mut noise)?,
+            _ => multiply::<K, 2>(columns, rows, Fill::Noise, &mut noise)?,
+        };
         let [terms, beside, between] = [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| noise.below(most));
         judged += row_products::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
         judged += weighted_rows::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
@@ -127,39 +137,47 @@ pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
     Ok(judged)
 }
 
-fn multiply<K: Kernels>(
+fn multiply<K: Kernels, const T: usize>(
     columns: usize,
     rows: usize,
     fill: Fill,
     noise: &mut Noise,
 ) -> Result<usize, Mismatch> {
     let mut weights = Aligned([0_i8; MOST_ROWS * MAX_COLUMNS]);
-    let mut input = Aligned([0_i16; MAX_COLUMNS]);
+    let mut inputs = [Aligned([0_i16; MAX_COLUMNS]); T];
     let weights = &mut weights.0[..rows * columns];
-    let input = &mut input.0[..columns];
     for (index, weight) in weights.iter_mut().enumerate() {
         *weight = noise.value(fill, index, [-127, 127], [127, 127]) as i8;
     }
-    for (index, code) in input.iter_mut().enumerate() {
-        *code = noise.value(fill, index, [-32_768, 32_767], [-32_768, 32_767]) as i16;
+    for input in &mut inputs {
+        for (index, code) in input.0[..columns].iter_mut().enumerate() {
+            *code = noise.value(fill, index, [-32_768, 32_767], [-32_768, 32_767]) as i16;
+        }
     }
-    let mut sums = [i32::MIN; MOST_ROWS];
-    K::multiply(weights, input, &mut sums[..rows]);
-    for (row, &found) in sums[..rows].iter().enumerate() {
-        let expected = (0..columns)
-            .map(|column| {
-                let weight = weights[place_in_tiles(row, column, columns)];
-                i64::from(weight) * i64::from(input[column])
-            })
-            .sum();
-        agree(Mismatch {
-            kernel: "multiply",
-            length: columns,
-            fill,
-            row,
-            expected,
-            found: i64::from(found),
-        })?;
+    let inputs = inputs.each_ref().map(|input| &input.0[..columns]);
+    let mut sums = [[i32::MIN; MOST_ROWS]; T];
+    K::multiply(
+        weights,
+        inputs,
+        sums.each_mut().map(|sums| &mut sums[..rows]),
+    );
+    for (input, sums) in inputs.iter().zip(sums) {
+        for (row, &found) in sums[..rows].iter().enumerate() {
+            let expected = (0..columns)
+                .map(|column| {
+                    let weight = weights[place_in_tiles(row, column, columns)];
+                    i64::from(weight) * i64::from(input[column])
+                })
+                .sum();
+            agree(Mismatch {
+                kernel: "multiply",
+                length: columns,
+                fill,
+                row,
+                expected,
+                found: i64::from(found),
+            })?;
+        }
     }
     Ok(1)
 }
@@ -366,8 +384,8 @@ mod tests {
     struct DropsTheTail;
 
     impl Kernels for DropsTheTail {
-        fn multiply(weights: &[i8], input: &[i16], sums: &mut [i32]) {
-            Portable::multiply(weights, input, sums);
+        fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
+            Portable::multiply(weights, inputs, sums);
         }
         fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
             Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);

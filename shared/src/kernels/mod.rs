@@ -50,12 +50,13 @@ pub struct Aligned<T: ?Sized>(pub T);
 
 /// The inner loops. Pure functions: a form has no state.
 pub trait Kernels {
-    /// `sums[r] = sum over c of weights[r][c] * input[c]`, exactly.
+    /// `sums[t][r] = sum over c of weights[r][c] * inputs[t][c]`, exactly, for each of `T` tokens.
     ///
-    /// As many rows as sums, a multiple of [`TILE_ROWS`], of as many columns as `input` has: a multiple of
-    /// [`GROUP`], at most [`MAX_COLUMNS`]; all weights in -127..=127. They lie in tiles of so many rows; a tile
+    /// As many rows as a token has sums, a multiple of [`TILE_ROWS`], of as many columns as it has inputs: a multiple
+    /// of [`GROUP`], at most [`MAX_COLUMNS`]; all weights in -127..=127. They lie in tiles of so many rows; a tile
     /// holds group after group of columns, a group row after row, the columns of a row in [`GROUP_ORDER`].
-    fn multiply(weights: &[i8], input: &[i16], sums: &mut [i32]);
+    /// All tokens are of one length. Two of them share the reading of the weights.
+    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]);
 
     /// `sums[r] = sum over c of rows[r * stride + c] * codes[c]`, exactly.
     ///

@@ -12,14 +12,18 @@ pub struct Portable;
 
 impl Kernels for Portable {
     #[inline]
-    fn multiply(weights: &[i8], input: &[i16], sums: &mut [i32]) {
-        if input.is_empty() {
-            sums.fill(0);
+    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], mut sums: [&mut [i32]; T]) {
+        let columns = inputs.first().map_or(0, |input| input.len());
+        if columns == 0 {
+            sums.iter_mut().for_each(|sums| sums.fill(0));
             return;
         }
-        let tiles = weights.chunks_exact(TILE_ROWS * input.len());
-        for (sums, weights) in sums.as_chunks_mut().0.iter_mut().zip(tiles) {
-            *sums = tile(weights, input);
+        for (place, weights) in weights.chunks_exact(TILE_ROWS * columns).enumerate() {
+            for (sums, of_tile) in sums.iter_mut().zip(tile(weights, inputs)) {
+                if let Some(sums) = sums.as_chunks_mut().0.get_mut(place) {
+                    *sums = of_tile;
+                }
+            }
         }
     }
 
@@ -85,10 +89,9 @@ const PIECE: usize = 32;
 /// A tile, put back into rows: of those the compiler makes vector code that multiplies and adds in pairs, four
 /// times as fast as what it makes of the tile as it lies.
 #[inline]
-fn tile(weights: &[i8], input: &[i16]) -> [i32; TILE_ROWS] {
-    let mut sums = [0; TILE_ROWS];
-    let stretches = weights.chunks(TILE_ROWS * STRETCH);
-    for (weights, input) in stretches.zip(input.chunks(STRETCH)) {
+fn tile<const T: usize>(weights: &[i8], inputs: [&[i16]; T]) -> [[i32; TILE_ROWS]; T] {
+    let mut sums = [[0; TILE_ROWS]; T];
+    for (stretch, weights) in weights.chunks(TILE_ROWS * STRETCH).enumerate() {
         let mut rows = [[[0; GROUP]; STRETCH / GROUP]; TILE_ROWS];
         let words = weights.as_chunks::<GROUP>().0.as_chunks::<TILE_ROWS>().0;
         for (group, words) in words.iter().enumerate() {
@@ -96,8 +99,12 @@ fn tile(weights: &[i8], input: &[i16]) -> [i32; TILE_ROWS] {
                 row[group] = in_order(*word);
             }
         }
-        for (sum, row) in sums.iter_mut().zip(&rows) {
-            *sum += sum_of_products(&row.as_flattened()[..input.len()], input);
+        let columns = weights.len() / TILE_ROWS;
+        for (sums, input) in sums.iter_mut().zip(inputs) {
+            let input = &input[stretch * STRETCH..][..columns];
+            for (sum, row) in sums.iter_mut().zip(&rows) {
+                *sum += sum_of_products(&row.as_flattened()[..columns], input);
+            }
         }
     }
     sums

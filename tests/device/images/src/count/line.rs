@@ -7,7 +7,10 @@
 use core::hint::black_box;
 
 use shared::{
-    encoder::{Patch, any_shape::AnyShape},
+    encoder::{
+        Encoder, EncoderState, Logits, Patch,
+        rebuild::{Rebuild, TILE},
+    },
     intent::MAX_CLASSES,
     model_file::Model,
     pipeline::{Encode, Pipeline},
@@ -33,11 +36,15 @@ pub struct Counts {
     pub total: Spans,
     /// The encoder without a probe: what its parts have to add up to.
     encoder: Spans,
+    /// From scratch over the window: a patch's share of it.
+    rebuild: Spans,
+    /// What it does in one piece.
+    slice: Spans,
 }
 
 impl Counts {
-    /// Parts with their names, the line's order; then the two sums.
-    pub fn named(&self) -> [(&'static str, Spans); 10] {
+    /// Parts with their names, the line's order; the two sums; then what the way from scratch takes.
+    pub fn named(&self) -> [(&'static str, Spans); 12] {
         let [embed, attention, feed_forward, head] = self.encoder_parts;
         [
             ("preprocess", self.preprocess),
@@ -50,17 +57,49 @@ impl Counts {
             ("rest", self.rest),
             ("total", self.total),
             ("encoder", self.encoder),
+            ("rebuild", self.rebuild),
+            ("slice", self.slice),
         ]
+    }
+}
+
+/// The encoder compiled by itself, alike in the line and apart from it.
+#[derive(Clone, Copy, Debug)]
+struct Apart<'m, const D: usize, const L: usize, const SPAN: usize>(Encoder<'m, D, L, SPAN>);
+
+impl<const D: usize, const L: usize, const SPAN: usize> Encode for Apart<'_, D, L, SPAN> {
+    type State = EncoderState<D, L, SPAN>;
+
+    fn classes(&self) -> usize {
+        self.0.classes()
+    }
+
+    fn fresh(&self) -> Self::State {
+        self.0.fresh()
+    }
+
+    fn reset(&self, state: &mut Self::State) {
+        self.0.reset(state);
+    }
+
+    #[inline(never)]
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> Logits {
+        self.0.step(state, patch)
     }
 }
 
 /// Counts over all the samples.
 ///
+/// A device has to look up first which of several shapes its model has: some ten instructions more.
+///
 /// # Panics
-/// If the model has a shape that is not compiled.
-pub fn count(model: &Model<'_>, samples: &[Sample]) -> Counts {
+/// If the model has another shape, or patches at once give other outputs than one by one.
+pub fn count<const D: usize, const L: usize, const SPAN: usize>(
+    model: &Model<'_>,
+    samples: &[Sample],
+) -> Counts {
     let settings = model.header.smoother.in_patches();
-    let encoder = AnyShape::new(model).expect("a compiled shape");
+    let encoder = Apart(Encoder::<D, L, SPAN>::new(model).expect("the model's shape"));
     let mut memory = encoder.fresh();
     let mut line =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
@@ -73,7 +112,7 @@ pub fn count(model: &Model<'_>, samples: &[Sample]) -> Counts {
 
     let clock = Clock::new();
     let mut counts = Counts::default();
-    // The median lags a sample: after the first one, every tenth completes a patch.
+    // The median lags a sample: after the first one, the last of as many as a patch has completes it.
     let Some((first, samples)) = samples.split_first() else {
         return counts;
     };
@@ -103,7 +142,7 @@ pub fn count(model: &Model<'_>, samples: &[Sample]) -> Counts {
         });
         let (rows, step) = clock.span(|| encoder.step(&mut state, clean));
         let mut probe = clock.probe();
-        let probed_rows = encoder.step_probed(&mut probed_state, clean, &mut probe);
+        let probed_rows = encoder.0.step_probed(&mut probed_state, clean, &mut probe);
         assert!(probed_rows == rows, "the probe changed the result");
         if !ring.is_full() {
             continue;
@@ -122,5 +161,24 @@ pub fn count(model: &Model<'_>, samples: &[Sample]) -> Counts {
         let parts = preprocess + ring_time + step + smooth;
         counts.rest.push(total.saturating_sub(parts));
     }
+
+    let mut rebuilt = encoder.fresh();
+    let mut rebuild = Rebuild::begin(&mut rebuilt, &ring);
+    let mut of_two = 0;
+    while !rebuild.is_done() {
+        let (outputs, slice) = clock.span(|| rebuild.slice(&encoder.0, &mut rebuilt, &ring));
+        counts.slice.push(slice);
+        of_two += slice;
+        if outputs.is_some() {
+            counts.rebuild.push(of_two / TILE as u32);
+            of_two = 0;
+        }
+    }
+    let next = Patch::default();
+    let outputs = [&mut state, &mut rebuilt].map(|state| encoder.step(state, &next));
+    assert!(
+        outputs[0] == outputs[1],
+        "from scratch it comes out another"
+    );
     counts
 }

@@ -1,15 +1,23 @@
-//! What a step writes on the way to its answer.
+//! One patch on its way through the layers.
 
 use super::{attention::Heads, linear::Codes};
-use crate::kernels::Aligned;
+use crate::{
+    kernels::Aligned,
+    units::{CHANNELS, PATCH},
+};
 
-/// Memory that a step uses and nothing remembers.
+/// The residual stream of a patch, and the memory that its way through the layers writes to. Nothing outlives the
+/// patch.
 ///
 /// Kept beside what is remembered, so that no step spends its time on clearing it.
 #[derive(Clone, Debug)]
-pub struct Scratch<const D: usize> {
-    /// A normalised token, or what the heads attend to.
-    pub token: [f32; D],
+pub struct Token<const D: usize> {
+    /// The residual stream.
+    pub h: [f32; D],
+    /// Codes of the patch's samples.
+    pub samples: Aligned<[[i16; CHANNELS]; PATCH]>,
+    /// The stream normalised, or what the heads attend to.
+    pub normalised: [f32; D],
     /// Query, key and value; or the feed-forward's hidden values, twice the width.
     pub wide: [[f32; D]; 3],
     /// What a linear map reads.
@@ -20,10 +28,12 @@ pub struct Scratch<const D: usize> {
     pub heads: Heads,
 }
 
-impl<const D: usize> Scratch<D> {
+impl<const D: usize> Token<D> {
     /// All zeros.
     pub const EMPTY: Self = Self {
-        token: [0.0; D],
+        h: [0.0; D],
+        samples: Aligned([[0; CHANNELS]; PATCH]),
+        normalised: [0.0; D],
         wide: [[0.0; D]; 3],
         codes: Aligned([[0; D]; 2]),
         sums: [0; D],
