@@ -1,9 +1,10 @@
-//! Tables of what one choice does to the teacher: a row for each variant.
+//! Tables of what one choice does to the teacher, or to the student: a row for each variant.
 
 use super::Outcomes;
 use super::scores::{ACCURACY, Heading, Line, scores};
 use super::section::{MAIN, Section, TRUTHS, would_fill};
-use crate::stage::TEACHER;
+use super::variant::Variant;
+use crate::stage::{INTEGER, TEACHER};
 
 const WINDOW: &str = "window-";
 const PRE_TRAINING: [&str; 4] = ["scratch", "pretrained", "fine-tuned", "lora"];
@@ -20,7 +21,7 @@ pub(super) fn pre_training(study: &Outcomes) -> Vec<Section> {
         rows: "training",
     };
     let rows = PRE_TRAINING.map(|name| (name.to_owned(), name.to_owned()));
-    teachers(study, &heading, &rows)
+    by_variant(study, &heading, &rows, TEACHER)
 }
 
 /// What the length of the window gives.
@@ -50,18 +51,44 @@ pub(super) fn windows(study: &Outcomes) -> Vec<Section> {
         .map(|size| (size.to_string(), format!("{WINDOW}{size}")))
         .collect();
     rows.push((PAPER_WINDOW.to_string(), MAIN.to_owned()));
-    teachers(study, &heading, &rows)
+    by_variant(study, &heading, &rows, TEACHER)
 }
 
-/// The teachers of several variants, a row each `(label, variant)`; what is missing is told.
-fn teachers(study: &Outcomes, heading: &Heading<'_>, rows: &[(String, String)]) -> Vec<Section> {
+/// What the size of the student gives; no place for it in a study without any.
+pub(super) fn sizes(study: &Outcomes) -> Vec<Section> {
+    let heading = Heading {
+        name: "sizes",
+        title: "Sizes of the student, 3 classes",
+        caption: "The integer student, by width and layers, trained on the labels of all sets alone. \
+            Without look-ahead the newest row decides by itself.",
+        rows: "width x layers",
+    };
+    let rows: Vec<(String, String)> = Variant::STUDENTS
+        .iter()
+        .map(ToString::to_string)
+        .filter(|name| study.variants.contains_key(name))
+        .map(|name| (name.trim_start_matches("student-").to_owned(), name))
+        .collect();
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    by_variant(study, &heading, &rows, INTEGER)
+}
+
+/// A model of several variants, a row each `(label, variant)`; what is missing is told.
+fn by_variant(
+    study: &Outcomes,
+    heading: &Heading<'_>,
+    rows: &[(String, String)],
+    model: &str,
+) -> Vec<Section> {
     let (mut lines, mut missing): (_, Vec<&str>) = (Vec::new(), Vec::new());
     for (label, name) in rows {
         match study.variants.get(name) {
             Some(variant) => lines.push(Line {
                 label: label.clone(),
                 variant,
-                model: TEACHER,
+                model,
             }),
             None => missing.push(name),
         }

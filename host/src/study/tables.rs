@@ -1,6 +1,6 @@
 //! Which tables there are, of which variants, and what to say of those that are not there.
 
-use super::ablation::{pre_training, window, windows};
+use super::ablation::{pre_training, sizes, window, windows};
 use super::difference::differences;
 use super::offsets::offsets;
 use super::scores::{ACCURACY, BY_BUFFER, Heading, Line, Measure, scores};
@@ -99,6 +99,7 @@ pub fn tables(study: &Outcomes) -> Tables {
     }));
     sections.extend(pre_training(study));
     sections.extend(windows(study));
+    sections.extend(sizes(study));
     sections.extend(all_models(study, MAIN, &buffer, &BY_BUFFER));
     sections.extend(of(study, MAIN, &ours, |variant, truth| {
         differences(&ours, variant, &OURS, truth)

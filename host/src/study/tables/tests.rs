@@ -100,6 +100,23 @@ fn an_ablation_has_a_row_for_each_variant_and_tells_of_the_others() {
 }
 
 #[test]
+fn students_of_several_sizes_have_a_table_of_their_own() {
+    let fixture = Fixture::new();
+    for name in ["student-128x3", "student-64x2"] {
+        let fold = fixture.fold(name, 1, 1).left_out("roshambo/01");
+        fold.model("integer student", true).write();
+    }
+    let tables = tables(&fixture.study());
+    let rows = &sheet(&tables, "sizes-moved").rows;
+    let of = |column: usize| rows.iter().map(move |row| row.cells[column].shown.as_str());
+    assert_eq!(
+        of(0).collect::<Vec<_>>(),
+        ["64x2", "128x3", "64x2", "128x3"]
+    );
+    assert_eq!(of(1).nth(2), Some("0.25 s, all rows"));
+}
+
+#[test]
 fn a_variant_of_another_name_gets_a_table_of_its_own() {
     let fixture = small();
     fixture.fold("narrow", 1, 1).left_out("ss-stm/sub2").write();
