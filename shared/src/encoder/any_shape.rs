@@ -4,7 +4,7 @@
 //! Each shape is compiled by itself and the file chooses. Wider models than these exist on the
 //! host; they fit neither a device's model region (160 KiB) nor its time.
 
-use super::{Encoder, EncoderState, Logits, Patch, probe::Probe};
+use super::{Encoder, EncoderState, Logits, Patch};
 use crate::{
     model_file::{Model, ModelError},
     pipeline::Encode,
@@ -51,25 +51,6 @@ macro_rules! shapes {
                     $(Self::$name(_) => *state = AnyState::$name(EncoderState::fresh()),)*
                 }
             }
-
-            /// As [`Encode::step`], telling a probe at the end of every part.
-            #[must_use]
-            pub fn step_probed(
-                &self,
-                state: &mut AnyState,
-                patch: &Patch,
-                probe: &mut impl Probe,
-            ) -> Logits {
-                loop {
-                    match (self, &mut *state) {
-                        $((Self::$name(encoder), AnyState::$name(state)) => {
-                            break encoder.step_probed(state, patch, probe);
-                        })*
-                        // A state of another shape holds nothing of this stream.
-                        _ => self.reshape(state),
-                    }
-                }
-            }
         }
 
         impl Encode for AnyShape<'_> {
@@ -96,7 +77,15 @@ macro_rules! shapes {
             }
 
             fn step(&self, state: &mut AnyState, patch: &Patch) -> Logits {
-                self.step_probed(state, patch, &mut ())
+                loop {
+                    match (self, &mut *state) {
+                        $((Self::$name(encoder), AnyState::$name(state)) => {
+                            break encoder.step(state, patch);
+                        })*
+                        // A state of another shape holds nothing of this stream.
+                        _ => self.reshape(state),
+                    }
+                }
             }
         }
     };
