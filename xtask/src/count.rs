@@ -147,7 +147,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// A part, or one of [`SUMS`].
+    /// A part, or one of the sums.
     pub fn part(&self, name: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.name == name)
     }

@@ -19,7 +19,8 @@ use crate::study::variant::Variant;
     `pretraining`); one that was interrupted goes on where it stopped, one that is done is passed over.\n\n\
     Examples:\n  myointent study --data recordings --skip-bad                 # all jobs, one after the other\n  \
     myointent study --data recordings --skip-bad --list | sh     # or any scheduler\n  \
-    myointent tables runs/study --out docs/tables                # what came out"
+    myointent study --data recordings --skip-bad --study runs/sizes --variant student-64x2,student-96x3
+  myointent tables runs/study --out docs/tables                # what came out"
 )]
 pub struct Arguments {
     /// Built-in preset or a TOML file that the variants vary.
@@ -31,7 +32,8 @@ pub struct Arguments {
     /// How everybody is left out in turn: `loso`, or `4-fold` with any number.
     #[arg(long, default_value = "4-fold")]
     protocol: Protocol,
-    /// Variants to run; all if not given.
+    /// Variants to run; all of the paper's comparisons if not given. Students of eight sizes, `student-48x2` (width and
+    /// layers) to `student-128x3`, run when they are named.
     #[arg(long, value_delimiter = ',')]
     variant: Vec<Variant>,
     /// The one fold to run, from 1 on; all if not given.

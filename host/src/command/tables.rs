@@ -12,7 +12,7 @@ use crate::study::{self, tables};
 #[derive(Debug, Args)]
 #[command(
     after_help = "STUDY holds VARIANT/fold-K, each judged by `myointent evaluate`. Tables are made of the variants main,\n\
-    wrist, scratch, pretrained, fine-tuned, lora and window-N; what is missing is told in its place, and variants of\n\
+    wrist, scratch, pretrained, fine-tuned, lora, window-N and student-WxL; what is missing is told in its place, and variants of\n\
     other names get a table of their own. Writes tables.md and a CSV for each table, whose last column says which\n\
     runs a row comes from.\n\n\
     Example:\n  myointent tables studies/all --out tables"
