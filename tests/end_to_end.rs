@@ -39,7 +39,7 @@ fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
         myointent_tests::skip(test, &format!("no {}", path.display()));
         return None;
     }
-    let recording = myointent::command::replay::one_recording(&path, None)
+    let recording = myointent::cli::replay::one_recording(&path, None)
         .unwrap_or_else(|error| panic!("{}: {error:#}", path.display()));
     let mut samples = recording.samples;
     samples.truncate(seconds * 200);

@@ -6,10 +6,10 @@ mod small;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use myointent::stage::integer_rows;
-use shared::model_file::Model;
-use shared::preprocess::clean;
-use shared::report_line::{Kind, Report};
+use myointent::run::stage::integer_rows;
+use shared::model::file::Model;
+use shared::stream::preprocess::clean;
+use shared::uart_line::{Kind, Report};
 use small::{folder, myointent, recordings, small_preset};
 
 fn quickstart(folder: &Path, run: &str) -> PathBuf {
@@ -70,7 +70,7 @@ fn an_integer_student_repeats_itself_and_stays_near_its_float_twin() {
     let (_, file) = recordings(&folder);
     let bytes = fs::read(run.join("student.intent")).unwrap();
     let model = Model::parse(&bytes).unwrap();
-    let recording = myointent::recording::load(&file, &Default::default())
+    let recording = myointent::dataset::load(&file, &Default::default())
         .unwrap()
         .recordings
         .remove(0);
@@ -117,7 +117,7 @@ fn replay_prints_lines_that_a_device_would_and_only_after_three_seconds() {
     let run = quickstart(&folder, "run");
     let (_, file) = recordings(&folder);
     let bytes = fs::read(run.join("student.intent")).unwrap();
-    let lines = myointent::command::replay::lines(&bytes, &file).unwrap();
+    let lines = myointent::cli::replay::lines(&bytes, &file).unwrap();
     let reports: Vec<Report> = lines
         .lines()
         .map(|line| Report::parse(format!("{line}\r\n").as_bytes()).unwrap())
@@ -155,7 +155,7 @@ fn a_damaged_model_file_is_refused_with_its_reason() {
     bytes[middle] ^= 1;
     let error = format!(
         "{:#}",
-        myointent::command::replay::lines(&bytes, &file).unwrap_err()
+        myointent::cli::replay::lines(&bytes, &file).unwrap_err()
     );
     assert!(error.contains("checksum"), "{error}");
 }

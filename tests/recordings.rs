@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use myointent::recording::splice::{SpliceOptions, splice};
-use myointent::recording::{
+use myointent::dataset::splice::{SpliceOptions, splice};
+use myointent::dataset::{
     Fault, Library, LoadError, LoadOptions, Place, Recording, Remedy, lag, load, runs,
 };
 use myointent_tests::{data, skip};

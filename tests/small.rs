@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use myointent::command::Cli;
-use myointent::recording::synth::{self, SynthOptions};
+use myointent::cli::Cli;
+use myointent::dataset::synthetic::{self, SynthOptions};
 
 /// A preset that trains in seconds; what it learns is beside the point.
 pub fn small_preset(folder: &Path) -> PathBuf {
-    let text = myointent::preset::BUILT_IN[0].1;
+    let text = myointent::run::preset::BUILT_IN[0].1;
     let text = text
         .replace("name = \"quickstart\"", "name = \"small\"")
         .replace("spliced_seconds = 180.0", "spliced_seconds = 20.0")
@@ -51,6 +51,6 @@ pub fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
         seconds: 30,
         ..SynthOptions::default()
     };
-    let files = synth::write(&options, &data).unwrap();
+    let files = synthetic::write(&options, &data).unwrap();
     (data, files[0].clone())
 }

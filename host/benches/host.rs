@@ -7,31 +7,31 @@ use std::time::Duration;
 use burn::tensor::Device;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use myointent::corpus::{Corpus, Stream};
-use myointent::fit::{Learner, gradients, optimizer};
-use myointent::preset::{BUILT_IN, Preset};
-use myointent::recording::synth::{self, SynthOptions};
-use myointent::stage::integer_rows;
-use myointent::student::any_encoder::{WithEncoder, with_encoder};
+use myointent::dataset::corpus::{Corpus, Stream};
+use myointent::training::fit::{Learner, gradients, optimizer};
+use myointent::run::preset::{BUILT_IN, Preset};
+use myointent::dataset::synthetic::{self, SynthOptions};
+use myointent::run::stage::integer_rows;
+use myointent::inference::device::{WithEncoder, with_encoder};
 use myointent::student::distillation;
 use myointent::teacher;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Vocabulary;
-use shared::model_file::{Dimensions, Model, samples::random_model};
+use shared::model::file::{Dimensions, Model, samples::random_model};
 use shared::pipeline::{Encode, Pipeline};
-use shared::preprocess::clean;
-use shared::safe_state::Start;
+use shared::stream::preprocess::clean;
+use shared::stream::safe_state::Start;
 use shared::units::{Millis, Sample};
 
-fn recording() -> myointent::recording::Recording {
+fn recording() -> myointent::dataset::Recording {
     let options = SynthOptions {
         subjects: 1,
         recordings: 1,
         seconds: 60,
         ..SynthOptions::default()
     };
-    synth::generate(&options).remove(0)
+    synthetic::generate(&options).remove(0)
 }
 
 #[cfg_attr(
@@ -129,7 +129,7 @@ fn steps<L: Learner>(
     });
 }
 
-struct Stream60<'s>(&'s [Sample], shared::smoother::Settings);
+struct Stream60<'s>(&'s [Sample], shared::stream::smoother::Settings);
 
 impl<'m> WithEncoder<'m> for Stream60<'_> {
     type Output = usize;

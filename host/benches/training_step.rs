@@ -11,11 +11,11 @@ use std::time::Instant;
 use anyhow::{Context as _, anyhow, bail};
 use burn::module::Module as _;
 use burn::tensor::Device;
-use myointent::corpus::{Corpus, Stream};
-use myointent::estimate::numbers;
-use myointent::fit::{Learner as _, gradients, optimizer};
-use myointent::preset::Preset;
-use myointent::recording::synth::{self, SynthOptions};
+use myointent::dataset::corpus::{Corpus, Stream};
+use myointent::training::tensor::read_back;
+use myointent::training::fit::{Learner as _, gradients, optimizer};
+use myointent::run::preset::Preset;
+use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::teacher::training;
 use myointent::teacher::window::inference_input;
 use rand::SeedableRng as _;
@@ -43,7 +43,7 @@ fn main() -> anyhow::Result<()> {
     };
     let (one, two) = (pool(1)?, pool(2)?);
 
-    let recording = synth::generate(&SynthOptions {
+    let recording = synthetic::generate(&SynthOptions {
         subjects: 1,
         recordings: 1,
         seconds: 120,
@@ -80,7 +80,7 @@ fn main() -> anyhow::Result<()> {
             "window" => one.install(|| {
                 let plain = device.clone().inner();
                 let input = inference_input(emg.clone(), grid, 3, &plain);
-                drop(numbers(before.valid().forward(input).intent));
+                drop(read_back(before.valid().forward(input).intent));
                 before
             }),
             other => bail!("step or window, not `{other}`"),

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use myointent::command::Cli;
+use myointent::cli::Cli;
 
 // Training allocates and frees large tensors by the thousand; this allocator keeps their pages.
 #[global_allocator]

@@ -3,18 +3,16 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use shared::{
-    encoder::{Encoder, Patch},
-    intent::{MAX_CLASSES, Vocabulary},
-    model_file::{
-        Dimensions, Model,
-        samples::{Noise, random_model},
-    },
-    pipeline::Encode as _,
-    preprocess::Preprocessor,
-    smoother::{Settings, Smoother},
-    units::{LOOK_BACK, PATCH, Sample, SampleIndex},
+use shared::intent::{MAX_CLASSES, Vocabulary};
+use shared::model::encoder::{Encoder, Patch};
+use shared::model::file::{
+    Dimensions, Model,
+    samples::{Noise, random_model},
 };
+use shared::pipeline::Encode as _;
+use shared::stream::preprocess::Preprocessor;
+use shared::stream::smoother::{Settings, Smoother};
+use shared::units::{LOOK_BACK, PATCH, Sample, SampleIndex};
 
 fn encoder<const D: usize, const L: usize, const SPAN: usize>(bench: &mut Criterion) {
     let vocabulary = Vocabulary::Three;

@@ -21,17 +21,10 @@ extern crate alloc;
 #[cfg(all(test, target_os = "none"))]
 test::entry!(run_tests);
 
-pub mod arithmetic;
-pub mod encoder;
 pub mod intent;
-pub mod kernels;
-pub mod model_file;
+pub mod model;
 pub mod myo;
-pub mod numbering;
 pub mod pipeline;
-pub mod preprocess;
-pub mod report_line;
-pub mod ring;
-pub mod safe_state;
-pub mod smoother;
+pub mod stream;
+pub mod uart_line;
 pub mod units;

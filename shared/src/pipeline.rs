@@ -10,11 +10,11 @@
 //! runs on the device and in `myointent replay`, so both write the same lines.
 
 use crate::intent::{Intent, MAX_CLASSES};
-use crate::preprocess::Preprocessor;
-use crate::report_line::{Counters, Kind, Report};
-use crate::ring::SampleRing;
-use crate::safe_state::{Event, SafeState, Start, Status};
-use crate::smoother::{Settings, SettingsError, Smoother};
+use crate::stream::preprocess::Preprocessor;
+use crate::stream::ring::SampleRing;
+use crate::stream::safe_state::{Event, SafeState, Start, Status};
+use crate::stream::smoother::{Settings, SettingsError, Smoother};
+use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{CleanSample, LOOK_BACK, Millis, PATCH, Sample, SampleIndex};
 
 /// Most lost samples that are filled in by repeating the last one before them.

@@ -1,8 +1,8 @@
 //! Model files as they must not be: each damage, and why the device refuses it.
 
-use shared::encoder::any_shape::AnyShape;
+use shared::model::encoder::any_shape::AnyShape;
 use shared::intent::Vocabulary;
-use shared::model_file::{Dimensions, Model, samples::random_model};
+use shared::model::file::{Dimensions, Model, samples::random_model};
 
 use super::MODEL_REGION;
 

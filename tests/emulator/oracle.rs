@@ -1,9 +1,9 @@
 //! The lines that a device must write: the shared pipeline, told on the PC what the armband did.
 
-use shared::encoder::any_shape::AnyShape;
-use shared::model_file::Model;
+use shared::model::encoder::any_shape::AnyShape;
+use shared::model::file::Model;
 use shared::pipeline::{Encode as _, Pipeline, Reports};
-use shared::safe_state::Start;
+use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 /// What reaches the pipeline.

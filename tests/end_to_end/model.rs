@@ -1,7 +1,7 @@
 //! A model that is none leaves the device safe, and the UART says why.
 
 use myointent_tests::emulator::{board, damages};
-use shared::safe_state::Cause;
+use shared::stream::safe_state::Cause;
 
 #[test]
 fn every_damage_to_the_model_is_refused_with_its_reason() -> anyhow::Result<()> {

@@ -1,9 +1,9 @@
 //! What the device writes is what `myointent replay` prints.
 
-use myointent::command::replay;
+use myointent::cli::replay;
 use myointent_tests::emulator::{Input, bench, expected_lines};
 use serde_json::json;
-use shared::safe_state::Cause;
+use shared::stream::safe_state::Cause;
 
 fn emitted_lines_equal_replays(test: &str, recording: &str, seconds: usize) -> anyhow::Result<()> {
     let Some(samples) = super::samples(test, recording, seconds) else {

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use checks::Check;
 
-use crate::{preprocess, smoother};
+use crate::preprocess;
+use crate::smoother;
 
 /// Reads a check's data from the folder of reference numbers.
 pub type Read = fn(&Path) -> Check;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use burn::module::Module as _;
 use burn::tensor::{Device, Tensor, TensorData};
-use myointent::estimate::numbers;
-use myointent::preset::Preset;
+use myointent::training::tensor::read_back;
+use myointent::run::preset::Preset;
 use myointent::teacher::checkpoint::{load, save};
 use myointent::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
 use myointent::teacher::window::inference_input;
@@ -128,8 +128,8 @@ fn outputs_are_the_references_in_every_case() {
             blocked,
             &device,
         ));
-        let emg = distance(&numbers(emg), values("emg_out"));
-        let intent = distance(&numbers(intent), values("intent_logits"));
+        let emg = distance(&read_back(emg), values("emg_out"));
+        let intent = distance(&read_back(intent), values("intent_logits"));
         println!("{name}: EMG off by {emg:.1e}, logits by {intent:.1e}");
         assert!(emg <= TOLERANCE, "{name}: EMG off by {emg}");
         assert!(intent <= TOLERANCE, "{name}: logits off by {intent}");
@@ -159,8 +159,8 @@ fn windows_of_different_tasks_share_a_batch() {
     );
     shown.blocked = Some(Tensor::from_floats([1.0, 0.0], &device));
     let output = teacher.forward(shown);
-    let emg = distance(&numbers(output.emg), &both("emg_out"));
-    let intent = distance(&numbers(output.intent), &both("intent_logits"));
+    let emg = distance(&read_back(output.emg), &both("emg_out"));
+    let intent = distance(&read_back(output.intent), &both("intent_logits"));
     assert!(emg <= TOLERANCE, "EMG off by {emg}");
     assert!(intent <= TOLERANCE, "logits off by {intent}");
 }
@@ -175,7 +175,7 @@ fn use_shows_the_teacher_what_the_reference_is_shown() {
     let cases = tensors(&golden.join("model/cases.safetensors"));
     let emg = cases["inference.emg"].1.clone();
     let output = teacher.forward(inference_input(emg, paper().grid(), CLASSES, &device));
-    let off = distance(&numbers(output.intent), &cases["inference.intent_logits"].1);
+    let off = distance(&read_back(output.intent), &cases["inference.intent_logits"].1);
     assert!(off <= TOLERANCE, "logits off by {off}");
 }
 

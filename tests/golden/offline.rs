@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use checks::smoother::{CLASSES, TAIL};
-use myointent::evaluation::offline::{Offline, Vote, WindowRows};
+use myointent_research::offline::{Offline, Vote, WindowRows};
 use myointent_tests::golden;
 use serde_json::Value;
-use shared::smoother::Reading;
+use shared::stream::smoother::AggregationMode;
 
 use crate::files::{json, labels, npy};
 use crate::smoother::{SETS, same_instant};
@@ -23,9 +23,9 @@ fn logits(folder: &Path, set: &str, part: &str) -> Vec<f32> {
 fn offline(case: &Value) -> Offline {
     let max_factor = case["weight_max_factor"].as_f64().unwrap();
     Offline {
-        reading: match same_instant(case) {
-            true => Reading::SameInstant,
-            false => Reading::AllRowsFrom,
+        aggregation: match same_instant(case) {
+            true => AggregationMode::SameInstant,
+            false => AggregationMode::AllRowsFrom,
         },
         vote: match case["likelihood_format"].as_str() {
             Some("logits") => Vote::MeanLogits { max_factor },

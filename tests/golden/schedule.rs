@@ -1,10 +1,10 @@
 //! The learning rate that the reference really used: golden/lr_schedule.json.
 
 use burn::tensor::Device;
-use myointent::corpus::{Corpus, Stream};
-use myointent::fit::Learner as _;
-use myointent::preset::Preset;
-use myointent::schedule::{Course, Schedule};
+use myointent::dataset::corpus::{Corpus, Stream};
+use myointent::training::fit::Learner as _;
+use myointent::run::preset::Preset;
+use myointent::training::schedule::{Course, Schedule};
 use myointent::teacher::masking::Task;
 use myointent::teacher::training::learner;
 use myointent::teacher::window::Grid;

@@ -5,8 +5,8 @@ use std::path::Path;
 use burn::module::{Module as _, ModuleMapper, Param};
 use burn::optim::GradientsParams;
 use burn::tensor::{Device, Tensor, TensorData};
-use myointent::estimate::numbers;
-use myointent::fit::optimizer;
+use myointent::training::tensor::read_back;
+use myointent::training::fit::optimizer;
 use myointent::teacher::checkpoint::save;
 use myointent::teacher::model::Teacher;
 use myointent::teacher::training::losses;
@@ -81,7 +81,7 @@ fn a_training_step_has_the_references_losses_gradients_and_changes() {
         let (emg, intent) = losses(&teacher.forward(batch.input.clone()), &batch);
         for (name, found) in [("emg_loss", &emg), ("intent_loss", &intent)] {
             let (found, expected) = (
-                f64::from(numbers(found.clone())[0]),
+                f64::from(read_back(found.clone())[0]),
                 losses_of[name].as_f64().unwrap(),
             );
             println!("{name}: {found:.7}, the reference's {expected:.7}");

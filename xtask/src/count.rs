@@ -9,10 +9,9 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::{
-    device::{self, Clock, Image},
-    qemu, toolchain,
-};
+use crate::device::{self, Clock, Image};
+use crate::qemu;
+use crate::toolchain;
 
 /// Of a whole patch, 50 ms of EMG.
 pub const BUDGET: u64 = 150_000;

@@ -15,7 +15,9 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::{firmware, qemu::QEMU, toolchain::Toolchain};
+use crate::firmware;
+use crate::qemu::QEMU;
+use crate::toolchain::Toolchain;
 
 /// A program for the emulated core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -9,10 +9,8 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::{
-    debian,
-    qemu::{self, QEMU},
-};
+use crate::debian;
+use crate::qemu::{self, QEMU};
 
 /// Names another Python that has the requirements, in place of the environment that
 /// `cargo xtask emulator --install` makes.

@@ -4,13 +4,11 @@ use std::{fmt, fs, path::PathBuf, process::Command};
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::{
-    clang,
-    size::{self, Size},
-    stack,
-    toolchain::{self, TARGET, Toolchain},
-    vectors,
-};
+use crate::clang;
+use crate::size::{self, Size};
+use crate::stack;
+use crate::toolchain::{self, TARGET, Toolchain};
+use crate::vectors;
 
 /// Flash for code and constants, the SoftDevice's and the model's own excluded.
 pub const FLASH_BUDGET: u64 = 160 * 1024;

@@ -14,7 +14,7 @@ pub use emulator::{LabelPort, Pins, RadioParts, Watchdog, last_words, run_radio,
 #[cfg(feature = "chip")]
 pub use nrf52::{LabelPort, Pins, RadioParts, Watchdog, last_words, run_radio, start};
 
-use shared::safe_state::{Cause, Status};
+use shared::stream::safe_state::{Cause, Status};
 
 /// Why the program started.
 #[derive(Clone, Copy, PartialEq, Eq)]

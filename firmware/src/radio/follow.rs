@@ -8,11 +8,9 @@ use core::cell::{Cell, RefCell};
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Instant, Ticker};
-use shared::{
-    myo::{Action, Event, MyoSession, Phase},
-    numbering::Sender,
-    units::Millis,
-};
+use shared::myo::{Action, Event, MyoSession, Phase};
+use shared::stream::link_sequence::Sender;
+use shared::units::Millis;
 
 use super::{Conversation, Link, MOST_BYTES, OperationFailed, Radio, SUBSCRIBE, handles::Handles};
 use crate::tasks::{Packets, watchdog};

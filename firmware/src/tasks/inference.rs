@@ -2,23 +2,23 @@
 
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
-use shared::{
-    encoder::any_shape::{AnyShape, AnyState},
-    model_file::{Model, ModelError},
-    numbering::Receiver,
-    pipeline::{Encode, Pipeline, Reports},
-    report_line::{Counters, Kind, Report},
-    safe_state::{Event, SafeState, Start},
-    smoother::Smoother,
-    units::{Millis, SampleIndex},
-};
+use shared::model::encoder::any_shape::{AnyShape, AnyState};
+use shared::model::file::{Model, ModelError};
+use shared::stream::link_sequence::Receiver;
+use shared::pipeline::{Encode, Pipeline, Reports};
+use shared::uart_line::{Counters, Kind, Report};
+use shared::stream::safe_state::{Event, SafeState, Start};
+use shared::stream::smoother::Smoother;
+use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use super::{
     PACKETS, output,
     watchdog::{self, ROUND},
 };
-use crate::{board::Restart, model_region, radio::follow::now};
+use crate::board::Restart;
+use crate::model_region;
+use crate::radio::follow::now;
 
 /// The encoder's memory, the largest thing in RAM.
 static MEMORY: ConstStaticCell<AnyState> = ConstStaticCell::new(AnyState::EMPTY);
@@ -35,7 +35,7 @@ pub enum Refusal {
     Model(#[from] ModelError),
     /// It asks for a smoother that there is none of.
     #[error("model refused: {0}")]
-    Smoother(#[from] shared::smoother::SettingsError),
+    Smoother(#[from] shared::stream::smoother::SettingsError),
 }
 
 /// From sample to report, for whichever model lies in flash.

@@ -15,7 +15,7 @@ pub mod output;
 pub mod radio;
 pub mod watchdog;
 
-use shared::numbering::Packet;
+use shared::stream::link_sequence::Packet;
 
 use crate::queue::Queue;
 

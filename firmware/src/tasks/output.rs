@@ -11,21 +11,17 @@ use embassy_sync::{
     signal::Signal,
 };
 use embassy_time::with_timeout;
-use shared::{
-    myo::{Address, Counters, FirmwareVersion},
-    report_line::Report,
-    safe_state::Status,
-};
+use shared::myo::{Address, Counters, FirmwareVersion};
+use shared::uart_line::Report;
+use shared::stream::safe_state::Status;
 
 use super::{
     PACKETS,
     inference::Refusal,
     watchdog::{self, ROUND},
 };
-use crate::{
-    board::{LabelPort, Pins, Restart, Shown},
-    queue::Queue,
-};
+use crate::board::{LabelPort, Pins, Restart, Shown};
+use crate::queue::Queue;
 
 /// What the UART tells. Reports are for machines; the others begin with `#` and are for people.
 #[derive(Clone, Copy)]

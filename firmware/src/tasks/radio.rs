@@ -9,11 +9,9 @@ use super::{
     PACKETS,
     output::{self, Armband, Line},
 };
-use crate::{
-    board::{self, RadioParts},
-    radio::follow::Follower,
-    settings,
-};
+use crate::board::{self, RadioParts};
+use crate::radio::follow::Follower;
+use crate::settings;
 
 /// Runs for ever; a stack that fails ends in a panic, and so in a restart.
 #[embassy_executor::task]

@@ -4,7 +4,8 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_time::{Duration, Timer};
 
-use crate::{board::Watchdog, settings::WATCHDOG_MS};
+use crate::board::Watchdog;
+use crate::settings::WATCHDOG_MS;
 
 /// The longest that a task may wait for anything without saying that it is alive.
 pub const ROUND: Duration = Duration::from_millis(WATCHDOG_MS as u64 / 4);

@@ -3,16 +3,16 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, Vocabulary};
-use shared::smoother::{Reading, Settings};
+use shared::stream::smoother::{AggregationMode, Settings};
 use thiserror::Error;
 
 use super::track::{Track, track};
 use super::trial::Trial;
-use crate::estimate::Rows;
-use crate::metric::MetricError;
-use crate::metric::confusion::Confusion;
-use crate::metric::summary::{RecordingScore, Summary, summary};
-use crate::metric::transition::Rule;
+use shared::pipeline::LookBackLogits;
+use crate::evaluation::metric::MetricError;
+use crate::evaluation::metric::confusion::Confusion;
+use crate::evaluation::metric::summary::{RecordingScore, Summary, summary};
+use crate::evaluation::metric::transition::Rule;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
 pub const BUFFERS: [usize; 3] = [60, 120, 200];
@@ -63,11 +63,11 @@ impl LookAhead {
                 ..paper
             },
             Self::AllRows => Settings {
-                reading: Reading::AllRowsFrom,
+                aggregation: AggregationMode::AllRowsFrom,
                 ..paper
             },
             Self::SameInstant => Settings {
-                reading: Reading::SameInstant,
+                aggregation: AggregationMode::SameInstant,
                 ..paper
             },
         }
@@ -81,8 +81,8 @@ pub struct Candidate {
     pub name: String,
     /// Whether its rows speak of past patches too; if not, there is nothing to look ahead with.
     pub looks_back: bool,
-    /// Rows of each trial's patches, in the order of the trials.
-    pub rows: Vec<Vec<Rows>>,
+    /// LookBackLogits of each trial's patches, in the order of the trials.
+    pub rows: Vec<Vec<LookBackLogits>>,
 }
 
 impl Candidate {
@@ -137,7 +137,7 @@ pub enum JudgeError {
     Metric(#[from] MetricError),
     /// The smoother refuses its settings.
     #[error(transparent)]
-    Smoother(#[from] shared::smoother::SettingsError),
+    Smoother(#[from] shared::stream::smoother::SettingsError),
 }
 
 /// Judges a candidate under one condition, over all trials and for each data set among them.
@@ -202,7 +202,7 @@ pub const ALL: &str = "all";
 /// Scores of one trial: spoken book with each buffer, then the emitted book with the widest.
 fn score(
     trial: &Trial,
-    rows: &[Rows],
+    rows: &[LookBackLogits],
     labels: &[Option<Intent>],
     vocabulary: Vocabulary,
     settings: Settings,

@@ -1,10 +1,10 @@
 //! From rows of logits to the labels of a recording, by the device's own smoother.
 
 use shared::intent::{Intent, MAX_CLASSES};
-use shared::smoother::{Settings, SettingsError, Smoother};
+use shared::stream::smoother::{Settings, SettingsError, Smoother};
 use shared::units::{LOOK_BACK, PATCH, SampleIndex};
 
-use crate::estimate::Rows;
+use shared::pipeline::LookBackLogits;
 
 /// The labels of one recording, sample by sample, in two books.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Track {
 /// # Errors
 /// When the settings do not fit the rows.
 pub fn track(
-    rows: &[Rows],
+    rows: &[LookBackLogits],
     samples: usize,
     classes: usize,
     settings: Settings,
@@ -55,8 +55,8 @@ pub fn track(
 mod tests {
     use super::*;
 
-    fn rows(class: usize) -> Rows {
-        let mut rows = Rows::default();
+    fn rows(class: usize) -> LookBackLogits {
+        let mut rows = LookBackLogits::default();
         for row in &mut rows {
             row[class] = 1.0;
         }
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn look_ahead_moves_the_emitted_book_and_not_the_spoken_one() {
-        let patches: Vec<Rows> = (0..40)
+        let patches: Vec<LookBackLogits> = (0..40)
             .map(|patch| rows(usize::from(patch >= 20) * 2))
             .collect();
         let track = track(&patches, 400, 3, Settings::PAPER_IN_PATCHES).unwrap();

@@ -4,10 +4,8 @@ use std::{error::Error, fs};
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use shared::{
-    intent::{Intent, Vocabulary},
-    units::CHANNELS,
-};
+use shared::intent::{Intent, Vocabulary};
+use shared::units::CHANNELS;
 
 use super::{Confusion, Curve, Panel, ReportData, Table, Timeline, timeline_svg, write_html};
 

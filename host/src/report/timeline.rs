@@ -6,10 +6,8 @@ use plotters::{
     prelude::*,
     style::text_anchor::{HPos, VPos},
 };
-use shared::{
-    intent::Intent,
-    units::{CHANNELS, CleanSample, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ},
-};
+use shared::intent::Intent;
+use shared::units::{CHANNELS, CleanSample, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 use super::{
     ReportError,

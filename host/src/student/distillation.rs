@@ -9,13 +9,16 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
 use super::model::Student;
-use crate::corpus::{Augmentation, Corpus, Variation, patch_labels};
-use crate::estimate::{Rows, numbers, padded};
-use crate::fit::{Learner, Pace, Part, SHARDS, fit};
-use crate::interrupt::Interrupt;
-use crate::loss::cross_entropy;
-use crate::run_folder::{RunError, RunFolder};
-use crate::schedule::Course;
+use crate::dataset::corpus::{Corpus, patch_labels};
+use crate::training::augmentation::{Augmentation, Variation};
+use shared::pipeline::LookBackLogits;
+use crate::training::tensor::read_back;
+use crate::dataset::lead_in::padded;
+use crate::training::fit::{Learner, Pace, Part, SHARDS, fit};
+use crate::execution::interrupt::Interrupt;
+use crate::training::loss::cross_entropy;
+use crate::execution::run_folder::{RunError, RunFolder};
+use crate::training::schedule::Course;
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";
@@ -55,7 +58,7 @@ pub struct Distillation {
 struct Lesson {
     emg: Vec<[u8; CHANNELS]>,
     labels: Vec<Option<Intent>>,
-    teacher: Option<Vec<Rows>>,
+    teacher: Option<Vec<LookBackLogits>>,
 }
 
 impl Lesson {
@@ -87,7 +90,7 @@ pub fn train(
     model: Student,
     span: usize,
     corpus: &Corpus,
-    teacher: Option<Vec<Vec<Rows>>>,
+    teacher: Option<Vec<Vec<LookBackLogits>>>,
     validation: &Corpus,
     config: &Distillation,
     seed: u64,
@@ -116,7 +119,7 @@ pub fn train(
 pub fn learner<'a>(
     span: usize,
     corpus: &Corpus,
-    teacher: Option<Vec<Vec<Rows>>>,
+    teacher: Option<Vec<Vec<LookBackLogits>>>,
     validation: &Corpus,
     config: &'a Distillation,
     device: &'a Device,
@@ -132,7 +135,7 @@ pub fn learner<'a>(
     }
 }
 
-fn lessons(corpus: &Corpus, teacher: Option<Vec<Vec<Rows>>>) -> Vec<Lesson> {
+fn lessons(corpus: &Corpus, teacher: Option<Vec<Vec<LookBackLogits>>>) -> Vec<Lesson> {
     let mut teacher = teacher.map(Vec::into_iter);
     corpus
         .streams
@@ -332,7 +335,7 @@ impl Learner for StudentLearner<'_> {
         let label = Self::label_loss(&logits, &questions);
         let part = |name, loss: &Tensor<1>| Part {
             name,
-            mean: f64::from(numbers(loss.clone())[0]),
+            mean: f64::from(read_back(loss.clone())[0]),
             weight: 1.0,
         };
         let mut parts = vec![part("label", &label)];
@@ -368,7 +371,7 @@ impl Learner for StudentLearner<'_> {
                 let questions =
                     self.questions(&self.checks, excerpts, self.config.patches, &device);
                 let logits = model.forward(questions.emg.clone());
-                loss += f64::from(numbers(Self::label_loss(&logits, &questions))[0])
+                loss += f64::from(read_back(Self::label_loss(&logits, &questions))[0])
                     * questions.answers;
                 answers += questions.answers;
                 let hits = logits
@@ -376,9 +379,9 @@ impl Learner for StudentLearner<'_> {
                     .equal(questions.label)
                     .float()
                     .squeeze_dim::<3>(3);
-                let hits = numbers(hits * questions.labelled.clone());
+                let hits = read_back(hits * questions.labelled.clone());
                 for (cell, (hit, counts)) in
-                    hits.iter().zip(numbers(questions.labelled)).enumerate()
+                    hits.iter().zip(read_back(questions.labelled)).enumerate()
                 {
                     right[cell % LOOK_BACK] += f64::from(*hit);
                     asked[cell % LOOK_BACK] += f64::from(counts);

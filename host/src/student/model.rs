@@ -1,4 +1,4 @@
-//! Float twin of the device's streaming encoder (`shared::encoder`), for training.
+//! Float twin of the device's streaming encoder (`shared::model::encoder`), for training.
 //!
 //! The same formulas over whole sequences at once: local causal attention is a band in the matrix
 //! of scores instead of a ring of keys.
@@ -10,7 +10,7 @@ use burn::tensor::{Device, Int, Tensor, TensorData};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-use crate::corpus::Companding;
+use crate::training::augmentation::{Companding};
 
 /// Dimensions of a student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

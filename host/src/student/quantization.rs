@@ -3,15 +3,15 @@
 use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
 use burn::tensor::Tensor;
-use shared::model_file::{
+use shared::model::file::{
     self, Dimensions, LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts,
     SmootherDefaults,
 };
 
 use super::model::{Student, StudentConfig};
-use crate::corpus::Companding;
-use crate::estimate::numbers;
-use crate::preset::Preset;
+use crate::training::augmentation::{Companding};
+use crate::training::tensor::read_back;
+use crate::run::preset::Preset;
 
 /// Bytes of a model file: weights rounded to i8 with one scale a row, everything else in f32.
 ///
@@ -65,7 +65,7 @@ pub fn quantize(
 
 /// Rows of a model file are outputs; Burn keeps inputs by outputs.
 fn linear(linear: &Linear) -> LinearParts {
-    let rows = numbers(linear.weight.val().transpose());
+    let rows = read_back(linear.weight.val().transpose());
     let bias = linear
         .bias
         .as_ref()
@@ -83,5 +83,5 @@ fn norm(norm: &LayerNorm) -> NormParts {
 }
 
 fn parameter<const D: usize>(parameter: &Param<Tensor<D>>) -> Vec<f32> {
-    numbers(parameter.val())
+    read_back(parameter.val())
 }

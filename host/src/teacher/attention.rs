@@ -52,7 +52,7 @@ fn on_flex(
     use burn::backend::Dispatch;
     use fused::{FusedAttention as _, Settings};
 
-    let flags = blocked.map_or_else(Vec::new, |flags| crate::estimate::numbers(flags.clone()));
+    let flags = blocked.map_or_else(Vec::new, |flags| crate::training::tensor::read_back(flags.clone()));
     let settings = Settings {
         heads,
         blocked: flags.into_iter().map(|flag| flag > 0.0).collect(),

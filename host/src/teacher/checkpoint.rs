@@ -17,7 +17,7 @@ use burn::tensor::{DType, TensorData};
 use safetensors::tensor::{Dtype, TensorView};
 
 use super::model::Teacher;
-use crate::run_folder::{RunError, write_whole};
+use crate::execution::run_folder::{RunError, write_whole};
 
 mod error;
 

@@ -43,7 +43,7 @@ mod fused {
     use rayon::prelude::*;
 
     use super::Mask;
-    use crate::teacher::dropout::RowMask;
+    use crate::training::dropout::RowMask;
     use crate::teacher::exponential::exp_negative;
 
     /// GELU and dropout as one operation, `[b, tokens, width]`.
@@ -185,8 +185,8 @@ mod fused {
 #[cfg(all(test, feature = "flex"))]
 mod tests {
     use super::*;
-    use crate::estimate::numbers;
-    use crate::teacher::dropout::Dropout;
+    use crate::training::tensor::read_back;
+    use crate::training::dropout::Dropout;
     use burn::tensor::{Device, Distribution};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -205,7 +205,7 @@ mod tests {
                 let output = way(x.clone(), mask);
                 let gradients = (output.clone() * weights.clone()).sum().backward();
                 let gradient = x.grad(&gradients).expect("a gradient of the input");
-                [numbers(output.inner()), numbers(gradient)]
+                [read_back(output.inner()), read_back(gradient)]
             };
             for (found, expected) in run(activate).iter().zip(run(plain)) {
                 for (found, expected) in found.iter().zip(expected) {

@@ -2,7 +2,6 @@
 
 pub mod attention;
 pub mod checkpoint;
-pub mod dropout;
 #[cfg(feature = "flex")]
 mod exponential;
 pub mod feed_forward;

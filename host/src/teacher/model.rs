@@ -15,7 +15,7 @@ use super::attention::attend;
 use super::dropout::Dropout;
 use super::feed_forward::activate;
 use super::window::Grid;
-use crate::corpus::Companding;
+use crate::training::augmentation::{Companding};
 
 /// Dimensions of a teacher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,13 +10,15 @@ use serde::{Deserialize, Serialize};
 use super::masking::Task;
 use super::model::{Teacher, TeacherOutput};
 use super::window::{Batch, Example, Grid, batch, examples, inference_input};
-use crate::corpus::{Augmentation, Corpus, Variation};
-use crate::estimate::{best_class, numbers};
-use crate::fit::{Learner, Pace, Part, SHARDS, fit};
-use crate::interrupt::Interrupt;
-use crate::loss::cross_entropy;
-use crate::run_folder::{RunError, RunFolder};
-use crate::schedule::Course;
+use crate::dataset::corpus::{Corpus};
+use crate::training::augmentation::{Augmentation, Variation};
+use crate::training::tensor::best_class;
+use crate::training::tensor::read_back;
+use crate::training::fit::{Learner, Pace, Part, SHARDS, fit};
+use crate::execution::interrupt::Interrupt;
+use crate::training::loss::cross_entropy;
+use crate::execution::run_folder::{RunError, RunFolder};
+use crate::training::schedule::Course;
 
 /// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "teacher";
@@ -211,8 +213,8 @@ impl Learner for TeacherLearner<'_> {
                 &device,
             );
             let (emg, intent) = losses(&model.forward(batch.input.clone()), &batch);
-            emg_sum.add(numbers(emg)[0], batch.emg_cells);
-            intent_sum.add(numbers(intent)[0], batch.intent_samples);
+            emg_sum.add(read_back(emg)[0], batch.emg_cells);
+            intent_sum.add(read_back(intent)[0], batch.intent_samples);
         }
         let accuracy = self.accuracy(model, &device);
         let parts = vec![
@@ -252,7 +254,7 @@ impl TeacherLearner<'_> {
                 Variation::NONE.write(&stream.emg[range.clone()], &mut emg);
                 labels.extend_from_slice(&stream.labels[range]);
             }
-            let logits = numbers(
+            let logits = read_back(
                 model
                     .forward(inference_input(emg, self.grid, classes, device))
                     .intent,
@@ -287,7 +289,7 @@ pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
 }
 
 fn parts(emg: Tensor<1>, intent: Tensor<1>, batch: &Batch) -> Vec<Part> {
-    let mean = |loss: Tensor<1>| f64::from(numbers(loss)[0]);
+    let mean = |loss: Tensor<1>| f64::from(read_back(loss)[0]);
     vec![
         Part {
             name: "emg",

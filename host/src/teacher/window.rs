@@ -7,7 +7,8 @@ use shared::units::CHANNELS;
 
 use super::masking::{Masks, Task};
 use super::model::TeacherInput;
-use crate::corpus::{Augmentation, Corpus, Variation};
+use crate::dataset::corpus::{Corpus};
+use crate::training::augmentation::{Augmentation, Variation};
 
 /// How the samples of a teacher's window are grouped into tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +217,7 @@ mod tests {
         use rand::SeedableRng as _;
         use shared::intent::Vocabulary;
 
-        use crate::corpus::Stream;
+        use crate::dataset::corpus::{Stream};
 
         let stream = |label| Stream::new(vec![[1; CHANNELS]; 700], vec![label; 700]);
         let corpus = Corpus {
@@ -240,10 +241,10 @@ mod tests {
         let batch = batch(&corpus, &examples, grid, None, &mut rng, &Device::default());
         assert!(batch.emg_cells > 0);
         assert_eq!(
-            crate::estimate::numbers(batch.input.blocked.unwrap()),
+            crate::training::tensor::read_back(batch.input.blocked.unwrap()),
             [1.0, 1.0, 0.0, 0.0]
         );
-        let counts = crate::estimate::numbers(batch.intent_weight);
+        let counts = crate::training::tensor::read_back(batch.intent_weight);
         assert!(counts[..1200].iter().all(|&weight| weight == 0.0));
         assert_eq!(
             batch.intent_samples,

@@ -1,8 +1,8 @@
 //! The composed line over a model that is easy to foretell.
 
 use super::*;
-use crate::preprocess::clean;
-use crate::safe_state::Cause;
+use crate::stream::preprocess::clean;
+use crate::stream::safe_state::Cause;
 use crate::units::CHANNELS;
 use alloc::{boxed::Box, vec, vec::Vec};
 use proptest::prelude::*;

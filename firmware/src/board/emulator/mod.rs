@@ -26,10 +26,8 @@ use embassy_time::Instant;
 use shared::intent::Intent;
 
 use super::{Board, Restart, Shown};
-use crate::{
-    radio::{self, follow::Follower},
-    settings::WATCHDOG_MS,
-};
+use crate::radio::{self, follow::Follower};
+use crate::settings::WATCHDOG_MS;
 use uart::Uart;
 pub use watchdog::Watchdog;
 

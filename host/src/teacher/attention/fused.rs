@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::rows::Norm;
 use super::window::{Backward, Forward, Window};
-use crate::teacher::dropout::Mask;
+use crate::training::dropout::Mask;
 
 /// What attention is told beside its queries, keys and values.
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{attend, plain};
-use crate::estimate::numbers;
-use crate::teacher::dropout::{Dropout, Mask};
+use crate::training::tensor::read_back;
+use crate::training::dropout::{Dropout, Mask};
 
 const HEADS: usize = 2;
 const D: usize = 12;
@@ -20,7 +20,7 @@ fn mask() -> Mask {
 
 /// Equal up to the rounding of sums whose terms are as large as the largest value.
 fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
-    let (found, expected) = (numbers(found), numbers(expected));
+    let (found, expected) = (read_back(found), read_back(expected));
     let largest = expected.iter().fold(1.0_f32, |a, b| a.max(b.abs()));
     for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
         assert!(

@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 
 use super::product::{Rows, Transposed, padded, product};
 use super::rows::{Norm, unweigh, weigh};
-use crate::teacher::dropout::Mask;
+use crate::training::dropout::Mask;
 
 /// Scores of a block: with those of the backward pass, they fill half of a cache of 2 MiB.
 const BLOCK: usize = 128 * 1024;

@@ -4,7 +4,7 @@ use burn::tensor::Device;
 use tempfile::{TempDir, tempdir};
 
 use super::*;
-use crate::corpus::Companding;
+use crate::training::augmentation::{Companding};
 use crate::teacher::model::TeacherConfig;
 
 const CLASSES: usize = 3;

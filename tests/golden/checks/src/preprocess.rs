@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::preprocess::{ArmSide, DIVISOR, Preprocessor, clean};
+use shared::stream::preprocess::{ArmSide, DIVISOR, Preprocessor, clean};
 use shared::units::{CHANNELS, CleanSample, Sample, WINDOW};
 
 /// The model's input at one instant, 0 ... 1.

@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::smoother::{Likelihood, Reading, Settings, Smoother, Weighting};
+use shared::stream::smoother::{Likelihood, AggregationMode, Settings, Smoother, Weighting};
 use shared::units::SampleIndex;
 
 /// The three classes and MASK, which the reference lets win.
@@ -25,7 +25,7 @@ pub struct Set {
 /// Settings and the labels under them.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Case {
-    /// [`Reading::SameInstant`], or else [`Reading::AllRowsFrom`].
+    /// [`AggregationMode::SameInstant`], or else [`AggregationMode::AllRowsFrom`].
     pub same_instant: bool,
     /// [`Likelihood::Probabilities`], or else [`Likelihood::Logits`].
     pub probabilities: bool,
@@ -45,9 +45,9 @@ impl Case {
     fn settings(&self) -> Settings {
         let max_factor = self.max_factor;
         Settings {
-            reading: match self.same_instant {
-                true => Reading::SameInstant,
-                false => Reading::AllRowsFrom,
+            aggregation: match self.same_instant {
+                true => AggregationMode::SameInstant,
+                false => AggregationMode::AllRowsFrom,
             },
             likelihood: match self.probabilities {
                 true => Likelihood::Probabilities,

@@ -6,20 +6,18 @@
 
 use core::hint::black_box;
 
-use shared::{
-    encoder::{
+use shared::model::encoder::{
         Encoder, EncoderState, Logits, Patch,
         rebuild::{Rebuild, TILE},
-    },
-    intent::MAX_CLASSES,
-    model_file::Model,
-    pipeline::{Encode, Pipeline},
-    preprocess::Preprocessor,
-    ring::SampleRing,
-    safe_state::Start,
-    smoother::Smoother,
-    units::{LOOK_BACK, Millis, PATCH, SAMPLE_PERIOD_MS, Sample, SampleIndex},
-};
+    };
+use shared::intent::MAX_CLASSES;
+use shared::model::file::Model;
+use shared::pipeline::{Encode, Pipeline};
+use shared::stream::preprocess::Preprocessor;
+use shared::stream::ring::SampleRing;
+use shared::stream::safe_state::Start;
+use shared::stream::smoother::Smoother;
+use shared::units::{LOOK_BACK, Millis, PATCH, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
 use crate::spans::{Clock, Spans};
 

@@ -20,12 +20,10 @@ mod image {
     use alloc::vec::Vec;
 
     use device::{arguments, files, println, timer};
-    use shared::{
-        encoder::{EncoderState, usual_span},
-        kernels::Aligned,
-        model_file::Model,
-        units::{CHANNELS, Sample},
-    };
+    use shared::model::encoder::{EncoderState, usual_span};
+    use shared::model::kernels::Aligned;
+    use shared::model::file::Model;
+    use shared::units::{CHANNELS, Sample};
 
     use crate::line;
 

@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use device::timer::{self, Instant};
-use shared::encoder::probe::{Part, Probe};
+use shared::model::encoder::probe::{Part, Probe};
 
 /// Counts of one piece of work, done again and again.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]

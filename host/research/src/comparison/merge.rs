@@ -1,0 +1,152 @@
+//! Results of many folds as if all of their people had been judged at once.
+//!
+//! Scores are put together by subject and summed up anew; means of folds never enter. The line over
+//! all data sets is made from the data sets' subjects, since a fold that leaves out people of one
+//! set alone has none.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use myointent::evaluation::judge::{ALL, LookAhead, Truth, Verdict};
+use myointent::evaluation::metric::summary::Summary;
+use myointent::run::stage::Results;
+
+/// Puts the results of folds together that leave different people out.
+///
+/// The reading of the look-ahead is the one that all folds chose; where they differ it is the
+/// paper's, all rows: choosing one by these results would choose on the people left out.
+#[must_use]
+pub fn merge(folds: &[&Results]) -> Results {
+    let held_out: BTreeSet<&String> = folds.iter().flat_map(|fold| &fold.held_out).collect();
+    let mut readings = folds.iter().map(|fold| fold.reading);
+    let first = readings.next().unwrap_or(LookAhead::AllRows);
+    let agreed = readings.all(|reading| reading == first);
+    Results {
+        held_out: held_out.into_iter().cloned().collect(),
+        reading: if agreed { first } else { LookAhead::AllRows },
+        published: verdicts(folds.iter().flat_map(|fold| &fold.published)),
+        spliced: verdicts(folds.iter().flat_map(|fold| &fold.spliced)),
+    }
+}
+
+/// One line of every condition, in the order in which they first appear.
+fn verdicts<'a>(all: impl Iterator<Item = &'a Verdict>) -> Vec<Verdict> {
+    type Condition<'a> = (Truth, &'a str, LookAhead);
+    type Group<'a> = BTreeMap<&'a str, Vec<&'a Verdict>>;
+    let mut groups: Vec<(Condition, Group)> = Vec::new();
+    for verdict in all.filter(|verdict| verdict.data_set != ALL) {
+        let condition = (verdict.truth, verdict.model.as_str(), verdict.look_ahead);
+        let at = groups
+            .iter()
+            .position(|(known, _)| *known == condition)
+            .unwrap_or_else(|| {
+                groups.push((condition, Group::new()));
+                groups.len() - 1
+            });
+        let sets = &mut groups[at].1;
+        sets.entry(&verdict.data_set).or_default().push(verdict);
+    }
+    let mut merged = Vec::new();
+    for (condition, sets) in groups {
+        for (data_set, folds) in &sets {
+            merged.push(pooled(condition, data_set, folds));
+        }
+        if sets.len() > 1 {
+            let everybody: Vec<&Verdict> = sets.into_values().flatten().collect();
+            merged.push(pooled(condition, ALL, &everybody));
+        }
+    }
+    // As one evaluation orders them: all models under one truth, then under the next.
+    let order: Vec<Truth> = merged.iter().map(|verdict| verdict.truth).collect();
+    merged.sort_by_key(|verdict| order.iter().position(|&truth| truth == verdict.truth));
+    merged
+}
+
+fn pooled(
+    (truth, model, look_ahead): (Truth, &str, LookAhead),
+    data_set: &str,
+    folds: &[&Verdict],
+) -> Verdict {
+    let of = |book: &dyn Fn(&Verdict) -> &Summary| {
+        let subjects = folds.iter().flat_map(|fold| book(fold).subjects.clone());
+        Summary::of_subjects(subjects.collect())
+    };
+    Verdict {
+        model: model.to_owned(),
+        data_set: data_set.to_owned(),
+        look_ahead,
+        truth,
+        spoken: std::array::from_fn(|buffer| of(&|fold| &fold.spoken[buffer])),
+        emitted: of(&|fold| &fold.emitted),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::comparison::fixture::{results, score};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn any_division_into_folds_gives_what_one_evaluation_gives(
+            people in prop::collection::vec((0..4_usize, any::<bool>(), 0..=1000_u32, prop::collection::vec(-99..=99_i32, 0..6)), 1..12),
+        ) {
+            let everybody: Vec<_> = people
+                .iter()
+                .enumerate()
+                .map(|(at, (fold, roshambo, raw, offsets))| {
+                    let set = if *roshambo { "roshambo" } else { "ss-stm" };
+                    let raw = f64::from(*raw) / 1000.0;
+                    (*fold, score(&format!("{set}/{at}"), raw, offsets, offsets.len() + at % 3))
+                })
+                .collect();
+            let whole = results(everybody.iter().map(|(_, score)| score.clone()), &[("teacher", true)]);
+            let folds: Vec<Results> = (0..4)
+                .map(|fold| {
+                    let own = everybody.iter().filter(|(of, _)| *of == fold);
+                    results(own.map(|(_, score)| score.clone()), &[("teacher", true)])
+                })
+                .collect();
+            let merged = merge(&folds.iter().rev().collect::<Vec<_>>());
+            prop_assert_eq!(&merged.held_out, &whole.held_out);
+            let line = |results: &Results, set: &str| {
+                let mut lines = results.published.iter();
+                lines.find(|verdict| verdict.data_set == set && verdict.truth == Truth::Moved).cloned()
+            };
+            for set in ["roshambo", "ss-stm", ALL] {
+                prop_assert_eq!(line(&merged, set), line(&whole, set));
+            }
+            // The naive twin: a mean of people, straight from the draw.
+            let naive = people.iter().map(|(_, _, raw, _)| f64::from(*raw) / 1000.0).sum::<f64>() / people.len() as f64;
+            let last = merged.published.last().unwrap();
+            prop_assert!((last.widest().raw_accuracy.unwrap().mean - naive).abs() < 1e-12);
+            let events: usize = people.iter().enumerate().map(|(at, person)| person.3.len() + at % 3).sum();
+            prop_assert_eq!(last.emitted.events, events);
+        }
+    }
+
+    #[test]
+    fn people_weigh_the_same_whatever_the_size_of_their_fold() {
+        let fold = |scores: Vec<_>| results(scores, &[("teacher", true)]);
+        let one = fold(vec![score("roshambo/01", 1.0, &[], 1)]);
+        let two = fold(vec![
+            score("roshambo/02", 0.0, &[], 1),
+            score("roshambo/03", 0.5, &[], 1),
+        ]);
+        let merged = merge(&[&one, &two]);
+        // A mean of the folds' means would be 0.625.
+        assert_eq!(merged.published[0].widest().raw_accuracy.unwrap().mean, 0.5);
+    }
+
+    #[test]
+    fn a_median_is_that_of_all_changes_not_of_medians() {
+        let fold = |scores: Vec<_>| results(scores, &[("teacher", true)]);
+        let one = fold(vec![score("roshambo/01", 1.0, &[0, 10, 12], 3)]);
+        let two = fold(vec![score("roshambo/02", 1.0, &[30, 40], 2)]);
+        let merged = merge(&[&one, &two]);
+        let offset = merged.published[0].widest().offset.unwrap();
+        assert_eq!((offset.signed_median, offset.count), (60.0, 5));
+    }
+}

@@ -1,0 +1,174 @@
+//! A table of a study: cells for people in Markdown, their numbers one by one in CSV.
+
+use super::cell::{Cell, Parts};
+use myointent::report::Table;
+
+/// A column.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// The fields that it has in CSV, `NAME PART` each.
+    pub parts: Parts,
+}
+
+/// A row, and which runs it comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// One cell a column.
+    pub cells: Vec<Cell>,
+    /// What produced them, in a line.
+    pub source: String,
+}
+
+/// A table with what a reader needs to believe it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sheet {
+    /// Name of its CSV file, without the ending.
+    pub name: String,
+    /// Headline.
+    pub title: String,
+    /// What is shown, and how.
+    pub caption: String,
+    /// Columns.
+    pub columns: Vec<Column>,
+    /// Rows.
+    pub rows: Vec<Row>,
+    /// What must be known before the numbers are believed.
+    pub warnings: Vec<String>,
+}
+
+impl Column {
+    /// A column of these parts.
+    #[must_use]
+    pub fn new(name: impl Into<String>, parts: Parts) -> Self {
+        Self {
+            name: name.into(),
+            parts,
+        }
+    }
+
+    fn fields(&self) -> impl Iterator<Item = String> {
+        self.parts
+            .iter()
+            .map(|part| format!("{} {part}", self.name).trim_end().to_owned())
+    }
+}
+
+impl Sheet {
+    /// The cells as people read them.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let header = self.columns.iter().map(|column| column.name.as_str());
+        let mut table = Table::new("", header);
+        for row in &self.rows {
+            table.push(row.cells.iter().map(|cell| cell.shown.as_str()));
+        }
+        table
+    }
+
+    /// Headline, caption, table, then the runs behind it.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut text = format!("## {}\n\n", self.title);
+        for warning in &self.warnings {
+            text += &format!("**Note:** {warning}.\n\n");
+        }
+        text += &format!("{}\n\n{}\n", self.caption, self.table().markdown());
+        for source in self.sources() {
+            text += &format!("- {source}\n");
+        }
+        text + &format!("- numbers one by one: {}.csv\n", self.name)
+    }
+
+    /// The fields of every cell, and in the last column the runs behind the row.
+    ///
+    /// # Errors
+    /// Never in practice: it writes to memory.
+    pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let header = self.columns.iter().flat_map(Column::fields);
+        writer.write_record(header.chain(["runs".to_owned()]))?;
+        for row in &self.rows {
+            let mut record = Vec::new();
+            for (column, cell) in self.columns.iter().zip(&row.cells) {
+                let end = record.len() + column.parts.len();
+                record.extend_from_slice(&cell.fields);
+                record.resize(end, String::new());
+            }
+            record.push(row.source.clone());
+            writer.write_record(record)?;
+        }
+        writer
+            .into_inner()
+            .map_err(|error| csv::Error::from(error.into_error()))
+    }
+
+    /// The runs behind the rows, each once, in the order of the rows.
+    fn sources(&self) -> Vec<&str> {
+        let mut sources: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            if !sources.contains(&row.source.as_str()) {
+                sources.push(&row.source);
+            }
+        }
+        sources
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use myointent::evaluation::metric::summary::MeanSd;
+    use crate::comparison::cell::{MEAN_SD, ONE, SUPPORT, none, share, support, text};
+
+    #[test]
+    fn a_cell_without_a_number_keeps_its_fields_in_csv() {
+        let raw = MeanSd {
+            mean: 0.5,
+            sd: Some(0.1),
+        };
+        let row = |cells| Row {
+            cells,
+            source: "`main`: seed 1, 2 of 2 folds".to_owned(),
+        };
+        let sheet = Sheet {
+            name: "small".to_owned(),
+            title: "Small".to_owned(),
+            caption: "What is shown.".to_owned(),
+            columns: vec![
+                Column::new("model", ONE),
+                Column::new("raw", MEAN_SD),
+                Column::new("n", SUPPORT),
+            ],
+            rows: vec![
+                row(vec![text("a"), share(Some(raw)), support(2, 30)]),
+                row(vec![text("b"), none(), none()]),
+            ],
+            warnings: vec!["look twice".to_owned()],
+        };
+        let csv = String::from_utf8(sheet.csv().unwrap()).unwrap();
+        let expected = "\
+model,raw mean,raw sd,n subjects,n transitions,runs
+a,0.500,0.10,2,30,\"`main`: seed 1, 2 of 2 folds\"
+b,,,,,\"`main`: seed 1, 2 of 2 folds\"
+";
+        assert_eq!(csv, expected);
+        let expected = "\
+## Small
+
+**Note:** look twice.
+
+What is shown.
+
+| model |          raw |      n |
+| ----- | -----------: | -----: |
+| a     | 0.500 (0.10) | 2 / 30 |
+| b     |            - |      - |
+
+- `main`: seed 1, 2 of 2 folds
+- numbers one by one: small.csv
+";
+        assert_eq!(sheet.markdown(), expected);
+    }
+}

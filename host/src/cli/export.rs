@@ -1,0 +1,42 @@
+//! `myointent export`: the teacher's weights for other programs.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::{BackendArguments, Begun};
+use crate::execution::interrupt::Interrupt;
+use crate::teacher::checkpoint;
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The reference reads the file of a `paper` run; back comes a checkpoint with `train --from FILE`."
+)]
+pub struct Arguments {
+    /// Run folder that `train` has filled.
+    #[arg(long, value_name = "DIR", default_value = "runs/latest")]
+    run: PathBuf,
+    /// File to write, safetensors under the reference's names; `teacher.safetensors` in the run folder if not given.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// Writes the teacher as safetensors.
+///
+/// # Errors
+/// When the run folder holds no teacher or the file cannot be written.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let interrupt = Interrupt::listen();
+    let run = Begun::open(&arguments.run)?;
+    let stage = run.stage(&arguments.backend, false, &interrupt);
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| run.folder.file("teacher.safetensors"));
+    checkpoint::save(&out, &stage.teacher()?)?;
+    println!("{}", out.display());
+    Ok(())
+}

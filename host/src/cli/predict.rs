@@ -1,0 +1,310 @@
+//! `myointent predict`: a model's logits and labels, for other programs to look at.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use burn::module::Module;
+use clap::{Args, ValueEnum};
+use npyz::WriterBuilder as _;
+use shared::intent::Intent;
+use shared::model::file::Model;
+use shared::stream::preprocess::clean;
+use shared::stream::smoother::Settings;
+use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
+
+use super::arguments::BackendArguments;
+use super::replay::one_recording;
+use shared::pipeline::LookBackLogits;
+use crate::training::tensor::read_back;
+use crate::inference::student_logits;
+use crate::inference::teacher_logits;
+use crate::evaluation::track::track;
+use crate::run::plan::Plan;
+use crate::execution::run_folder::RunFolder;
+use crate::run::stage::integer_rows;
+use crate::student::distillation;
+use crate::teacher::self;
+use crate::teacher::window::inference_input;
+
+/// Which checkpoint of a run folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Which {
+    /// The masked transformer.
+    Teacher,
+    /// The float twin of the device's encoder.
+    Student,
+}
+
+/// Arguments of `predict`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Over a recording: one line a sample, `label` (class number of the smoothed label booked at the instant it\n\
+    speaks of, -1 before the first) and the logits of the sample's patch when it was the newest.\n\
+    Over a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
+    Examples:\n  myointent predict --model m.intent --recording r.npy --out labels.csv\n  \
+    myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
+)]
+pub struct Arguments {
+    /// Model file.
+    #[arg(
+        long,
+        value_name = "FILE.intent",
+        conflicts_with = "run",
+        required_unless_present = "run"
+    )]
+    model: Option<PathBuf>,
+    /// Run folder whose checkpoint is used.
+    #[arg(long, value_name = "DIR")]
+    run: Option<PathBuf>,
+    /// Which checkpoint of the run folder.
+    #[arg(long, value_enum, default_value = "student")]
+    which: Which,
+    /// A recording, any format that `data inspect` reads.
+    #[arg(long, conflicts_with = "window", required_unless_present = "window")]
+    recording: Option<PathBuf>,
+    /// Which recording, where the path holds several.
+    #[arg(long)]
+    name: Option<String>,
+    /// One window of raw samples as npy, 600 x 8.
+    #[arg(long, value_name = "FILE.npy")]
+    window: Option<PathBuf>,
+    /// File to write: .npy (f32) or .csv.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// A table of numbers with named columns.
+struct Matrix {
+    columns: Vec<String>,
+    values: Vec<f32>,
+}
+
+/// Runs a model and writes what it says.
+///
+/// # Errors
+/// When the model is refused, the input cannot be read or the output cannot be written.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if !matches!(extension(&arguments.out), "npy" | "csv") {
+        bail!(
+            "{}: expected a name that ends in .npy or .csv",
+            arguments.out.display()
+        );
+    }
+    let matrix = if let Some(path) = &arguments.window {
+        over_window(arguments, &window(path)?)?
+    } else if let Some(path) = &arguments.recording {
+        let recording = one_recording(path, arguments.name.as_deref())?;
+        over_recording(arguments, &clean(recording.samples).collect::<Vec<_>>())?
+    } else {
+        bail!("nothing to look at: give --recording or --window");
+    };
+    write(&matrix, &arguments.out).with_context(|| arguments.out.display().to_string())
+}
+
+fn extension(path: &Path) -> &str {
+    path.extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or_default()
+}
+
+/// LookBackLogits of every patch, number of classes and how they are smoothed.
+fn rows(
+    arguments: &Arguments,
+    emg: &[CleanSample],
+) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
+    if let Some(path) = &arguments.model {
+        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        let model =
+            Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
+        let classes = model.header.dimensions.vocabulary.classes();
+        return Ok((
+            integer_rows(&model, emg)?,
+            classes,
+            model.header.smoother.in_patches(),
+        ));
+    }
+    let (folder, plan) = run_of(arguments)?;
+    let device = arguments.backend.device().inner();
+    let classes = plan.preset.classes;
+    let rows = match arguments.which {
+        Which::Teacher => {
+            let model = folder.load_model(
+                teacher::training::NAME,
+                plan.preset.teacher.init(classes, &device),
+            )?;
+            teacher_logits(&model.valid(), plan.preset.teacher.grid(), emg, &device)
+        }
+        Which::Student => {
+            let model = folder.load_model(
+                distillation::NAME,
+                plan.preset.student.init(classes, &device),
+            )?;
+            student_logits(&model.valid(), emg, &device)
+        }
+    };
+    Ok((rows, classes, Settings::PAPER_IN_PATCHES))
+}
+
+fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, Plan)> {
+    let path = arguments
+        .run
+        .as_deref()
+        .context("no model: give --model or --run")?;
+    let folder = RunFolder::existing(path)?;
+    let plan = Plan::load(&folder)?;
+    Ok((folder, plan))
+}
+
+fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
+    let (rows, classes, settings) = rows(arguments, emg)?;
+    let track = track(&rows, emg.len(), classes, settings)?;
+    let mut values = Vec::with_capacity(emg.len() * (classes + 1));
+    for (sample, label) in track.spoken.iter().enumerate() {
+        values.push(label.map_or(-1.0, |intent| intent.class() as f32));
+        match rows.get(sample / PATCH) {
+            Some(rows) => values.extend(&rows[0][..classes]),
+            None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
+        }
+    }
+    let columns = std::iter::once("label".to_owned())
+        .chain(names(classes, "logit_".to_owned()))
+        .collect();
+    Ok(Matrix { columns, values })
+}
+
+fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
+    let emg: Vec<CleanSample> = clean(samples.iter().copied()).collect();
+    if arguments.model.is_none() && arguments.which == Which::Teacher {
+        let (folder, plan) = run_of(arguments)?;
+        let device = arguments.backend.device().inner();
+        let classes = plan.preset.classes;
+        let model = folder
+            .load_model(
+                teacher::training::NAME,
+                plan.preset.teacher.init(classes, &device),
+            )?
+            .valid();
+        let grid = plan.preset.teacher.grid();
+        let mut input = Vec::with_capacity(grid.window * CHANNELS);
+        // A model of a shorter window sees the newest samples of this one.
+        crate::training::augmentation::Variation::NONE.write(&emg[WINDOW - grid.window..], &mut input);
+        let output = model.forward(inference_input(input, grid, classes, &device));
+        let columns = names(classes, String::new())
+            .chain(["mask".to_owned()])
+            .collect();
+        return Ok(Matrix {
+            columns,
+            values: read_back(output.intent),
+        });
+    }
+    let (rows, classes, _) = rows(arguments, &emg)?;
+    let columns = (0..LOOK_BACK)
+        .flat_map(|back| names(classes, format!("back{back}_")))
+        .collect();
+    let values = rows
+        .iter()
+        .flatten()
+        .flat_map(|row| &row[..classes])
+        .copied()
+        .collect();
+    Ok(Matrix { columns, values })
+}
+
+fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
+    Intent::ALL
+        .into_iter()
+        .take(classes)
+        .map(move |intent| format!("{prefix}{}", intent.name()))
+}
+
+/// Raw samples of a window: integers or floats, values -128..=127.
+fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let shape = npyz::NpyFile::new(&bytes[..])
+        .with_context(|| path.display().to_string())?
+        .shape()
+        .to_vec();
+    if shape != [WINDOW as u64, CHANNELS as u64] {
+        bail!(
+            "{}: expected {WINDOW} x {CHANNELS} raw samples, found shape {shape:?}",
+            path.display()
+        );
+    }
+    let values = values::<i8>(&bytes)
+        .or_else(|| values::<i16>(&bytes))
+        .or_else(|| values::<i32>(&bytes))
+        .or_else(|| values::<i64>(&bytes))
+        .or_else(|| values::<f32>(&bytes))
+        .or_else(|| values::<f64>(&bytes))
+        .with_context(|| format!("{}: expected integers or floats", path.display()))?;
+    if let Some(at) = values
+        .iter()
+        .position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value))
+    {
+        bail!(
+            "{}: value {} of row {}: expected a raw sample, -128 to 127",
+            path.display(),
+            values[at],
+            at / CHANNELS
+        );
+    }
+    let (rows, _) = values.as_chunks::<CHANNELS>();
+    #[expect(clippy::cast_possible_truncation, reason = "just checked")]
+    Ok(rows
+        .iter()
+        .map(|row| row.map(|value| value as i8))
+        .collect())
+}
+
+/// Values in row order, if the file holds this type.
+fn values<T: npyz::Deserialize + Copy + num_traits::AsPrimitive<f64>>(
+    bytes: &[u8],
+) -> Option<Vec<f64>> {
+    let file = npyz::NpyFile::new(bytes).ok()?;
+    let by_column = file.order() == npyz::Order::Fortran;
+    let values: Vec<f64> = file
+        .into_vec::<T>()
+        .ok()?
+        .into_iter()
+        .map(num_traits::AsPrimitive::as_)
+        .collect();
+    if by_column {
+        return Some(
+            (0..values.len())
+                .map(|at| values[at % CHANNELS * WINDOW + at / CHANNELS])
+                .collect(),
+        );
+    }
+    Some(values)
+}
+
+fn write(matrix: &Matrix, path: &Path) -> anyhow::Result<()> {
+    let width = matrix.columns.len();
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let mut out = BufWriter::new(File::create(&partial)?);
+    if extension(path) == "npy" {
+        let shape = [(matrix.values.len() / width) as u64, width as u64];
+        let mut npy = npyz::WriteOptions::new()
+            .default_dtype()
+            .shape(&shape)
+            .writer(&mut out)
+            .begin_nd()?;
+        npy.extend(matrix.values.iter().copied())?;
+        npy.finish()?;
+        out.flush()?;
+    } else {
+        let mut csv = csv::Writer::from_writer(&mut out);
+        csv.write_record(&matrix.columns)?;
+        for row in matrix.values.chunks_exact(width) {
+            csv.write_record(row.iter().map(f32::to_string))?;
+        }
+        csv.flush()?;
+    }
+    std::fs::rename(&partial, path)?;
+    Ok(())
+}

@@ -1,0 +1,203 @@
+//! `myointent score`: any predicted label sequence against the true one, by the paper's rule.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use shared::intent::{Intent, Vocabulary};
+use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
+
+use crate::evaluation::metric::confusion::Confusion;
+use crate::evaluation::metric::offset;
+use crate::evaluation::metric::predicted_length;
+use crate::evaluation::metric::summary::RecordingScore;
+use crate::evaluation::metric::transition::{Change, Rule, Verdict};
+use crate::dataset::label_file;
+use crate::report::Table;
+
+/// Arguments of `myointent score`.
+#[derive(clap::Args, Debug)]
+#[command(
+    // Here and not in `long_about`: the one line of the subcommand would hide that.
+    after_help = "Scores one recording's predicted labels against the true ones: raw accuracy, \
+        transition accuracy with the reason of every failure, signed offsets.\n\n\
+        Files: npy (one axis of class numbers or names, or ReactEMG's n x 9), or text with one \
+        label per line, or csv with a column label, prediction, predicted, gt or truth. Labels \
+        are class numbers (0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch) or names; \
+        -1 or none: no label. Both files have one label per sample at 200 Hz.\n\n\
+        A change of the truth is followed if the prediction changes the same way within the \
+        buffer around it, shows no third label there, and then holds the new label until the \
+        next buffer. Unlabelled stretches of the truth divide it into parts that are scored \
+        apart; samples after the last prediction are not scored.\n\nExamples:\n  \
+        myointent score --truth s1_grasp.csv --prediction labels.npy\n  \
+        myointent score --truth truth.npy --prediction labels.csv --buffer 120 --json"
+)]
+pub struct Arguments {
+    /// True labels
+    #[arg(long)]
+    truth: PathBuf,
+    /// Predicted labels
+    #[arg(long)]
+    prediction: PathBuf,
+    /// Width of the buffer around a change, both sides together, in samples (paper: 200)
+    #[arg(long, default_value_t = Rule::default().buffer)]
+    buffer: usize,
+    /// Once the new label has come, nothing else may follow
+    #[arg(long)]
+    strict: bool,
+    /// Allow relax in buffer and maintenance
+    #[arg(long)]
+    allow_relax: bool,
+    /// Print JSON for programs
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `myointent score`.
+///
+/// # Errors
+/// If a file cannot be read or the two do not fit.
+pub fn run(args: Arguments) -> anyhow::Result<()> {
+    let truth = label_file::read(&args.truth)?;
+    let prediction = label_file::read(&args.prediction)?;
+    let rule = Rule {
+        buffer: args.buffer,
+        strict: args.strict,
+        allow_relax: args.allow_relax,
+    };
+    let name = args.prediction.display().to_string();
+    let score = RecordingScore::new("", &name, &truth, &prediction, &rule)
+        .with_context(|| format!("cannot score {} against {}", name, args.truth.display()))?;
+    let mut confusion = Confusion::new(vocabulary(&truth, &prediction));
+    let scored = predicted_length(&prediction);
+    confusion.add(&truth[..scored], &prediction[..scored])?;
+    let report = if args.json {
+        json(&score, &rule, &confusion)?
+    } else {
+        tables(&score, truth.len() - scored, &confusion)
+    };
+    std::io::stdout().write_all(report.as_bytes())?;
+    Ok(())
+}
+
+/// Three classes unless a label needs six.
+fn vocabulary(truth: &[Option<Intent>], prediction: &[Option<Intent>]) -> Vocabulary {
+    let mut labels = truth.iter().chain(prediction).flatten();
+    if labels.all(|&intent| Vocabulary::Three.contains(intent)) {
+        Vocabulary::Three
+    } else {
+        Vocabulary::Six
+    }
+}
+
+fn json(score: &RecordingScore, rule: &Rule, confusion: &Confusion) -> serde_json::Result<String> {
+    let offsets: Vec<i32> = score.transitions.offsets().collect();
+    let report = serde_json::json!({
+        "rule": rule,
+        "raw_accuracy": score.raw_accuracy,
+        "transition_accuracy": score.transitions.accuracy(),
+        "correct": score.transitions.correct(),
+        "events": score.transitions.events(),
+        "offset_ms": offset::summary(&offsets),
+        "changes": score.transitions.changes,
+        "constant": score.transitions.constant,
+        "confusion": confusion,
+    });
+    Ok(serde_json::to_string_pretty(&report)? + "\n")
+}
+
+fn tables(score: &RecordingScore, unscored: usize, confusion: &Confusion) -> String {
+    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+    let transitions = &score.transitions;
+    let mut text = format!(
+        "raw accuracy         {}\ntransition accuracy  {} ({} of {})\n",
+        share(score.raw_accuracy),
+        share(transitions.accuracy()),
+        transitions.correct(),
+        transitions.events()
+    );
+    let offsets: Vec<i32> = transitions.offsets().collect();
+    if let Some(offset) = offset::summary(&offsets) {
+        text += &format!(
+            "offset               mean {:+.0} ms, median {:+.0} ms; absolute mean {:.0} ms\n",
+            offset.signed.mean, offset.signed_median, offset.absolute.mean
+        );
+    }
+    if unscored > 0 {
+        text += &format!("not scored           the last {unscored} samples, never predicted\n");
+    }
+    if !transitions.changes.is_empty() {
+        text += &format!("\n{}", changes(&transitions.changes).plain());
+    }
+    let mut reasons: BTreeMap<Verdict, usize> = BTreeMap::new();
+    for change in transitions
+        .changes
+        .iter()
+        .filter(|change| change.verdict != Verdict::Ok)
+    {
+        *reasons.entry(change.verdict).or_default() += 1;
+    }
+    for (verdict, count) in reasons {
+        text += &format!("{count} x {}: {}\n", verdict.code(), verdict.reason());
+    }
+    text + "\n" + &matrix(confusion).plain()
+}
+
+fn changes(changes: &[Change]) -> Table {
+    let mut table = Table::new("", ["sample", "at s", "change", "verdict", "offset ms"]);
+    for change in changes {
+        let offset = change.offset.map_or_else(String::new, |samples| {
+            format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
+        });
+        table.push([
+            change.at.to_string(),
+            format!("{:.2}", change.at as f64 / f64::from(SAMPLE_RATE_HZ)),
+            format!("{} -> {}", change.from.name(), change.to.name()),
+            change.verdict.code().to_owned(),
+            offset,
+        ]);
+    }
+    table
+}
+
+fn matrix(confusion: &Confusion) -> Table {
+    let columns = [&["truth"], &confusion.intents[..], &["none"]].concat();
+    let caption = "Samples by true (row) and predicted (column) label:";
+    let mut table = Table::new(caption, columns);
+    for (intent, counts) in confusion.intents.iter().zip(&confusion.counts) {
+        let counts = counts.iter().map(ToString::to_string);
+        table.push(std::iter::once((*intent).to_owned()).chain(counts));
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_transition_is_shown_with_its_reason() {
+        let (r, o) = (Some(Intent::Relax), Some(Intent::Open));
+        let truth = [vec![r; 300], vec![o; 300], vec![r; 300]].concat();
+        let prediction = [vec![r; 310], vec![o; 540], vec![None; 50]].concat();
+        let score = RecordingScore::new("", "", &truth, &prediction, &Rule::default()).unwrap();
+        let mut confusion = Confusion::new(vocabulary(&truth, &prediction));
+        confusion.add(&truth[..850], &prediction[..850]).unwrap();
+        let text = tables(&score, 50, &confusion);
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        for part in [
+            "transition accuracy 0.500 (1 of 2)",
+            "mean +50 ms",
+            "the last 50 samples",
+            "1 x no_change_in_buffer: no change from the old label to the new one",
+            "relax 300 250 0 0",
+        ] {
+            assert!(text.contains(part), "{part:?} is missing in\n{text}");
+        }
+        let report: serde_json::Value =
+            serde_json::from_str(&json(&score, &Rule::default(), &confusion).unwrap()).unwrap();
+        assert_eq!(report["changes"][1]["verdict"], "no_change_in_buffer");
+        assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
+    }
+}

@@ -1,0 +1,90 @@
+//! What training reads: cleaned EMG with labels, stream by stream.
+
+use shared::intent::{Intent, Vocabulary};
+use shared::stream::preprocess::clean;
+use shared::units::{CleanSample, PATCH, Sample};
+
+/// One continuous stream: a recording, or pieces of one subject's recordings joined.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    /// Samples as the armband sends them, 200 Hz: what most of the baselines learn from.
+    pub raw: Vec<Sample>,
+    /// The same samples, cleaned.
+    pub emg: Vec<CleanSample>,
+    /// What the hand wants at each sample, within the vocabulary; none where nobody knows.
+    pub labels: Vec<Option<Intent>>,
+}
+
+impl Stream {
+    /// Cleans samples; one label each.
+    #[must_use]
+    pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
+        Self {
+            emg: clean(raw.iter().copied()).collect(),
+            raw,
+            labels,
+        }
+    }
+}
+
+/// All streams of one side of a split.
+#[derive(Clone, Debug)]
+pub struct Corpus {
+    /// The classes that labels are taken from.
+    pub vocabulary: Vocabulary,
+    /// The streams; order is part of a run's reproducibility.
+    pub streams: Vec<Stream>,
+}
+
+impl Corpus {
+    /// Seconds of EMG.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.streams
+            .iter()
+            .map(|stream| stream.emg.len())
+            .sum::<usize>() as f64
+            / 200.0
+    }
+}
+
+/// The label of a patch: that of most of its samples, none if most have none.
+#[must_use]
+pub fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
+    Intent::ALL
+        .into_iter()
+        .map(|intent| {
+            (
+                labels
+                    .iter()
+                    .filter(|&&label| label == Some(intent))
+                    .count(),
+                intent,
+            )
+        })
+        .filter(|&(count, _)| 2 * count > labels.len())
+        .map(|(_, intent)| intent)
+        .next()
+}
+
+/// Labels patch by patch, the last partial patch left out.
+#[must_use]
+pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
+    labels.chunks_exact(PATCH).map(patch_label).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_patch_takes_the_label_of_its_majority() {
+        let relax = Some(Intent::Relax);
+        let close = Some(Intent::Close);
+        let mut labels = [relax; 10];
+        labels[..6].fill(close);
+        assert_eq!(patch_label(&labels), close);
+        labels[..5].fill(None);
+        assert_eq!(patch_label(&labels), None);
+    }
+}

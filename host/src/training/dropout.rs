@@ -1,0 +1,198 @@
+//! Dropout whose masks are computed from a seed and a position, never stored.
+//!
+//! Burn's own dropout draws from one generator a device, so two threads that train side by side
+//! would not draw the same twice. Here each use draws one seed from the caller's generator; whether
+//! a value is dropped is a hash of seed, row and column, so any part of a mask can be had again, in
+//! any order.
+
+use burn::tensor::{Tensor, TensorData};
+use rand::Rng as _;
+use rand_chacha::ChaCha8Rng;
+
+/// Drops values while training, and nothing otherwise.
+pub struct Dropout(Option<ChaCha8Rng>);
+
+impl From<ChaCha8Rng> for Dropout {
+    fn from(rng: ChaCha8Rng) -> Self {
+        Self(Some(rng))
+    }
+}
+
+impl Dropout {
+    /// Drops nothing.
+    #[must_use]
+    pub const fn off() -> Self {
+        Self(None)
+    }
+
+    /// The next mask, which drops about a share of the values; none if nothing is dropped.
+    pub fn mask(&mut self, share: f64) -> Option<Mask> {
+        let rng = self.0.as_mut().filter(|_| share > 0.0)?;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a share of 2^32"
+        )]
+        Some(Mask {
+            seed: rng.next_u64(),
+            below: (share * f64::from(u32::MAX)) as u32,
+            scale: (1.0 / (1.0 - share)) as f32,
+        })
+    }
+
+    /// Sets about a share of the values to 0 and scales the others, so that the mean stays.
+    #[must_use]
+    pub fn drop<const D: usize>(&mut self, x: Tensor<D>, share: f64) -> Tensor<D> {
+        match self.mask(share) {
+            Some(mask) => mask.apply(x),
+            None => x,
+        }
+    }
+}
+
+/// Which values of a tensor are dropped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mask {
+    seed: u64,
+    below: u32,
+    /// What the values that stay are multiplied by.
+    pub scale: f32,
+}
+
+impl Mask {
+    /// The mask of one row of a tensor, rows counted over all leading dimensions.
+    #[must_use]
+    pub fn row(&self, row: usize) -> RowMask {
+        // The finalizer of SplitMix64: neighbouring rows get unrelated keys.
+        let mut key = self.seed ^ (row as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        key = (key ^ (key >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        key = (key ^ (key >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        RowMask {
+            key: (key >> 32) as u32,
+            below: self.below,
+        }
+    }
+
+    /// Sets what is dropped of a tensor to 0 and scales the rest.
+    #[must_use]
+    pub fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
+        let (dims, device) = (x.dims(), x.device());
+        x * Tensor::from_data(TensorData::new(self.factors(dims), dims), &device)
+    }
+
+    /// 0 or the scale for every value of a tensor.
+    #[must_use]
+    pub fn factors<const D: usize>(&self, dims: [usize; D]) -> Vec<f32> {
+        let columns = dims[D - 1].max(1);
+        let mut factors = vec![self.scale; dims.iter().product()];
+        for (at, row) in factors.chunks_mut(columns).enumerate() {
+            self.row(at).zero(row);
+        }
+        factors
+    }
+}
+
+/// Which values of a row are dropped.
+#[derive(Clone, Copy, Debug)]
+pub struct RowMask {
+    key: u32,
+    below: u32,
+}
+
+impl RowMask {
+    /// Whether the value of a column stays.
+    #[must_use]
+    #[inline(always)]
+    pub fn keeps(self, column: u32) -> bool {
+        // Multiplications and shifts only, so that a loop over columns becomes vector code.
+        let mut hash = self.key ^ column.wrapping_mul(0x9e37_79b9);
+        hash = (hash ^ (hash >> 16)).wrapping_mul(0x7feb_352d);
+        hash = (hash ^ (hash >> 15)).wrapping_mul(0x846c_a68b);
+        hash ^ (hash >> 16) >= self.below
+    }
+
+    /// Sets what is dropped to 0.
+    #[inline(always)]
+    pub fn zero(self, row: &mut [f32]) {
+        for (column, value) in (0_u32..).zip(row) {
+            *value = if self.keeps(column) { *value } else { 0.0 };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burn::tensor::Device;
+    use rand::SeedableRng;
+
+    fn dropout(seed: u64) -> Dropout {
+        Dropout::from(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    #[test]
+    fn keeps_the_mean_and_repeats_with_its_seed() {
+        let x = Tensor::<2>::ones([100, 200], &Device::default());
+        let drop = |seed| crate::training::tensor::read_back(dropout(seed).drop(x.clone(), 0.15));
+        let once = drop(1);
+        assert_eq!(once, drop(1));
+        assert_ne!(once, drop(2));
+        let mean = once.iter().sum::<f32>() / 20_000.0;
+        // Four standard errors of a mean of 20 000: 0.012.
+        assert!((mean - 1.0).abs() < 0.012, "{mean}");
+        assert!(once.contains(&0.0));
+    }
+
+    #[test]
+    fn rows_columns_and_uses_are_dropped_independently() {
+        let mut dropout = dropout(3);
+        let (first, second) = (dropout.mask(0.5).unwrap(), dropout.mask(0.5).unwrap());
+        let dims = [500, 400];
+        let kept = |mask: Mask| mask.factors(dims).into_iter().map(|f| f > 0.0);
+        let (a, b): (Vec<_>, Vec<_>) = (kept(first).collect(), kept(second).collect());
+        let agreement = |pairs: &mut dyn Iterator<Item = (bool, bool)>| {
+            let (mut equal, mut all) = (0_u32, 0_u32);
+            for (x, y) in pairs {
+                equal += u32::from(x == y);
+                all += 1;
+            }
+            f64::from(equal) / f64::from(all)
+        };
+        let pairs = |distance: usize| a.iter().copied().zip(a[distance..].iter().copied());
+        for (what, share) in [
+            ("the next column", agreement(&mut pairs(1))),
+            ("the next row", agreement(&mut pairs(dims[1]))),
+            (
+                "the same column two rows on",
+                agreement(&mut pairs(2 * dims[1])),
+            ),
+            (
+                "the next use",
+                agreement(&mut a.iter().copied().zip(b.iter().copied())),
+            ),
+        ] {
+            // Five standard errors of a share of 200 000 coins: 0.0056.
+            assert!((share - 0.5).abs() < 0.0056, "{what}: {share}");
+        }
+    }
+
+    #[test]
+    fn a_row_of_a_mask_is_the_same_alone_as_in_the_whole() {
+        let mask = dropout(4).mask(0.3).unwrap();
+        let whole = mask.factors([2, 3, 17]);
+        for (at, expected) in whole.chunks(17).enumerate() {
+            let mut row = [mask.scale; 17];
+            mask.row(at).zero(&mut row);
+            assert_eq!(row, expected);
+        }
+    }
+
+    #[test]
+    fn off_leaves_everything_as_it_is() {
+        let x = Tensor::<1>::ones([8], &Device::default());
+        assert_eq!(
+            crate::training::tensor::read_back(Dropout::off().drop(x, 0.9)),
+            [1.0; 8]
+        );
+    }
+}

@@ -1,0 +1,23 @@
+//! Reading tensors back.
+
+use burn::tensor::Tensor;
+
+/// Numbers of a tensor, row by row.
+#[must_use]
+pub fn read_back<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
+    tensor
+        .try_into_vec_as::<f32>()
+        .expect("a tensor of this device can be read back as f32")
+}
+
+/// The class of the largest logit, the lowest one on ties.
+#[must_use]
+pub fn best_class(logits: &[f32]) -> usize {
+    (1..logits.len()).fold(0, |best, class| {
+        if logits[class] > logits[best] {
+            class
+        } else {
+            best
+        }
+    })
+}

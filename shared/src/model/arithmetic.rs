@@ -1,0 +1,244 @@
+//! The few float functions of the encoder and the smoother, in one fixed order of operations.
+//!
+//! Every one is made of single IEEE additions, multiplications and bit moves: no platform libm and
+//! no fused multiply-add, so every bit agrees on x86-64 and on a Cortex-M4F. The order is part of
+//! each function's meaning; do not rearrange it.
+
+use micromath::F32Ext;
+
+/// Beyond this on either side [`exp`] is infinite or zero: what is left out is under 1.7e-38.
+const EXP_LIMIT: f32 = 87.0;
+/// Steps of [`exp`]'s table within one power of two.
+const STEPS: usize = 32;
+/// `2^(step / 32)`, by 32 products in f64.
+const POWERS: [f32; STEPS] = {
+    const ROOT: f64 = 1.021_897_148_654_116_7;
+    let mut powers = [1.0; STEPS];
+    let mut power = 1.0;
+    let mut step = 0;
+    while step < STEPS {
+        powers[step] = power as f32;
+        power *= ROOT;
+        step += 1;
+    }
+    powers
+};
+/// 1.5 x 2^23: added to a number below 2^22 it leaves the nearest integer, halves to even, in the
+/// lowest bits of the sum, two's complement.
+pub(crate) const ROUNDING: f32 = 12_582_912.0;
+
+/// e to the power `x`; relative error at most 6e-7 for |x| <= 8, 5e-6 everywhere.
+///
+/// Infinite above 87, zero below -87, NaN for NaN. `x` = n ln 2 / 32 + r with |r| <= 0.011; e^r is its Taylor
+/// series to the second power (r^3 / 6 is 2e-7), the rest a power of two from a table, shifted.
+#[must_use]
+#[inline(always)]
+pub fn exp(x: f32) -> f32 {
+    if x.to_bits() & 0x7fff_ffff > EXP_LIMIT.to_bits() {
+        return exp_beyond(x);
+    }
+    let shifted = x * (STEPS as f32 * core::f32::consts::LOG2_E) + ROUNDING;
+    let bits = shifted.to_bits();
+    let r = x - (shifted - ROUNDING) * (core::f32::consts::LN_2 / STEPS as f32);
+    let series = (r * 0.5 + 1.0) * r + 1.0;
+    let power = POWERS[bits as usize % STEPS].to_bits();
+    // The integer's bits above the table's five, as an exponent.
+    let exponent = (bits >> STEPS.ilog2()) << 23;
+    series * f32::from_bits(power.wrapping_add(exponent))
+}
+
+#[cold]
+fn exp_beyond(x: f32) -> f32 {
+    if x.is_nan() {
+        x
+    } else if x > 0.0 {
+        f32::INFINITY
+    } else {
+        0.0
+    }
+}
+
+/// `x * sigmoid(1.702 x)`: the GELU that the student is trained with.
+#[must_use]
+#[inline(always)]
+pub fn gelu(x: f32) -> f32 {
+    x / (1.0 + exp(-1.702 * x))
+}
+
+/// One over the square root of `x`, relative error at most 2e-7; 0 for what is not above 0.
+///
+/// `x` normal. Three Newton steps from the bit-pattern guess (4 % off).
+#[must_use]
+pub fn inverse_square_root(x: f32) -> f32 {
+    // The guess subtracts bit patterns and would wrap for negative numbers and negative NaNs.
+    if x.is_nan() || x <= 0.0 {
+        return 0.0;
+    }
+    let half = 0.5 * x;
+    let mut y = F32Ext::invsqrt(x);
+    for _ in 0..3 {
+        y *= 1.5 - half * y * y;
+    }
+    y
+}
+
+/// The nearest integer, halves away from zero; exact for |x| < 2^23, saturating beyond, 0 for NaN.
+///
+/// The addend is the largest number below one half: one half itself would round
+/// 0.499_999_97 up.
+#[must_use]
+#[inline]
+pub fn round(x: f32) -> i32 {
+    (x + 0.499_999_97_f32.copysign(x)) as i32
+}
+
+/// The nearest integer, halves to even; |x| < 2^22.
+#[must_use]
+#[inline]
+pub fn round_to_even(x: f32) -> i32 {
+    (x + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
+}
+
+/// The largest magnitude, 0 of nothing; NaN if any value is NaN.
+///
+/// Magnitudes of floats are ordered as their bit patterns are, and the integer maximum is the
+/// cheaper one on both machines.
+#[must_use]
+#[inline]
+pub fn absmax(values: &[f32]) -> f32 {
+    let largest = values
+        .iter()
+        .map(|value| value.to_bits() & 0x7fff_ffff)
+        .fold(
+            0,
+            |largest, bits| if bits > largest { bits } else { largest },
+        );
+    f32::from_bits(largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::file::samples::Noise;
+
+    fn worst_error_of_exp(limit: f32) -> f64 {
+        let mut worst = 0.0_f64;
+        for step in -870_000..=870_000 {
+            let x = step as f32 * 1e-6 * limit / 0.87;
+            let truth = libm::exp(f64::from(x));
+            worst = worst.max((f64::from(exp(x)) / truth - 1.0).abs());
+        }
+        worst
+    }
+
+    #[test]
+    fn exp_keeps_its_stated_errors() {
+        let [near, everywhere] = [8.0, EXP_LIMIT].map(worst_error_of_exp);
+        assert!(near <= 6e-7, "relative error {near:e}");
+        assert!(everywhere <= 5e-6, "relative error {everywhere:e}");
+    }
+
+    #[test]
+    fn exp_has_its_edges() {
+        assert_eq!(exp(0.0), 1.0);
+        assert_eq!(exp(-0.0), 1.0);
+        assert_eq!(exp(87.001), f32::INFINITY);
+        assert_eq!(exp(f32::INFINITY), f32::INFINITY);
+        assert_eq!(exp(-87.001), 0.0);
+        assert_eq!(exp(f32::NEG_INFINITY), 0.0);
+        assert!(exp(87.0).is_finite() && exp(-87.0).is_normal());
+        assert!(exp(f32::NAN).is_nan() && exp(-f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn the_table_of_exp_holds_the_roots_of_two() {
+        for (step, power) in POWERS.into_iter().enumerate() {
+            let truth = libm::exp2(step as f64 / STEPS as f64);
+            assert_eq!(power, truth as f32, "{step}");
+        }
+    }
+
+    #[test]
+    fn gelu_follows_its_formula() {
+        for step in -2000..=2000 {
+            let x = step as f32 * 0.01;
+            let truth = f64::from(x) / (1.0 + libm::exp(-1.702 * f64::from(x)));
+            assert!((f64::from(gelu(x)) - truth).abs() <= 4e-7 * truth.abs().max(1.0));
+        }
+        assert_eq!(gelu(-1e30), 0.0);
+    }
+
+    #[test]
+    fn inverse_square_root_keeps_its_stated_error() {
+        let mut worst = 0.0_f64;
+        let mut x = 1e-12_f32;
+        while x < 1e12 {
+            let truth = 1.0 / libm::sqrt(f64::from(x));
+            worst = worst.max((f64::from(inverse_square_root(x)) / truth - 1.0).abs());
+            x *= 1.000_1;
+        }
+        assert!(worst <= 2e-7, "relative error {worst:e}");
+        for x in [0.0, -1.0, f32::NAN, -f32::NAN, f32::NEG_INFINITY] {
+            assert_eq!(inverse_square_root(x), 0.0);
+        }
+    }
+
+    #[test]
+    fn rounding_takes_halves_away_from_zero() {
+        for (x, rounded) in [
+            (0.5, 1),
+            (-0.5, -1),
+            (0.499_999_97, 0),
+            (-0.499_999_97, 0),
+            (2.5, 3),
+            (-32_766.5, -32_767),
+            (1e20, i32::MAX),
+            (f32::NAN, 0),
+        ] {
+            assert_eq!(round(x), rounded, "{x}");
+        }
+        for step in -400_000..400_000 {
+            let x = step as f32 * 0.081_3;
+            assert_eq!(round(x), libm::round(f64::from(x)) as i32, "{x}");
+        }
+    }
+
+    #[test]
+    fn rounding_to_even_is_that_of_floats() {
+        for step in -400_000..400_000 {
+            let x = step as f32 * 0.25;
+            assert_eq!(round_to_even(x), libm::rint(f64::from(x)) as i32, "{x}");
+        }
+        assert_eq!([0.5, 1.5, -0.5, -2.5].map(round_to_even), [0, 2, 0, -2]);
+        assert_eq!(round_to_even(-32_767.0), -32_767);
+    }
+
+    /// Whatever machine runs this, PC or emulated core, must come to the same checksum.
+    #[test]
+    fn every_machine_gives_the_same_bits() {
+        let mut noise = Noise(7);
+        let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+        let mut digest = checksum.digest();
+        for _ in 0..20_000 {
+            let x = noise.signed() * [0.01, 1.0, 10.0, 100.0][noise.bits() as usize % 4];
+            let results = [
+                exp(x),
+                gelu(x),
+                inverse_square_root(x),
+                round_to_even(x) as f32,
+            ];
+            for result in results {
+                digest.update(&result.to_bits().to_le_bytes());
+            }
+        }
+        assert_eq!(digest.finalize(), 2_185_938_945);
+    }
+
+    #[test]
+    fn absmax_sees_either_sign() {
+        assert_eq!(absmax(&[]), 0.0);
+        assert_eq!(absmax(&[-0.0]), 0.0);
+        assert_eq!(absmax(&[1.0, -3.5, 2.0]), 3.5);
+        assert!(absmax(&[1.0, -f32::NAN]).is_nan());
+    }
+}

@@ -1,0 +1,218 @@
+//! From bytes to a model whose every length and number is proved.
+
+use super::{
+    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
+    error::{ModelError, TensorName},
+    header::{Header, WireHeader},
+    layout::{LayerWeights, LinearWeights, NormWeights, Weights},
+};
+use crate::model::encoder::HEADS;
+use crate::model::kernels::TILE_ROWS;
+use crate::units::{CHANNELS, LOOK_BACK, PATCH};
+
+/// A model in somebody's bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Model<'m> {
+    /// What it says about itself.
+    pub header: Header<'m>,
+    /// Its tensors.
+    pub weights: Weights<'m>,
+    /// Bytes of the file; what follows in the region is not part of it.
+    pub length: usize,
+}
+
+impl<'m> Model<'m> {
+    /// The model at the start of `region`, which may be longer than the file.
+    ///
+    /// Copies nothing. Cost: one pass for the checksum and one over the weights.
+    ///
+    /// # Errors
+    ///
+    /// Each kind of damage its own [`ModelError`]; the checksum is proved before anything after
+    /// the length is believed.
+    pub fn parse(region: &'m [u8]) -> Result<Self, ModelError> {
+        let (length, body) = checked_body(region)?;
+        let found = region.as_ptr().addr() % ALIGNMENT;
+        if found != 0 {
+            return Err(ModelError::Misaligned { found });
+        }
+        let (wire, tensors) = postcard::take_from_bytes::<WireHeader<'m>>(body)
+            .map_err(|_| ModelError::Header { field: "header" })?;
+        let header = wire.interpret()?;
+        let mut tensors = Tensors {
+            end: PREFIX_BYTES + body.len(),
+            rest: tensors,
+            layer: None,
+        };
+        let weights = tensors.weights(&header)?;
+        match tensors.rest.len() {
+            0 => Ok(Self {
+                header,
+                weights,
+                length,
+            }),
+            found => Err(ModelError::Trailing { found }),
+        }
+    }
+}
+
+/// Length of the file, and what lies between the prefix and the checksum.
+fn checked_body(region: &[u8]) -> Result<(usize, &[u8]), ModelError> {
+    let too_short = ModelError::TooShort {
+        expected: PREFIX_BYTES + CHECKSUM_BYTES,
+        found: region.len(),
+    };
+    if region.len() < PREFIX_BYTES + CHECKSUM_BYTES {
+        return Err(too_short);
+    }
+    let (&magic, rest) = region.split_first_chunk::<8>().ok_or(too_short)?;
+    let (&[version], rest) = rest.split_first_chunk::<1>().ok_or(too_short)?;
+    let (&length, _) = rest.split_first_chunk::<4>().ok_or(too_short)?;
+    if magic != MAGIC {
+        return Err(ModelError::Magic { found: magic });
+    }
+    if version != FORMAT_VERSION {
+        return Err(ModelError::Version { found: version });
+    }
+    let declared = u32::from_le_bytes(length) as usize;
+    let wrong_length = ModelError::Length {
+        declared,
+        available: region.len(),
+    };
+    if declared < PREFIX_BYTES + CHECKSUM_BYTES {
+        return Err(wrong_length);
+    }
+    let file = region.get(..declared).ok_or(wrong_length)?;
+    let (content, &checksum) = file
+        .split_last_chunk::<CHECKSUM_BYTES>()
+        .ok_or(wrong_length)?;
+    let [expected, found] = [CHECKSUM.checksum(content), u32::from_le_bytes(checksum)];
+    if expected != found {
+        return Err(ModelError::Checksum { expected, found });
+    }
+    Ok((declared, &content[PREFIX_BYTES..]))
+}
+
+/// What is left of the tensors, and which layer is being read.
+struct Tensors<'m> {
+    /// Where in the file `rest` ends.
+    end: usize,
+    rest: &'m [u8],
+    layer: Option<usize>,
+}
+
+impl<'m> Tensors<'m> {
+    fn weights(&mut self, header: &Header<'_>) -> Result<Weights<'m>, ModelError> {
+        let dimensions = &header.dimensions;
+        let width = dimensions.width;
+        let mut weights = Weights {
+            embed: self.linear("embed", width, PATCH * CHANNELS)?,
+            ..Weights::default()
+        };
+        for (number, layer) in weights.layers[..dimensions.layers].iter_mut().enumerate() {
+            self.layer = Some(number);
+            *layer = LayerWeights {
+                norm1: self.norm("norm1", width)?,
+                qkv: self.linear("qkv", 3 * width, width)?,
+                relative_bias: self.floats("relative_bias", "", HEADS * dimensions.span)?,
+                out: self.linear("out", width, width)?,
+                norm2: self.norm("norm2", width)?,
+                ff1: self.linear("ff1", 2 * width, width)?,
+                ff2: self.linear("ff2", width, 2 * width)?,
+            };
+        }
+        self.layer = None;
+        weights.final_norm = self.norm("final_norm", width)?;
+        weights.head = self.linear("head", LOOK_BACK * dimensions.vocabulary.classes(), width)?;
+        Ok(weights)
+    }
+
+    fn linear(
+        &mut self,
+        group: &'static str,
+        outputs: usize,
+        inputs: usize,
+    ) -> Result<LinearWeights<'m>, ModelError> {
+        Ok(LinearWeights {
+            weights: self.integers(group, outputs.next_multiple_of(TILE_ROWS) * inputs)?,
+            scales: self.scales(group, outputs)?,
+            bias: self.floats(group, "bias", outputs)?,
+        })
+    }
+
+    fn norm(&mut self, group: &'static str, width: usize) -> Result<NormWeights<'m>, ModelError> {
+        Ok(NormWeights {
+            gain: self.floats(group, "gain", width)?,
+            bias: self.floats(group, "bias", width)?,
+        })
+    }
+
+    fn integers(&mut self, group: &'static str, count: usize) -> Result<&'m [i8], ModelError> {
+        let tensor = self.name(group, "weights");
+        let weights: &[i8] = bytemuck::cast_slice(self.bytes(tensor, count)?);
+        match weights.iter().position(|&weight| weight == i8::MIN) {
+            None => Ok(weights),
+            Some(index) => Err(ModelError::WeightRange { tensor, index }),
+        }
+    }
+
+    fn scales(&mut self, group: &'static str, count: usize) -> Result<&'m [f32], ModelError> {
+        let scales = self.floats(group, "scales", count)?;
+        match scales.iter().enumerate().find(|&(_, &scale)| scale < 0.0) {
+            None => Ok(scales),
+            Some((index, &found)) => Err(ModelError::Scale {
+                tensor: self.name(group, "scales"),
+                index,
+                found,
+            }),
+        }
+    }
+
+    fn floats(
+        &mut self,
+        group: &'static str,
+        part: &'static str,
+        count: usize,
+    ) -> Result<&'m [f32], ModelError> {
+        let tensor = self.name(group, part);
+        // Every tensor begins at a multiple of four.
+        let floats: &[f32] = bytemuck::cast_slice(self.bytes(tensor, 4 * count)?);
+        match floats
+            .iter()
+            .enumerate()
+            .find(|(_, number)| !number.is_finite())
+        {
+            None => Ok(floats),
+            Some((index, &found)) => Err(ModelError::NotFinite {
+                tensor,
+                index,
+                found,
+            }),
+        }
+    }
+
+    fn bytes(&mut self, tensor: TensorName, expected: usize) -> Result<&'m [u8], ModelError> {
+        let (field, rest) = postcard::take_from_bytes::<&'m [u8]>(self.rest)
+            .map_err(|_| ModelError::WeightsEnd { tensor })?;
+        let start = self.end - rest.len() - field.len();
+        let pad = start.next_multiple_of(ALIGNMENT) - start;
+        let bytes = field.get(pad..).unwrap_or_default();
+        if bytes.len() != expected {
+            return Err(ModelError::WeightLength {
+                tensor,
+                expected,
+                found: bytes.len(),
+            });
+        }
+        self.rest = rest;
+        Ok(bytes)
+    }
+
+    const fn name(&self, group: &'static str, part: &'static str) -> TensorName {
+        TensorName {
+            layer: self.layer,
+            group,
+            part,
+        }
+    }
+}

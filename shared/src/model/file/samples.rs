@@ -1,0 +1,94 @@
+//! Models of random weights, for tests and benchmarks.
+
+use alloc::vec::Vec;
+
+use super::{
+    Companding, Dimensions, LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts,
+    SmootherDefaults,
+};
+use crate::model::encoder::HEADS;
+use crate::stream::smoother::{AggregationMode, Likelihood};
+use crate::units::{CHANNELS, LOOK_BACK, PATCH};
+
+/// A splitmix64 stream: small, seeded, the same everywhere.
+#[derive(Clone, Debug)]
+pub struct Noise(pub u64);
+
+impl Noise {
+    /// The next 64 bits.
+    pub const fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Uniform in -1..1.
+    pub fn signed(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    fn vector(&mut self, length: usize, size: f32, about: f32) -> Vec<f32> {
+        (0..length).map(|_| about + size * self.signed()).collect()
+    }
+
+    /// Rows of about unit gain.
+    fn linear(&mut self, outputs: usize, inputs: usize) -> LinearParts {
+        let size = 2.0 * crate::model::arithmetic::inverse_square_root(inputs as f32);
+        LinearParts::quantized(
+            &self.vector(outputs * inputs, size, 0.0),
+            self.vector(outputs, 0.3, 0.0),
+        )
+    }
+
+    fn norm(&mut self, width: usize) -> NormParts {
+        NormParts {
+            gain: self.vector(width, 0.5, 1.0),
+            bias: self.vector(width, 0.2, 0.0),
+        }
+    }
+}
+
+/// A model of these dimensions whose weights are noise of a seed.
+#[must_use]
+pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
+    let mut noise = Noise(seed);
+    let Dimensions {
+        width,
+        layers,
+        span,
+        vocabulary,
+    } = dimensions;
+    ModelParts {
+        dimensions,
+        companding: Companding::SquareRoot,
+        smoother: SmootherDefaults {
+            aggregation: AggregationMode::AllRowsFrom,
+            likelihood: Likelihood::Logits,
+            look_ahead: 50,
+            hold: 20,
+        },
+        provenance: ProvenanceParts {
+            data_sets: ["noise".into(), "more noise".into()].into(),
+            subjects_left_out: ["noise/3".into()].into(),
+            git_revision: "0123abc".into(),
+            seed,
+            metrics: [("raw accuracy".into(), 0.75)].into(),
+        },
+        embed: noise.linear(width, PATCH * CHANNELS),
+        layers: (0..layers)
+            .map(|_| LayerParts {
+                norm1: noise.norm(width),
+                qkv: noise.linear(3 * width, width),
+                relative_bias: noise.vector(HEADS * span, 1.0, 0.0),
+                out: noise.linear(width, width),
+                norm2: noise.norm(width),
+                ff1: noise.linear(2 * width, width),
+                ff2: noise.linear(width, 2 * width),
+            })
+            .collect(),
+        final_norm: noise.norm(width),
+        head: noise.linear(LOOK_BACK * vocabulary.classes(), width),
+    }
+}

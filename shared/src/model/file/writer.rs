@@ -1,0 +1,241 @@
+//! From a quantized student to a file.
+
+use alloc::{string::String, vec, vec::Vec};
+
+use serde::Serialize;
+
+use super::{
+    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
+    error::ModelError,
+    header::{Companding, Dimensions, SmootherDefaults, WireHeader},
+    reader::Model,
+};
+use crate::model::kernels::packing::packed;
+
+/// A linear map with quantized rows.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LinearParts {
+    /// Row-major `[outputs][inputs]`, each -127..=127; in the file they lie in tiles.
+    pub weights: Vec<i8>,
+    /// One per output: `weight = integer * scale`.
+    pub scales: Vec<f32>,
+    /// One per output.
+    pub bias: Vec<f32>,
+}
+
+impl LinearParts {
+    /// Quantizes a row-major `[outputs][inputs]` matrix, as many outputs as biases.
+    #[must_use]
+    pub fn quantized(weights: &[f32], bias: Vec<f32>) -> Self {
+        let columns = weights.len().checked_div(bias.len()).unwrap_or(0);
+        let (weights, scales) = quantize_rows(weights, bias.len(), columns);
+        Self {
+            weights,
+            scales,
+            bias,
+        }
+    }
+}
+
+/// A layer norm.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NormParts {
+    /// Factors, `[d]`.
+    pub gain: Vec<f32>,
+    /// Terms, `[d]`.
+    pub bias: Vec<f32>,
+}
+
+/// One pre-norm layer.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LayerParts {
+    /// Before attention.
+    pub norm1: NormParts,
+    /// d -> 3d: query, key, value.
+    pub qkv: LinearParts,
+    /// `[heads][span]` row-major: term of the score of the patch that many patches back.
+    pub relative_bias: Vec<f32>,
+    /// d -> d.
+    pub out: LinearParts,
+    /// Before the feed-forward.
+    pub norm2: NormParts,
+    /// d -> 2d.
+    pub ff1: LinearParts,
+    /// 2d -> d.
+    pub ff2: LinearParts,
+}
+
+/// Where a model comes from.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct ProvenanceParts {
+    /// Names of the data sets.
+    pub data_sets: Vec<String>,
+    /// Subjects that training never saw, as `data set/subject`.
+    pub subjects_left_out: Vec<String>,
+    /// Revision of the program that trained it.
+    pub git_revision: String,
+    /// Seed of the training.
+    pub seed: u64,
+    /// Name and value of what was measured.
+    pub metrics: Vec<(String, f32)>,
+}
+
+/// A whole model, owned.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ModelParts {
+    /// Shapes.
+    pub dimensions: Dimensions,
+    /// Input table.
+    pub companding: Companding,
+    /// How answers are smoothed.
+    pub smoother: SmootherDefaults,
+    /// Where it comes from.
+    pub provenance: ProvenanceParts,
+    /// 80 -> d.
+    pub embed: LinearParts,
+    /// The layers in order.
+    pub layers: Vec<LayerParts>,
+    /// Before the head.
+    pub final_norm: NormParts,
+    /// d -> 6 x classes.
+    pub head: LinearParts,
+}
+
+impl ModelParts {
+    /// The file's bytes.
+    ///
+    /// # Errors
+    ///
+    /// Whatever [`Model::parse`] would refuse, said before anything is written to a disk.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
+        let bytes = self.emit();
+        Model::parse(&bytes)?;
+        Ok(bytes)
+    }
+
+    /// The file's bytes, right or wrong.
+    pub(super) fn emit(&self) -> Vec<u8> {
+        let provenance = &self.provenance;
+        let names = list(
+            self.dimensions
+                .vocabulary
+                .intents()
+                .iter()
+                .map(|intent| intent.name()),
+        );
+        let data_sets = list(&provenance.data_sets);
+        let subjects_left_out = list(&provenance.subjects_left_out);
+        let metrics = list(&provenance.metrics);
+        let header = WireHeader::new(
+            &self.dimensions,
+            self.companding,
+            &self.smoother,
+            &names,
+            [&data_sets, &subjects_left_out, &metrics],
+            (&provenance.git_revision, provenance.seed),
+        );
+        let mut file = prefix();
+        append(&mut file, &header);
+        append_linear(&mut file, &self.embed);
+        for layer in &self.layers {
+            append_norm(&mut file, &layer.norm1);
+            append_linear(&mut file, &layer.qkv);
+            append_floats(&mut file, &layer.relative_bias);
+            append_linear(&mut file, &layer.out);
+            append_norm(&mut file, &layer.norm2);
+            append_linear(&mut file, &layer.ff1);
+            append_linear(&mut file, &layer.ff2);
+        }
+        append_norm(&mut file, &self.final_norm);
+        append_linear(&mut file, &self.head);
+        seal(&mut file);
+        file
+    }
+}
+
+/// Quantizes each row to -127..=127: integers row-major, and one scale per row.
+///
+/// The scale is the row's largest magnitude over 127, each integer the nearest (halves away from
+/// zero). A row of zeros has scale 0. Values that are not finite show up in the scale, which
+/// [`ModelParts::to_bytes`] then refuses.
+#[must_use]
+pub fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
+    let mut integers = Vec::with_capacity(matrix.len());
+    let mut scales = vec![0.0; rows];
+    for (row, scale) in matrix.chunks(columns.max(1)).zip(&mut scales) {
+        let largest = crate::model::arithmetic::absmax(row);
+        *scale = largest / 127.0;
+        // f64: the quotient of a tiny row has to stay finite.
+        let inverse = if largest > 0.0 {
+            127.0 / f64::from(largest)
+        } else {
+            0.0
+        };
+        integers.extend(row.iter().map(|&weight| {
+            crate::model::arithmetic::round((f64::from(weight) * inverse) as f32).clamp(-127, 127)
+                as i8
+        }));
+    }
+    (integers, scales)
+}
+
+/// Magic, version and room for the length.
+pub(super) fn prefix() -> Vec<u8> {
+    let mut file = MAGIC.to_vec();
+    file.push(FORMAT_VERSION);
+    file.extend([0; 4]);
+    file
+}
+
+/// Writes the length into its place and appends the checksum.
+pub(super) fn seal(file: &mut Vec<u8>) {
+    let length = u32::try_from(file.len() + CHECKSUM_BYTES).unwrap_or(u32::MAX);
+    file[MAGIC.len() + 1..PREFIX_BYTES].copy_from_slice(&length.to_le_bytes());
+    let checksum = CHECKSUM.checksum(file);
+    file.extend(checksum.to_le_bytes());
+}
+
+/// Items one after another.
+pub(super) fn list<T: Serialize>(items: impl IntoIterator<Item = T>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for item in items {
+        append(&mut bytes, &item);
+    }
+    bytes
+}
+
+pub(super) fn append<T: Serialize + ?Sized>(file: &mut Vec<u8>, item: &T) {
+    // Fails only for a sequence of unknown length, and for a custom serializer; there is neither.
+    let bytes = postcard::to_allocvec(item).expect("slices, texts and numbers always serialize");
+    file.extend(bytes);
+}
+
+fn append_linear(file: &mut Vec<u8>, linear: &LinearParts) {
+    let columns = linear.weights.len().checked_div(linear.bias.len());
+    let tiles = packed(&linear.weights, columns.unwrap_or(0));
+    append_tensor(file, bytemuck::cast_slice(&tiles));
+    append_floats(file, &linear.scales);
+    append_floats(file, &linear.bias);
+}
+
+fn append_norm(file: &mut Vec<u8>, norm: &NormParts) {
+    append_floats(file, &norm.gain);
+    append_floats(file, &norm.bias);
+}
+
+fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
+    let bytes: Vec<u8> = floats
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
+    append_tensor(file, &bytes);
+}
+
+/// The bytes behind as many zeros as make them begin at a multiple of four bytes.
+fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
+    // The zeros count in the length that comes first, which for whole words takes no byte more for them: the
+    // longest lengths of one and of two bytes, 127 and 16 383, are three beyond a multiple of four.
+    let start = file.len() + list([bytes.len()]).len();
+    let pad = start.next_multiple_of(ALIGNMENT) - start;
+    append::<[u8]>(file, &[&[0; ALIGNMENT][..pad], bytes].concat());
+}

@@ -1,0 +1,419 @@
+//! One catalogue that judges every form of the kernels, on the PC and on the core.
+//!
+//! Naive twins in i64, lengths from nothing to the longest, extremes and seeded noise.
+
+use super::{
+    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT,
+    portable::Portable,
+};
+
+/// A kernel and its twin disagree.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+#[error("{kernel}, length {length}, fill {fill:?}, row {row}: {found}, expected {expected}")]
+pub struct Mismatch {
+    /// Which kernel.
+    pub kernel: &'static str,
+    /// Length of the rows.
+    pub length: usize,
+    /// What they were filled with.
+    pub fill: Fill,
+    /// Which output.
+    pub row: usize,
+    /// The twin's result.
+    pub expected: i64,
+    /// The kernel's result.
+    pub found: i64,
+}
+
+/// What operands are filled with.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fill {
+    /// All zeros.
+    Zeros,
+    /// The largest codes times the largest weights.
+    Maxima,
+    /// The smallest codes times the largest weights: the largest magnitude of all.
+    Minima,
+    /// The extremes by turns.
+    Alternating,
+    /// Uniform over the whole range.
+    Noise,
+    /// Infinities, what is no number, and the smallest.
+    Special,
+}
+
+const FILLS: [Fill; 5] = [
+    Fill::Zeros,
+    Fill::Maxima,
+    Fill::Minima,
+    Fill::Alternating,
+    Fill::Noise,
+];
+/// Columns of `multiply`: whole groups, whole blocks of groups and what lies between.
+const COLUMNS: [usize; 13] = [0, 4, 8, 12, 16, 20, 32, 48, 64, 80, 124, 508, MAX_COLUMNS];
+/// Rows of `multiply`: one tile and several.
+const ROWS: [usize; 2] = [4, 12];
+/// Most tokens of `multiply`: one, two that share the weights, and one more.
+const MOST_TOKENS: usize = 3;
+/// Terms of the products of codes.
+const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];
+/// Rows of as many terms, or columns of them, and what lies between two rows.
+const BESIDE: [(usize, usize); 6] = [(1, 0), (3, 4), (4, 0), (9, 4), (16, 5), (27, 1)];
+/// Lengths of `quantize`.
+const LENGTHS: [usize; 7] = [0, 1, 2, 7, 16, 127, MAX_COLUMNS];
+/// What no token should be, and what one may just be.
+const SPECIAL: [[f32; 8]; 6] = [
+    [f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -f32::NAN],
+    [1.0, 2.0, f32::INFINITY, 3.0, 4.0, 5.0, 6.0, 7.0],
+    [0.0, -0.0, f32::NEG_INFINITY, 0.0, -1.0, 1.0, 0.0, 0.0],
+    [9e-31, -9e-31, 1e-38, 1e-45, 0.0, -0.0, 0.0, 0.0],
+    [1e-30, -1e-30, 5e-31, 2.5e-31, 1e-38, 0.0, -0.0, 0.0],
+    [
+        f32::MAX,
+        f32::MIN,
+        1.0,
+        -1.0,
+        f32::MIN_POSITIVE,
+        0.0,
+        1e38,
+        -1e38,
+    ],
+];
+/// Draws of noise for each kernel, of random shapes.
+const DRAWS: usize = 10_000;
+/// Most columns in a draw: ten thousand of them on an emulated core are a matter of seconds.
+const DRAWN_COLUMNS: usize = 96;
+const MOST_ROWS: usize = 12;
+
+/// Calls of kernels in one call of [`judge`].
+pub const CASES: usize = 4 * DRAWS
+    + SPECIAL.len()
+    + FILLS.len()
+        * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
+            + 2 * TERMS.len() * BESIDE.len()
+            + LENGTHS.len());
+
+/// Judges a form by the whole catalogue and counts the judgements.
+///
+/// # Errors
+///
+/// The first disagreement.
+pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
+    let mut judged = 0;
+    let mut noise = Noise(0x2545_f491);
+    for fill in FILLS {
+        for columns in COLUMNS {
+            for rows in ROWS {
+                judged += multiply::<K, 1>(columns, rows, fill, &mut noise)?;
+                judged += multiply::<K, 2>(columns, rows, fill, &mut noise)?;
+                judged += multiply::<K, MOST_TOKENS>(columns, rows, fill, &mut noise)?;
+            }
+        }
+        for terms in TERMS {
+            for (beside, between) in BESIDE {
+                judged += row_products::<K>(terms, beside, between, fill, &mut noise)?;
+                judged += weighted_rows::<K>(terms, beside, between, fill, &mut noise)?;
+            }
+        }
+        for length in LENGTHS {
+            judged += quantize::<K>(length, fill, &mut noise)?;
+        }
+    }
+    for values in SPECIAL {
+        judged += quantize_special::<K>(values)?;
+    }
+    for _ in 0..DRAWS {
+        let columns = 4 * noise.below(DRAWN_COLUMNS / 4 + 1);
+        let rows = 4 + 4 * noise.below(MOST_ROWS / 4);
+        judged += match noise.below(2) {
+            0 => multiply::<K, 1>(columns, rows, Fill::Noise, &mut noise)?,
+            _ => multiply::<K, 2>(columns, rows, Fill::Noise, &mut noise)?,
+        };
+        let [terms, beside, between] = [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| noise.below(most));
+        judged += row_products::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
+        judged += weighted_rows::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
+        judged += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
+    }
+    Ok(judged)
+}
+
+fn multiply<K: Kernels, const T: usize>(
+    columns: usize,
+    rows: usize,
+    fill: Fill,
+    noise: &mut Noise,
+) -> Result<usize, Mismatch> {
+    let mut weights = Aligned([0_i8; MOST_ROWS * MAX_COLUMNS]);
+    let mut inputs = [Aligned([0_i16; MAX_COLUMNS]); T];
+    let weights = &mut weights.0[..rows * columns];
+    for (index, weight) in weights.iter_mut().enumerate() {
+        *weight = noise.value(fill, index, [-127, 127], [127, 127]) as i8;
+    }
+    for input in &mut inputs {
+        for (index, code) in input.0[..columns].iter_mut().enumerate() {
+            *code = noise.value(fill, index, [-32_768, 32_767], [-32_768, 32_767]) as i16;
+        }
+    }
+    let inputs = inputs.each_ref().map(|input| &input.0[..columns]);
+    let mut sums = [[i32::MIN; MOST_ROWS]; T];
+    K::multiply(
+        weights,
+        inputs,
+        sums.each_mut().map(|sums| &mut sums[..rows]),
+    );
+    for (input, sums) in inputs.iter().zip(sums) {
+        for (row, &found) in sums[..rows].iter().enumerate() {
+            let expected = (0..columns)
+                .map(|column| {
+                    let weight = weights[place_in_tiles(row, column, columns)];
+                    i64::from(weight) * i64::from(input[column])
+                })
+                .sum();
+            agree(Mismatch {
+                kernel: "multiply",
+                length: columns,
+                fill,
+                row,
+                expected,
+                found: i64::from(found),
+            })?;
+        }
+    }
+    Ok(1)
+}
+
+/// Where a weight lies: the order of [`Kernels::multiply`], said once more.
+fn place_in_tiles(row: usize, column: usize, columns: usize) -> usize {
+    let byte = [0, 2, 1, 3][column % 4];
+    row / 4 * 4 * columns + column / 4 * 16 + row % 4 * 4 + byte
+}
+
+/// Operands of the two products of codes: the single row, and the rows with what lies between.
+struct Operands {
+    single: Aligned<[i16; MAX_TERMS]>,
+    rows: Aligned<[i16; 2 * MAX_TERMS * MAX_TERMS + 8 * MAX_TERMS]>,
+}
+
+impl Operands {
+    fn new(fill: Fill, noise: &mut Noise) -> Self {
+        let [single, rows] = [QUERY_LIMIT, KEY_LIMIT].map(i32::from);
+        let mut operands = Self {
+            single: Aligned([0; _]),
+            rows: Aligned([0; _]),
+        };
+        for (index, code) in operands.single.0.iter_mut().enumerate() {
+            *code = noise.value(fill, index, [-single, single], [single, single]) as i16;
+        }
+        for (index, code) in operands.rows.0.iter_mut().enumerate() {
+            *code = noise.value(fill, index, [-rows, rows], [-rows, rows]) as i16;
+        }
+        operands
+    }
+}
+
+fn row_products<K: Kernels>(
+    terms: usize,
+    count: usize,
+    between: usize,
+    fill: Fill,
+    noise: &mut Noise,
+) -> Result<usize, Mismatch> {
+    let operands = Operands::new(fill, noise);
+    let (query, rows) = (&operands.single.0[..terms], &operands.rows.0);
+    let stride = (terms + between).max(1);
+    let mut sums = [i32::MIN; MAX_TERMS];
+    K::row_products(query, rows, stride, &mut sums[..count]);
+    for (row, &found) in sums[..count].iter().enumerate() {
+        let pairs = query.iter().zip(&rows[row * stride..]);
+        agree(Mismatch {
+            kernel: "row_products",
+            length: terms,
+            fill,
+            row,
+            expected: pairs.map(|(&a, &b)| i64::from(a) * i64::from(b)).sum(),
+            found: i64::from(found),
+        })?;
+    }
+    Ok(1)
+}
+
+fn weighted_rows<K: Kernels>(
+    terms: usize,
+    columns: usize,
+    between: usize,
+    fill: Fill,
+    noise: &mut Noise,
+) -> Result<usize, Mismatch> {
+    let operands = Operands::new(fill, noise);
+    let (weights, rows) = (&operands.single.0[..terms], &operands.rows.0);
+    let stride = columns + between;
+    let mut sums = [i32::MIN; MAX_TERMS];
+    K::weighted_rows(weights, rows, stride, &mut sums[..columns]);
+    for (column, &found) in sums[..columns].iter().enumerate() {
+        let values = (0..terms).map(|row| i64::from(rows[row * stride + column]));
+        let products = weights.iter().zip(values);
+        agree(Mismatch {
+            kernel: "weighted_rows",
+            length: terms,
+            fill,
+            row: column,
+            expected: products.map(|(&w, v)| i64::from(w) * v).sum(),
+            found: i64::from(found),
+        })?;
+    }
+    Ok(1)
+}
+
+/// Against the portable form, bit for bit, and against the formula in f64: a code may differ from it
+/// only where the two f32 roundings can carry it, and the largest value has the largest code.
+fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
+    let mut values = [0.0_f32; MAX_COLUMNS];
+    let mut codes = Aligned([1_i16; MAX_COLUMNS]);
+    let (values, codes) = (&mut values[..length], &mut codes.0[..length]);
+    for (index, value) in values.iter_mut().enumerate() {
+        let integer = noise.value(fill, index, [-99_999, 99_999], [-99_999, 99_999]);
+        *value = integer as f32 * 1e-3;
+    }
+    let limit = [QUERY_LIMIT, KEY_LIMIT, TOKEN_LIMIT][length % 3];
+    let scale = quantize_as_portable::<K>(values, limit, codes, fill)?;
+    let mut largest = 0.0;
+    for value in &*values {
+        if value.abs() > largest {
+            largest = value.abs();
+        }
+    }
+    let mismatch = |row, expected: f32, found: f32| Mismatch {
+        kernel: "quantize",
+        length,
+        fill,
+        row,
+        expected: i64::from(expected.to_bits()),
+        found: i64::from(found.to_bits()),
+    };
+    agree(mismatch(0, largest / f32::from(limit), scale))?;
+    for (row, (&value, &code)) in values.iter().zip(&*codes).enumerate() {
+        let exact = f64::from(value) * f64::from(limit) / f64::from(largest.max(1e-30));
+        let distance = exact - f64::from(code);
+        let is_largest = value.abs() == largest && largest > 0.0;
+        if distance.abs() > 0.51 || (is_largest && code.unsigned_abs() != limit.unsigned_abs()) {
+            return Err(mismatch(row, exact as f32, f32::from(code)));
+        }
+    }
+    Ok(1)
+}
+
+fn quantize_special<K: Kernels>(values: [f32; 8]) -> Result<usize, Mismatch> {
+    for limit in [QUERY_LIMIT, TOKEN_LIMIT] {
+        let mut codes = Aligned([1; 8]);
+        quantize_as_portable::<K>(&values, limit, &mut codes.0, Fill::Special)?;
+    }
+    Ok(1)
+}
+
+/// Codes and scale of a form; they are floats' work, so what they have to equal is the portable form.
+fn quantize_as_portable<K: Kernels>(
+    values: &[f32],
+    limit: i16,
+    codes: &mut [i16],
+    fill: Fill,
+) -> Result<f32, Mismatch> {
+    let mut portable = [2_i16; MAX_COLUMNS];
+    let portable = &mut portable[..values.len()];
+    let scales = [
+        Portable::quantize(values, limit, portable),
+        K::quantize(values, limit, codes),
+    ];
+    let pairs = portable.iter().zip(&*codes);
+    let pairs = pairs.map(|(&expected, &found)| [i64::from(expected), i64::from(found)]);
+    let bits = scales.map(|scale| i64::from(scale.to_bits()));
+    for (row, [expected, found]) in core::iter::once(bits).chain(pairs).enumerate() {
+        agree(Mismatch {
+            kernel: "quantize",
+            length: values.len(),
+            fill,
+            row,
+            expected,
+            found,
+        })?;
+    }
+    Ok(scales[1])
+}
+
+fn agree(pair: Mismatch) -> Result<(), Mismatch> {
+    if pair.expected == pair.found {
+        Ok(())
+    } else {
+        Err(pair)
+    }
+}
+
+/// Marsaglia's xorshift: the same operands on every machine.
+struct Noise(u32);
+
+impl Noise {
+    fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0
+    }
+
+    fn below(&mut self, most: usize) -> usize {
+        self.bits() as usize % most
+    }
+
+    /// `range` is that of noise and of alternation; `maxima` are the values of the two extremes.
+    fn value(&mut self, fill: Fill, index: usize, range: [i32; 2], extremes: [i32; 2]) -> i32 {
+        match fill {
+            Fill::Zeros => 0,
+            Fill::Minima => extremes[0],
+            Fill::Maxima => extremes[1],
+            Fill::Alternating => range[index % 2],
+            Fill::Noise | Fill::Special => {
+                range[0] + (self.bits() % (range[1] - range[0] + 1) as u32) as i32
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forgets the last term of an odd number, the classic slip of a paired loop.
+    struct DropsTheTail;
+
+    impl Kernels for DropsTheTail {
+        fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
+            Portable::multiply(weights, inputs, sums);
+        }
+        fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+            Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);
+        }
+        fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+            Portable::weighted_rows(weights, rows, stride, sums);
+        }
+        fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
+            Portable::quantize(values, limit, codes)
+        }
+    }
+
+    #[test]
+    fn the_catalogue_catches_a_dropped_tail() {
+        let mismatch = judge::<DropsTheTail>().unwrap_err();
+        assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+    }
+
+    #[test]
+    fn tiles_are_those_that_the_writer_packs() {
+        for (rows, columns) in [(1, 4), (5, 8), (11, 16)] {
+            let matrix: alloc::vec::Vec<i8> =
+                (0..rows * columns).map(|place| place as i8).collect();
+            let tiles = crate::model::kernels::packing::packed(&matrix, columns);
+            for place in 0..rows * columns {
+                let found = tiles[place_in_tiles(place / columns, place % columns, columns)];
+                assert_eq!(found, matrix[place]);
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! The inner loops as their formulas: the meaning that every other form has to equal bit for bit.
+
+use super::{GROUP, GROUP_ORDER, Kernels, TILE_ROWS};
+use crate::model::arithmetic::{absmax, round_to_even};
+
+/// Below this a token counts as zero: `limit / absmax` has to stay finite.
+const SMALLEST: f32 = 1e-30;
+
+/// Plain Rust, written so that the compiler can vectorise it.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+impl Kernels for Portable {
+    #[inline]
+    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], mut sums: [&mut [i32]; T]) {
+        let columns = inputs.first().map_or(0, |input| input.len());
+        if columns == 0 {
+            sums.iter_mut().for_each(|sums| sums.fill(0));
+            return;
+        }
+        for (place, weights) in weights.chunks_exact(TILE_ROWS * columns).enumerate() {
+            for (sums, of_tile) in sums.iter_mut().zip(tile(weights, inputs)) {
+                if let Some(sums) = sums.as_chunks_mut().0.get_mut(place) {
+                    *sums = of_tile;
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+        for (sum, row) in sums.iter_mut().zip(rows.chunks(stride.max(1))) {
+            *sum = codes
+                .iter()
+                .zip(row)
+                .map(|(&a, &b)| i32::from(a) * i32::from(b))
+                .sum();
+        }
+    }
+
+    #[inline]
+    fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+        sums.fill(0);
+        for (&weight, row) in weights.iter().zip(rows.chunks(stride.max(1))) {
+            for (sum, &value) in sums.iter_mut().zip(row) {
+                *sum += i32::from(weight) * i32::from(value);
+            }
+        }
+    }
+
+    #[inline]
+    fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
+        let Some(factors) = factors(absmax(values), limit) else {
+            codes.fill(0);
+            return 0.0;
+        };
+        for (code, &value) in codes.iter_mut().zip(values) {
+            *code = round_to_even(value * factors.to_codes) as i16;
+        }
+        factors.to_values
+    }
+}
+
+/// What turns values into codes and back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Factors {
+    pub to_codes: f32,
+    pub to_values: f32,
+}
+
+/// Factors for values up to `largest`; none if that counts as zero, or is no number.
+#[inline]
+pub(super) fn factors(largest: f32, limit: i16) -> Option<Factors> {
+    let limit = f32::from(limit);
+    // Twice rounded, `largest * (limit / largest)` still lies within 0.01 of `limit` <= 32767, so no
+    // code leaves its range.
+    (SMALLEST..=f32::MAX).contains(&largest).then(|| Factors {
+        to_codes: limit / largest,
+        to_values: largest / limit,
+    })
+}
+
+/// Columns of a tile that are put into rows at once.
+const STRETCH: usize = 64;
+/// Terms that are taken at once: a whole unrolled piece of vector code. Measured on x86-64, a row
+/// of 64 takes half the time that it takes in pieces of 16, or as one loop.
+const PIECE: usize = 32;
+
+/// A tile, put back into rows: of those the compiler makes vector code that multiplies and adds in pairs, four
+/// times as fast as what it makes of the tile as it lies.
+#[inline]
+fn tile<const T: usize>(weights: &[i8], inputs: [&[i16]; T]) -> [[i32; TILE_ROWS]; T] {
+    let mut sums = [[0; TILE_ROWS]; T];
+    for (stretch, weights) in weights.chunks(TILE_ROWS * STRETCH).enumerate() {
+        let mut rows = [[[0; GROUP]; STRETCH / GROUP]; TILE_ROWS];
+        let words = weights.as_chunks::<GROUP>().0.as_chunks::<TILE_ROWS>().0;
+        for (group, words) in words.iter().enumerate() {
+            for (row, word) in rows.iter_mut().zip(words) {
+                row[group] = in_order(*word);
+            }
+        }
+        let columns = weights.len() / TILE_ROWS;
+        for (sums, input) in sums.iter_mut().zip(inputs) {
+            let input = &input[stretch * STRETCH..][..columns];
+            for (sum, row) in sums.iter_mut().zip(&rows) {
+                *sum += sum_of_products(&row.as_flattened()[..columns], input);
+            }
+        }
+    }
+    sums
+}
+
+/// Columns 0, 2, 1, 3, as [`GROUP_ORDER`] has them: the middle two change places.
+#[inline]
+fn in_order(word: [i8; GROUP]) -> [i8; GROUP] {
+    const { assert!(matches!(GROUP_ORDER, [0, 2, 1, 3])) }
+    let word = u32::from_le_bytes(word.map(i8::cast_unsigned));
+    let outer = word & 0xff00_00ff;
+    let inner = (word >> 8 & 0xff00) | (word << 8 & 0xff_0000);
+    (outer | inner).to_le_bytes().map(u8::cast_signed)
+}
+
+#[inline]
+fn sum_of_products(row: &[i8], input: &[i16]) -> i32 {
+    let (row, row_rest) = row.as_chunks::<PIECE>();
+    let (input, input_rest) = input.as_chunks::<PIECE>();
+    let mut sum = 0;
+    for (row, input) in row.iter().zip(input) {
+        sum += products(row, input);
+    }
+    sum + products(row_rest, input_rest)
+}
+
+#[inline]
+fn products(row: &[i8], input: &[i16]) -> i32 {
+    row.iter()
+        .zip(input)
+        .map(|(&w, &x)| i32::from(w) * i32::from(x))
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::kernels::checks;
+
+    #[test]
+    fn the_portable_form_passes_the_catalogue() {
+        let judged = checks::judge::<Portable>().unwrap();
+        assert_eq!(judged, checks::CASES);
+    }
+}

@@ -1,0 +1,215 @@
+//! The smoother beside a twin that keeps every window and adds up as the definition says.
+
+use super::*;
+use alloc::{vec, vec::Vec};
+use proptest::prelude::*;
+
+const CLASSES: usize = 4;
+const ROWS: usize = 6;
+type Rows = [[f32; CLASSES]; ROWS];
+
+/// Sums for the instant `look_ahead` rows before the newest window's end; windows in time order.
+fn naive_sums(settings: &Settings, windows: &[Rows]) -> [f64; CLASSES] {
+    let ahead = settings.look_ahead;
+    let mut sums = [0.0; CLASSES];
+    for (late, window) in windows[windows.len() - 1 - ahead..].iter().enumerate() {
+        for (after, row) in window[..=late].iter().rev().enumerate() {
+            let single = settings.aggregation == AggregationMode::SameInstant;
+            if single && after > 0 {
+                continue;
+            }
+            let growth = |factor: f32, steps: usize| {
+                1.0 + (f64::from(factor) - 1.0) * steps as f64 / (ahead.max(1)) as f64
+            };
+            let weight = match settings.weighting {
+                Weighting::Equal { max_factor } => growth(max_factor, late),
+                Weighting::Progressive { max_factor } => growth(max_factor, after),
+            };
+            let total: f64 = row.iter().map(|logit| libm::exp(f64::from(*logit))).sum();
+            for (sum, logit) in sums.iter_mut().zip(row) {
+                let logit = f64::from(*logit);
+                *sum += weight
+                    * match settings.likelihood {
+                        Likelihood::Logits => logit,
+                        Likelihood::Probabilities => libm::exp(logit) / total,
+                    };
+            }
+        }
+    }
+    sums
+}
+
+fn any_settings() -> impl Strategy<Value = Settings> {
+    let max_factor = 0.0f32..3.0;
+    (
+        prop_oneof![
+            Just(AggregationMode::AllRowsFrom),
+            Just(AggregationMode::SameInstant)
+        ],
+        prop_oneof![Just(Likelihood::Logits), Just(Likelihood::Probabilities)],
+        prop_oneof![
+            max_factor
+                .clone()
+                .prop_map(|max_factor| Weighting::Equal { max_factor }),
+            max_factor.prop_map(|max_factor| Weighting::Progressive { max_factor }),
+        ],
+        0..ROWS,
+        1usize..5,
+        1u32..20,
+    )
+        .prop_map(
+            |(aggregation, likelihood, weighting, look_ahead, hold, row_samples)| Settings {
+                aggregation,
+                likelihood,
+                weighting,
+                look_ahead,
+                hold,
+                row_samples,
+            },
+        )
+}
+
+fn any_windows() -> impl Strategy<Value = Vec<Rows>> {
+    prop::collection::vec(
+        prop::array::uniform6(prop::array::uniform4(-6.0f32..6.0)),
+        1..20,
+    )
+}
+
+proptest! {
+    #[test]
+    fn labels_are_those_of_the_definition(settings in any_settings(), windows in any_windows()) {
+        let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
+        for (number, window) in windows.iter().enumerate() {
+            let end = SampleIndex(599).plus(number as u32 * settings.row_samples);
+            let decision = smoother.push(end, window);
+            let due = number >= settings.look_ahead && number % settings.hold == 0;
+            prop_assert_eq!(decision.is_some(), due);
+            let Some(decision) = decision else { continue };
+            prop_assert_eq!(decision.known, end);
+            prop_assert_eq!(
+                end.since(decision.instant),
+                settings.look_ahead as u32 * settings.row_samples
+            );
+            // f32 against f64: the chosen class is the largest but for rounding.
+            let sums = naive_sums(&settings, &windows[..=number]);
+            let most = sums.iter().copied().fold(f64::MIN, f64::max);
+            prop_assert!(most - sums[decision.class] < 1e-3);
+        }
+    }
+
+    #[test]
+    fn after_a_restart_nothing_of_before_is_left(
+        settings in any_settings(), before in any_windows(), after in any_windows(),
+    ) {
+        let mut fresh = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
+        let mut used = fresh.clone();
+        for window in &before {
+            used.push(SampleIndex(0), window);
+        }
+        used.restart();
+        for window in &after {
+            prop_assert_eq!(
+                used.push(SampleIndex(7), window),
+                fresh.push(SampleIndex(7), window)
+            );
+        }
+    }
+}
+
+const PLAIN: Settings = Settings {
+    row_samples: 1,
+    hold: 1,
+    ..Settings::PAPER_IN_PATCHES
+};
+
+/// The classes of the labels over windows whose every row is the same.
+fn classes(settings: Settings, live: usize, windows: &[[f32; CLASSES]]) -> Vec<Option<usize>> {
+    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, live).unwrap();
+    windows
+        .iter()
+        .map(|row| smoother.push(SampleIndex(0), &[*row; ROWS]))
+        .map(|decision| decision.map(|decision| decision.class))
+        .collect()
+}
+
+#[test]
+fn without_look_ahead_the_newest_row_decides_at_once() {
+    let settings = Settings {
+        look_ahead: 0,
+        ..PLAIN
+    };
+    let rows = [[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]];
+    assert_eq!(classes(settings, CLASSES, &rows), [Some(1), Some(2)]);
+}
+
+#[test]
+fn the_hold_counts_from_the_first_window_not_from_the_first_label() {
+    let settings = Settings { hold: 2, ..PLAIN };
+    let labels = classes(settings, CLASSES, &[[0.0, 0.0, 0.0, 1.0]; 9]);
+    let mut expected = vec![None; 6];
+    expected.extend([Some(3), None, Some(3)]);
+    assert_eq!(labels, expected);
+}
+
+#[test]
+fn a_class_that_is_not_live_never_wins_and_ties_go_to_the_lowest() {
+    for likelihood in [Likelihood::Logits, Likelihood::Probabilities] {
+        let settings = Settings {
+            look_ahead: 0,
+            likelihood,
+            ..PLAIN
+        };
+        assert_eq!(
+            classes(settings, 3, &[[-9.0, -2.0, -2.0, 5.0]]),
+            [Some(1)],
+            "{likelihood:?}"
+        );
+    }
+}
+
+#[test]
+fn rows_that_are_no_numbers_still_give_a_class() {
+    for likelihood in [Likelihood::Logits, Likelihood::Probabilities] {
+        let settings = Settings {
+            look_ahead: 0,
+            likelihood,
+            ..PLAIN
+        };
+        let rows = [[f32::NAN; CLASSES], [f32::NEG_INFINITY; CLASSES]];
+        assert_eq!(classes(settings, CLASSES, &rows), [Some(0), Some(0)]);
+    }
+}
+
+#[test]
+fn impossible_settings_are_refused_each_with_its_reason() {
+    let refused = |settings, classes| Smoother::<CLASSES, ROWS>::new(settings, classes).err();
+    let look_ahead = Settings {
+        look_ahead: 6,
+        ..PLAIN
+    };
+    assert_eq!(
+        refused(look_ahead, 3),
+        Some(SettingsError::LookAhead { most: 5, found: 6 })
+    );
+    assert_eq!(
+        refused(Settings { hold: 0, ..PLAIN }, 3),
+        Some(SettingsError::Hold)
+    );
+    for found in [0, 5] {
+        assert_eq!(
+            refused(PLAIN, found),
+            Some(SettingsError::Classes { most: 4, found })
+        );
+    }
+    let row_samples = Settings {
+        row_samples: 0,
+        ..PLAIN
+    };
+    assert_eq!(refused(row_samples, 3), Some(SettingsError::RowSamples));
+    let weighting = Weighting::Progressive { max_factor: -1.0 };
+    assert_eq!(
+        refused(Settings { weighting, ..PLAIN }, 3),
+        Some(SettingsError::MaxFactor { found: -1.0 })
+    );
+}
