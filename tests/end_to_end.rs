@@ -36,7 +36,8 @@ fn model() -> Vec<u8> {
 fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
     let path = myointent_tests::data(test)?.join(recording);
     if !path.is_file() {
-        myointent_tests::skip(test, &format!("no {}", path.display()));
+        let missing = format!("no {}: see docs/recordings.md", path.display());
+        myointent_tests::skip(test, &missing);
         return None;
     }
     let recording = myointent::cli::replay::one_recording(&path, None)

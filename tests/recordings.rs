@@ -18,7 +18,8 @@ fn folder(test: &str, set: &str) -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    skip(test, &format!("no folder {}", folder.display()));
+    let missing = format!("no folder {}: see docs/recordings.md", folder.display());
+    skip(test, &missing);
     None
 }
 

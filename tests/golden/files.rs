@@ -33,6 +33,14 @@ pub fn json(path: &Path) -> Value {
     serde_json::from_str(&text).unwrap()
 }
 
+/// FNV-1a of 64 bits, in hexadecimal: what stands for numbers that are not in the repository.
+pub fn checksum(bytes: impl Iterator<Item = u8>) -> String {
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
+
 /// Run-length labels, -1 for none, unrolled.
 pub fn labels(runs: &Value) -> Vec<Option<usize>> {
     let run = |run: &Value| {

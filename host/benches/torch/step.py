@@ -21,7 +21,7 @@ from torch.nn import functional as F
 from network import CHANNELS, WINDOW, Teacher, reference_names
 
 HOST = Path(__file__).resolve().parents[2]
-GOLDEN = Path(os.environ.get("MYOINTENT_GOLDEN", HOST.parent.parent / "shared/golden"))
+GOLDEN = Path(os.environ.get("MYOINTENT_GOLDEN", HOST.parent / "tests/golden/data"))
 
 
 def check_against_the_reference(preset):
