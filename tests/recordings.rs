@@ -25,7 +25,7 @@ fn folder(test: &str, set: &str) -> Option<PathBuf> {
 
 fn read(test: &str, set: &str) -> Option<Library> {
     let folder = folder(test, set)?;
-    Some(load(&folder, &LoadOptions { skip_bad: true }).expect("the published set is readable"))
+    Some(load(&folder, &LoadOptions::default()).expect("the published set is readable"))
 }
 
 /// `myo-readings` is large; its tests share one reading.

@@ -7,10 +7,10 @@ use embassy_executor::{SpawnError, SpawnToken, Spawner};
 
 use crate::board;
 use crate::tasks::{
-        inference,
-        output::{self, Line},
-        radio, watchdog,
-    };
+    inference,
+    output::{self, Line},
+    radio, watchdog,
+};
 
 #[cfg(not(any(feature = "emulator", feature = "nrf52832", feature = "nrf52840")))]
 compile_error!("choose a board: --features nrf52840, nrf52832 or emulator");

@@ -35,8 +35,8 @@ struct Alone(#[expect(dead_code, reason = "held, not read")] MutexGuard<'static,
 
 impl Alone {
     fn wait() -> Self {
-        static ALONE: Mutex<()> = Mutex::new(());
-        Self(ALONE.lock().unwrap_or_else(PoisonError::into_inner))
+        static LABELS_ONLY: Mutex<()> = Mutex::new(());
+        Self(LABELS_ONLY.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 

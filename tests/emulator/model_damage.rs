@@ -1,7 +1,7 @@
 //! Model files as they must not be: each damage, and why the device refuses it.
 
-use shared::model::encoder::any_shape::AnyShape;
 use shared::intent::Vocabulary;
+use shared::model::encoder::any_shape::AnyShape;
 use shared::model::file::{Dimensions, Model, samples::random_model};
 
 use super::MODEL_REGION;

@@ -9,8 +9,8 @@ use anyhow::{Context as _, bail};
 use bytemuck::cast_slice;
 use serde_json::Value;
 use shared::intent::Intent;
-use shared::uart_line::{Kind, Report};
 use shared::stream::safe_state::SILENCE_MS;
+use shared::uart_line::{Kind, Report};
 use tempfile::TempDir;
 use xtask::{emulator, firmware::STACK_BUDGET, stack};
 

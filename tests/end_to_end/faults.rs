@@ -3,8 +3,8 @@
 use myointent_tests::emulator::{Fault, Pins, Run, Scene, bench};
 use serde_json::json;
 use shared::intent::Intent;
-use shared::uart_line::Report;
 use shared::stream::safe_state::Cause;
+use shared::uart_line::Report;
 use shared::units::Sample;
 
 /// Where the guest mostly waits for its own time to pass.

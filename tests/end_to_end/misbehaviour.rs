@@ -5,8 +5,8 @@
 
 use myointent_tests::emulator::{Bench, Input, Run, Scene, bench, expected_lines};
 use serde_json::json;
-use shared::uart_line::Report;
 use shared::stream::safe_state::Cause;
+use shared::uart_line::Report;
 use shared::units::Sample;
 
 use super::{PACE, TIME_SCALE, play};

@@ -2,8 +2,8 @@
 
 use myointent_tests::emulator::{Bench, Pins, Run, Scene, bench};
 use serde_json::json;
-use shared::uart_line::Report;
 use shared::stream::safe_state::Cause;
+use shared::uart_line::Report;
 
 /// Guest and armband at a third of their speed.
 const TIME_SCALE: u32 = 3;

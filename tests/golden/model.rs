@@ -5,11 +5,11 @@ use std::path::Path;
 
 use burn::module::Module as _;
 use burn::tensor::{Device, Tensor, TensorData};
-use myointent::training::tensor::read_back;
 use myointent::run::preset::Preset;
 use myointent::teacher::checkpoint::{load, save};
 use myointent::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
 use myointent::teacher::window::inference_input;
+use myointent::training::tensor::read_back;
 use myointent_tests::golden;
 use safetensors::SafeTensors;
 use shared::units::{CHANNELS, WINDOW};
@@ -175,7 +175,10 @@ fn use_shows_the_teacher_what_the_reference_is_shown() {
     let cases = tensors(&golden.join("model/cases.safetensors"));
     let emg = cases["inference.emg"].1.clone();
     let output = teacher.forward(inference_input(emg, paper().grid(), CLASSES, &device));
-    let off = distance(&read_back(output.intent), &cases["inference.intent_logits"].1);
+    let off = distance(
+        &read_back(output.intent),
+        &cases["inference.intent_logits"].1,
+    );
     assert!(off <= TOLERANCE, "logits off by {off}");
 }
 

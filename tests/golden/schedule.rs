@@ -2,12 +2,12 @@
 
 use burn::tensor::Device;
 use myointent::dataset::corpus::{Corpus, Stream};
-use myointent::training::fit::Learner as _;
 use myointent::run::preset::Preset;
-use myointent::training::schedule::{Course, Schedule};
 use myointent::teacher::masking::Task;
 use myointent::teacher::training::learner;
 use myointent::teacher::window::Grid;
+use myointent::training::fit::Learner as _;
+use myointent::training::schedule::{LearningRate, LrSchedule};
 use myointent_tests::golden;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -42,7 +42,7 @@ fn every_step_has_the_references_rate() {
     let golden = json(&golden.join("lr_schedule.json"));
     let mut training = Preset::find("paper").unwrap().teacher_training;
     assert_eq!(golden["base_lr"], training.learning_rate);
-    let Course::WarmUp(share) = training.course else {
+    let LrSchedule::WarmUp(share) = training.lr_schedule else {
         panic!("the paper warms up")
     };
     assert_eq!(golden["warmup_ratio"], share);
@@ -69,7 +69,7 @@ fn every_step_has_the_references_rate() {
             "{case}"
         );
 
-        let schedule = Schedule::new(training.learning_rate, training.course, total);
+        let schedule = LearningRate::new(training.learning_rate, training.lr_schedule, total);
         for (step, expected) in case["lr_used_at_step"].as_object().unwrap() {
             let found = schedule.rate(step.parse().unwrap());
             let expected = expected.as_f64().unwrap();

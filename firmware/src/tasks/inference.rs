@@ -4,11 +4,11 @@ use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::any_shape::{AnyShape, AnyState};
 use shared::model::file::{Model, ModelError};
-use shared::stream::link_sequence::Receiver;
 use shared::pipeline::{Encode, Pipeline, Reports};
-use shared::uart_line::{Counters, Kind, Report};
+use shared::stream::link_sequence::Receiver;
 use shared::stream::safe_state::{Event, SafeState, Start};
 use shared::stream::smoother::Smoother;
+use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
 

@@ -12,8 +12,8 @@ use embassy_sync::{
 };
 use embassy_time::with_timeout;
 use shared::myo::{Address, Counters, FirmwareVersion};
-use shared::uart_line::Report;
 use shared::stream::safe_state::Status;
+use shared::uart_line::Report;
 
 use super::{
     PACKETS,

@@ -1,1 +1,14 @@
-fn main(){}
+//! The command line of `myointent-research`.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use myointent_research::cli::Cli;
+
+// Training allocates and frees large tensors by the thousand; this allocator keeps their pages.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> ExitCode {
+    Cli::parse().run()
+}

@@ -6,14 +6,11 @@ use anyhow::Context as _;
 use burn::tensor::Device;
 use clap::{Args, ValueEnum};
 
+use crate::dataset::{Library, LoadError, LoadOptions, load, synthetic};
 use crate::execution::interrupt::Interrupt;
-use crate::run::plan::Plan;
-use crate::dataset::Library;
-use crate::dataset::LoadOptions;
-use crate::dataset::load;
-use crate::dataset::synthetic;
-use crate::execution::run_folder::{RunError, RunFolder};
-use crate::run::stage::Stage;
+use crate::execution::progress;
+use crate::run::context::RunContext;
+use crate::run::preset::Preset;
 
 /// Where recordings lie.
 #[derive(Clone, Debug, Args)]
@@ -21,9 +18,9 @@ pub struct DataArguments {
     /// Folder of recordings, of one data set or of several; `MYOINTENT_DATA` if not given.
     #[arg(long, value_name = "DIR", env = "MYOINTENT_DATA")]
     pub data: Option<PathBuf>,
-    /// Leave damaged files out, and say which, rather than stop at the first.
+    /// Stop at the first damaged file instead of leaving damaged files out.
     #[arg(long)]
-    pub skip_bad: bool,
+    pub strict: bool,
 }
 
 /// What tensors are computed on.
@@ -78,101 +75,81 @@ fn ndarray() -> Device {
 }
 
 impl DataArguments {
-    /// Loads the recordings, or makes synthetic ones where none are given; says which.
+    /// Loads the recordings, or makes synthetic ones where none are given; logs which.
     ///
     /// # Errors
-    /// When a file is damaged and damaged files are not to be left out.
-    pub fn load(&self, seed: u64) -> anyhow::Result<Library> {
-        recordings(self.data.as_deref(), self.skip_bad, seed)
+    /// When nothing can be read, or a file is damaged and `--strict` is given.
+    pub fn load(&self, preset: &Preset) -> anyhow::Result<Library> {
+        recordings(self.data.as_deref(), self.strict, preset)
     }
 }
 
-/// A run that has a plan, with the recordings that it is about.
-pub struct Begun {
-    /// Where everything is written.
-    pub folder: RunFolder,
-    /// What will run.
-    pub plan: Plan,
-    /// The recordings.
-    pub library: Library,
-}
-
-impl Begun {
-    /// The run in a folder, with the recordings that it was begun with.
-    ///
-    /// # Errors
-    /// When the folder holds no plan or the recordings cannot be read.
-    pub fn open(run: &Path) -> anyhow::Result<Self> {
-        let (folder, plan) = RunFolder::existing(run)
-            .and_then(|folder| Plan::load(&folder).map(|plan| (folder, plan)))
-            .with_context(|| {
-                let run = run.display();
-                format!("no run has begun in {run}; start with `myointent train --run {run}`")
-            })?;
-        let library = recordings(plan.data.as_deref(), plan.skip_bad, plan.preset.seed)?;
-        Ok(Self {
-            folder,
-            plan,
-            library,
-        })
-    }
-
-    /// A run that begins, or goes on, by this plan: it is written into the folder.
-    ///
-    /// # Errors
-    /// When the folder cannot be written.
-    pub fn begin(folder: RunFolder, plan: Plan, library: Library) -> Result<Self, RunError> {
-        plan.save(&folder)?;
-        Ok(Self {
-            folder,
-            plan,
-            library,
-        })
-    }
-
-    /// The run's steps.
-    #[must_use]
-    pub fn stage<'a>(
-        &'a self,
-        backend: &BackendArguments,
-        resume: bool,
-        interrupt: &'a Interrupt,
-    ) -> Stage<'a> {
-        Stage {
-            run: &self.folder,
-            plan: &self.plan,
-            library: &self.library,
-            device: backend.device(),
-            resume,
-            interrupt,
-        }
-    }
-}
-
-/// Recordings below a path, or synthetic ones.
+/// The run in a folder, with the recordings that it was begun with.
 ///
 /// # Errors
-/// When a file is damaged and damaged files are not to be left out.
-pub fn recordings(data: Option<&Path>, skip_bad: bool, seed: u64) -> anyhow::Result<Library> {
+/// When the folder holds no run or the recordings cannot be read.
+pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunContext> {
+    let (folder, config) = RunContext::find(path).with_context(|| {
+        let run = path.display();
+        format!("no run has begun in {run}; start with `myointent train --run {run}`")
+    })?;
+    let library = recordings(config.data.as_deref(), config.strict, &config.preset)?;
+    Ok(RunContext {
+        folder,
+        config,
+        library: library.into(),
+        device: backend.device(),
+        resume: false,
+        interrupt: Interrupt::listen(),
+    })
+}
+
+/// Recordings below a path, of the preset's data sets if any of them is there; synthetic ones without
+/// a path.
+///
+/// # Errors
+/// When nothing can be read, or a file is damaged and `strict`.
+pub fn recordings(data: Option<&Path>, strict: bool, preset: &Preset) -> anyhow::Result<Library> {
     let Some(path) = data else {
-        eprintln!("no recordings given: making synthetic ones (give real ones with --data DIR)");
+        progress::log(
+            "no recordings given: making synthetic ones (give real ones with --data DIR)",
+        );
         return Ok(Library {
             recordings: synthetic::generate(&synthetic::SynthOptions {
-                seed,
+                seed: preset.seed,
                 ..Default::default()
             }),
             ..Library::default()
         });
     };
-    let library = load(path, &LoadOptions { skip_bad })
-        .context("damaged recordings can be left out with --skip-bad")?;
-    for skipped in &library.skipped {
-        eprintln!("left out: {}", skipped.error);
+    let options = LoadOptions {
+        strict,
+        data_sets: preset.data.data_sets.clone(),
+    };
+    let library = match load(path, &options) {
+        Err(LoadError::NoRecordings { .. }) if !options.data_sets.is_empty() => {
+            progress::log("none of the preset's data sets is there: taking all recordings");
+            load(
+                path,
+                &LoadOptions {
+                    strict,
+                    ..LoadOptions::default()
+                },
+            )?
+        }
+        library => library?,
+    };
+    if let Some(first) = library.skipped.first() {
+        progress::log(&format!(
+            "damaged files left out: {}; the first: {} (`myointent data inspect` lists all, --strict refuses them)",
+            library.skipped.len(),
+            first.error
+        ));
     }
-    eprintln!(
+    progress::log(&format!(
         "{} recordings in {}",
         library.recordings.len(),
         path.display()
-    );
+    ));
     Ok(library)
 }

@@ -1,4 +1,4 @@
-//! `myointent data`: what lies in a folder of recordings, and made-up recordings.
+//! `myointent data`: what lies in a folder of recordings, and synthetic recordings.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,10 +8,10 @@ use clap::{Args, Subcommand};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::dataset::inspection::{Inspection, SetInspection};
-use crate::dataset::synthetic::{self, SynthOptions};
 use crate::dataset::LoadOptions;
+use crate::dataset::inspection::{Inspection, SetInspection};
 use crate::dataset::load;
+use crate::dataset::synthetic::{self, SynthOptions};
 use crate::report::Table;
 
 /// How many files of one oddity are listed for people; `--json` has all.
@@ -22,7 +22,7 @@ const SHOWN: usize = 4;
 pub enum Command {
     /// Shows subjects, seconds per intent, transitions, saturation and suspicious files
     Inspect(InspectArguments),
-    /// Writes made-up recordings, for trying things with no data set at hand
+    /// Writes synthetic recordings, for trying things with no data set at hand
     Synth(SynthArguments),
 }
 
@@ -41,15 +41,15 @@ pub enum Command {
         emg-epn-612      JSON per user with trainingSamples, testingSamples\n  \
         react-emg        csv with gt and emg_0..emg_7, or npy with the label first\n\n\
         The folders name the person, so give PATH with the set's own layout below it.\n\nExamples:\n  \
-        myointent data inspect ../shared/data --skip-bad\n  \
+        myointent data inspect ../shared/data\n  \
         myointent data inspect recordings/s1/s1_grasp.csv --json"
 )]
 pub struct InspectArguments {
     /// File or folder
     path: PathBuf,
-    /// Leave damaged files out and list them, instead of stopping at the first
+    /// Stop at the first damaged file instead of leaving damaged files out and listing them
     #[arg(long)]
-    skip_bad: bool,
+    strict: bool,
     /// Print JSON for programs
     #[arg(long)]
     json: bool,
@@ -112,7 +112,8 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
     let library = load(
         &args.path,
         &LoadOptions {
-            skip_bad: args.skip_bad,
+            strict: args.strict,
+            ..LoadOptions::default()
         },
     )?;
     let inspection = Inspection::new(&library);

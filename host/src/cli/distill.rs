@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, Begun};
-use crate::execution::interrupt::Interrupt;
+use super::arguments::{BackendArguments, open_run};
+use crate::run::context::RunContext;
+use crate::run::distill;
 use crate::student::distillation;
 
 /// Arguments of `distill`.
@@ -14,12 +15,12 @@ pub struct Arguments {
     /// Run folder that `train` has filled.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Share of the teacher's word against the labels', instead of the preset's; 0 trains on labels alone.
+    /// Weight of the soft targets' loss against that of the labels, instead of the preset's; 0 trains on labels alone.
     #[arg(long, value_name = "0..1", value_parser = share)]
     teacher_share: Option<f64>,
     /// Train a second student on the labels alone, beside the one with a teacher, for comparison.
     #[arg(long, conflicts_with = "teacher_share")]
-    alone: bool,
+    labels_only: bool,
     /// Go on after the last complete epoch.
     #[arg(long)]
     resume: bool,
@@ -39,20 +40,21 @@ fn share(text: &str) -> Result<f64, String> {
 /// # Errors
 /// When the run folder holds no teacher or cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let interrupt = Interrupt::listen();
-    let mut run = Begun::open(&arguments.run)?;
+    let mut context = RunContext {
+        resume: arguments.resume,
+        ..open_run(&arguments.run, arguments.backend)?
+    };
     if let Some(share) = arguments.teacher_share {
-        run.plan.preset.distillation.teacher_share = share;
-        run.plan.save(&run.folder)?;
+        context.config.preset.distillation.teacher_share = share;
+        context.config.save(&context.folder)?;
     }
-    let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
-    let name = if arguments.alone {
-        stage.train_alone()?;
-        distillation::ALONE
+    let name = if arguments.labels_only {
+        distill::train_on_labels(&context)?;
+        distillation::LABELS_ONLY
     } else {
-        stage.distill()?;
+        distill::distill(&context)?;
         distillation::NAME
     };
-    println!("{}", run.folder.model(name).display());
+    println!("{}", context.folder.model(name).display());
     Ok(())
 }

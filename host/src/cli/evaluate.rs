@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use super::arguments::{BackendArguments, Begun};
-use super::quickstart::{MODEL, report};
-use super::table::tables;
-use crate::execution::interrupt::Interrupt;
+use super::arguments::{BackendArguments, open_run};
+use crate::report::run_report::{self, REPORT};
+use crate::report::scores::tables;
+use crate::run::evaluate::{evaluate, no_more};
+use crate::run::quantize::MODEL;
 use crate::student::distillation;
 
 /// Arguments of `evaluate`.
@@ -39,14 +40,13 @@ pub struct Arguments {
 /// # Errors
 /// When a model is missing or damaged.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let interrupt = Interrupt::listen();
-    let run = Begun::open(&arguments.run)?;
+    let context = open_run(&arguments.run, arguments.backend)?;
     let path = arguments
         .model
         .clone()
-        .unwrap_or_else(|| run.folder.file(MODEL));
+        .unwrap_or_else(|| context.folder.file(MODEL));
     // A run that has trained a teacher alone is judged too.
-    let expected = arguments.model.is_some() || run.folder.model(distillation::NAME).exists();
+    let expected = arguments.model.is_some() || context.has(distillation::NAME);
     let model = expected
         .then(|| std::fs::read(&path))
         .transpose()
@@ -56,10 +56,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 path.display()
             )
         })?;
-    let stage = run.stage(&arguments.backend, false, &interrupt);
-    let (results, judged) = stage.evaluate(model.as_deref())?;
-    let page = run.folder.file("report.html");
-    report(&stage, &results, &judged, &page)?;
+    let (results, judged) = evaluate(&context, model.as_deref(), &no_more)?;
+    let page = context.folder.file(REPORT);
+    run_report::write(&context, &results, &judged, &page)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, Begun};
-use crate::execution::interrupt::Interrupt;
+use super::arguments::{BackendArguments, open_run};
 use crate::teacher::checkpoint;
 
 /// Arguments of `export`.
@@ -29,14 +28,12 @@ pub struct Arguments {
 /// # Errors
 /// When the run folder holds no teacher or the file cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let interrupt = Interrupt::listen();
-    let run = Begun::open(&arguments.run)?;
-    let stage = run.stage(&arguments.backend, false, &interrupt);
+    let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| run.folder.file("teacher.safetensors"));
-    checkpoint::save(&out, &stage.teacher()?)?;
+        .unwrap_or_else(|| context.folder.file("teacher.safetensors"));
+    checkpoint::save(&out, &context.teacher()?)?;
     println!("{}", out.display());
     Ok(())
 }

@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             "layers": dimensions.layers,
             "span": dimensions.span,
             "companding": format!("{:?}", header.companding),
-            "reading": format!("{:?}", smoother.reading),
+            "aggregation": format!("{:?}", smoother.aggregation),
             "likelihood": format!("{:?}", smoother.likelihood),
             "look_ahead": smoother.look_ahead,
             "hold": smoother.hold,
@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     writeln!(
         out,
         "smoother      {:?} of {:?}, look-ahead {} samples, hold {} samples",
-        smoother.reading, smoother.likelihood, smoother.look_ahead, smoother.hold
+        smoother.aggregation, smoother.likelihood, smoother.look_ahead, smoother.hold
     )?;
     writeln!(
         out,

@@ -6,17 +6,12 @@ pub mod distill;
 pub mod evaluate;
 pub mod export;
 pub mod info;
-pub mod peers;
 pub mod predict;
 pub mod presets;
 pub mod quantize;
 pub mod quickstart;
 pub mod replay;
 pub mod score;
-pub mod study;
-pub mod summary;
-pub mod table;
-pub mod tables;
 pub mod train;
 
 use std::process::ExitCode;
@@ -24,6 +19,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::execution::run_folder::RunError;
+use crate::run::StepError;
 
 /// Intent detection from Myo recordings: train, distil, quantize, measure, replay.
 #[derive(Debug, Parser)]
@@ -52,8 +48,6 @@ enum Command {
     Data(data::Command),
     /// Train the teacher: the masked transformer.
     Train(train::Arguments),
-    /// Train the paper's baselines, to be judged beside our own models.
-    Peers(peers::Arguments),
     /// Train the student from the teacher and the labels.
     Distill(distill::Arguments),
     /// Write the student as a model file of integers.
@@ -62,12 +56,6 @@ enum Command {
     Export(export::Arguments),
     /// Judge teacher, float student and integer student on the people left out.
     Evaluate(evaluate::Arguments),
-    /// Train and judge every comparison of the paper, everybody left out in turn.
-    Study(study::Arguments),
-    /// Gather the results of a protocol's folds.
-    Summary(summary::Arguments),
-    /// Write a study's tables, in the paper's layout, as Markdown and CSV.
-    Tables(tables::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),
     /// Write a model's logits and labels over a recording or a window.
@@ -88,14 +76,10 @@ impl Cli {
             Command::Quickstart(arguments) => quickstart::run(&arguments),
             Command::Data(command) => data::run(command),
             Command::Train(arguments) => train::run(&arguments),
-            Command::Peers(arguments) => peers::run(&arguments),
             Command::Distill(arguments) => distill::run(&arguments),
             Command::Quantize(arguments) => quantize::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
-            Command::Study(arguments) => study::run(&arguments),
-            Command::Summary(arguments) => summary::run(&arguments),
-            Command::Tables(arguments) => tables::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
@@ -107,17 +91,29 @@ impl Cli {
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("error: {error:#}");
-                match error.downcast_ref() {
-                    Some(RunError::Interrupted { .. }) => ExitCode::from(130),
-                    _ => ExitCode::FAILURE,
-                }
+                exit_code(&error)
             }
         }
     }
 }
 
+/// 130 after Ctrl-C, 1 after any other failure.
+#[must_use]
+pub fn exit_code(error: &anyhow::Error) -> ExitCode {
+    let interrupted = matches!(error.downcast_ref(), Some(RunError::Interrupted { .. }))
+        || error
+            .downcast_ref::<StepError>()
+            .is_some_and(StepError::is_interrupt);
+    if interrupted {
+        ExitCode::from(130)
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
 /// `myointent replay ... | head` ends well.
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
+#[must_use]
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
         .chain()
         .filter_map(|cause| cause.downcast_ref::<std::io::Error>())

@@ -5,7 +5,6 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use burn::module::Module;
 use clap::{Args, ValueEnum};
 use npyz::WriterBuilder as _;
 use shared::intent::Intent;
@@ -16,17 +15,17 @@ use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
 
 use super::arguments::BackendArguments;
 use super::replay::one_recording;
-use shared::pipeline::LookBackLogits;
-use crate::training::tensor::read_back;
+use crate::evaluation::track::track;
+use crate::execution::run_folder::RunFolder;
+use crate::inference::integer_logits;
 use crate::inference::student_logits;
 use crate::inference::teacher_logits;
-use crate::evaluation::track::track;
-use crate::run::plan::Plan;
-use crate::execution::run_folder::RunFolder;
-use crate::run::stage::integer_rows;
+use crate::run::config::ResolvedConfig;
+use crate::run::context::{RunContext, load_student, load_teacher};
 use crate::student::distillation;
-use crate::teacher::self;
 use crate::teacher::window::inference_input;
+use crate::training::tensor::read_back;
+use shared::pipeline::LookBackLogits;
 
 /// Which checkpoint of a run folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -111,8 +110,8 @@ fn extension(path: &Path) -> &str {
         .unwrap_or_default()
 }
 
-/// LookBackLogits of every patch, number of classes and how they are smoothed.
-fn rows(
+/// Logits of every patch, number of classes and how they are smoothed.
+fn logits(
     arguments: &Arguments,
     emg: &[CleanSample],
 ) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
@@ -122,48 +121,40 @@ fn rows(
             Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
         let classes = model.header.dimensions.vocabulary.classes();
         return Ok((
-            integer_rows(&model, emg)?,
+            integer_logits(&model, emg)?,
             classes,
             model.header.smoother.in_patches(),
         ));
     }
-    let (folder, plan) = run_of(arguments)?;
+    let (folder, config) = run_of(arguments)?;
     let device = arguments.backend.device().inner();
-    let classes = plan.preset.classes;
+    let classes = config.preset.classes;
     let rows = match arguments.which {
         Which::Teacher => {
-            let model = folder.load_model(
-                teacher::training::NAME,
-                plan.preset.teacher.init(classes, &device),
-            )?;
-            teacher_logits(&model.valid(), plan.preset.teacher.grid(), emg, &device)
+            let model = load_teacher(&folder, &config, &device)?;
+            teacher_logits(&model, config.preset.teacher.grid(), emg, &device)
         }
         Which::Student => {
-            let model = folder.load_model(
-                distillation::NAME,
-                plan.preset.student.init(classes, &device),
-            )?;
-            student_logits(&model.valid(), emg, &device)
+            let model = load_student(&folder, &config, distillation::NAME, &device)?;
+            student_logits(&model, emg, &device)
         }
     };
     Ok((rows, classes, Settings::PAPER_IN_PATCHES))
 }
 
-fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, Plan)> {
+fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
     let path = arguments
         .run
         .as_deref()
         .context("no model: give --model or --run")?;
-    let folder = RunFolder::existing(path)?;
-    let plan = Plan::load(&folder)?;
-    Ok((folder, plan))
+    Ok(RunContext::find(path)?)
 }
 
 fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
-    let (rows, classes, settings) = rows(arguments, emg)?;
+    let (rows, classes, settings) = logits(arguments, emg)?;
     let track = track(&rows, emg.len(), classes, settings)?;
     let mut values = Vec::with_capacity(emg.len() * (classes + 1));
-    for (sample, label) in track.spoken.iter().enumerate() {
+    for (sample, label) in track.reference.iter().enumerate() {
         values.push(label.map_or(-1.0, |intent| intent.class() as f32));
         match rows.get(sample / PATCH) {
             Some(rows) => values.extend(&rows[0][..classes]),
@@ -179,19 +170,15 @@ fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<
 fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
     let emg: Vec<CleanSample> = clean(samples.iter().copied()).collect();
     if arguments.model.is_none() && arguments.which == Which::Teacher {
-        let (folder, plan) = run_of(arguments)?;
+        let (folder, config) = run_of(arguments)?;
         let device = arguments.backend.device().inner();
-        let classes = plan.preset.classes;
-        let model = folder
-            .load_model(
-                teacher::training::NAME,
-                plan.preset.teacher.init(classes, &device),
-            )?
-            .valid();
-        let grid = plan.preset.teacher.grid();
+        let classes = config.preset.classes;
+        let model = load_teacher(&folder, &config, &device)?;
+        let grid = config.preset.teacher.grid();
         let mut input = Vec::with_capacity(grid.window * CHANNELS);
         // A model of a shorter window sees the newest samples of this one.
-        crate::training::augmentation::Variation::NONE.write(&emg[WINDOW - grid.window..], &mut input);
+        crate::training::augmentation::Variation::NONE
+            .write(&emg[WINDOW - grid.window..], &mut input);
         let output = model.forward(inference_input(input, grid, classes, &device));
         let columns = names(classes, String::new())
             .chain(["mask".to_owned()])
@@ -201,7 +188,7 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
             values: read_back(output.intent),
         });
     }
-    let (rows, classes, _) = rows(arguments, &emg)?;
+    let (rows, classes, _) = logits(arguments, &emg)?;
     let columns = (0..LOOK_BACK)
         .flat_map(|back| names(classes, format!("back{back}_")))
         .collect();

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, Begun};
-use crate::execution::interrupt::Interrupt;
+use super::arguments::{BackendArguments, open_run};
+use crate::run::quantize::{MODEL, quantize};
 
 /// Arguments of `quantize`.
 #[derive(Debug, Args)]
@@ -25,14 +25,12 @@ pub struct Arguments {
 /// # Errors
 /// When the run folder holds no student or the file cannot be written.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let interrupt = Interrupt::listen();
-    let run = Begun::open(&arguments.run)?;
+    let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| run.folder.file(super::quickstart::MODEL));
-    let stage = run.stage(&arguments.backend, false, &interrupt);
-    let bytes = stage.quantize(&out)?;
+        .unwrap_or_else(|| context.folder.file(MODEL));
+    let bytes = quantize(&context, &out)?;
     println!("{} ({} bytes)", out.display(), bytes.len());
     Ok(())
 }

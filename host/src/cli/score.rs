@@ -8,12 +8,12 @@ use anyhow::Context;
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
+use crate::dataset::label_file;
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::offset;
 use crate::evaluation::metric::predicted_length;
 use crate::evaluation::metric::summary::RecordingScore;
 use crate::evaluation::metric::transition::{Change, Rule, Verdict};
-use crate::dataset::label_file;
 use crate::report::Table;
 
 /// Arguments of `myointent score`.

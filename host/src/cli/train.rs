@@ -4,12 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, Begun, DataArguments};
-use crate::execution::interrupt::Interrupt;
-use crate::run::plan::{Plan, Turn};
-use crate::run::preset::Preset;
+use super::arguments::{BackendArguments, DataArguments, open_run};
 use crate::dataset::folds::Protocol;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
+use crate::run::config::ResolvedConfig;
+use crate::run::context::RunContext;
+use crate::run::preset::Preset;
+use crate::run::resolve::FoldChoice;
+use crate::run::train;
 use crate::teacher;
 
 /// Arguments of `train`.
@@ -27,8 +31,8 @@ pub struct Arguments {
     /// Folder for checkpoints, metrics and everything that follows.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Start from what this run's teacher has learnt, or from a checkpoint of the reference (.pth,
-    /// .safetensors), at the preset's pace of fine-tuning.
+    /// Start from this run's teacher, or from a checkpoint of the reference (.pth, .safetensors), with the
+    /// preset's fine-tuning settings.
     #[arg(long, value_name = "RUN|FILE", conflicts_with = "resume")]
     from: Option<PathBuf>,
     /// Train low-rank additions alone (LoRA).
@@ -58,33 +62,48 @@ pub struct Arguments {
 /// # Errors
 /// When recordings, preset or folder cannot be used.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let interrupt = Interrupt::listen();
-    let run = if arguments.resume {
-        Begun::open(&arguments.run)?
+    let context = if arguments.resume {
+        RunContext {
+            resume: true,
+            ..open_run(&arguments.run, arguments.backend)?
+        }
     } else {
-        let mut preset = Preset::find(&arguments.preset)?;
-        preset.seed = arguments.seed.unwrap_or(preset.seed);
-        let library = arguments.data.load(preset.seed)?;
-        if arguments.from.is_some() {
-            preset = preset.fine_tuned(arguments.lora);
-        }
-        let turn = arguments.protocol.zip(arguments.fold);
-        let mut plan = Plan::new(
-            preset,
-            &library,
-            arguments.data.data.as_deref(),
-            arguments.data.skip_bad,
-            turn.map(|(protocol, number)| Turn { protocol, number }),
-        )?;
-        if let Some(start) = &arguments.from {
-            plan.start_from(start)?;
-        }
-        let folder = RunFolder::open(&arguments.run)?;
-        Begun::begin(folder, plan, library)?
+        begin(arguments)?
     };
-    eprintln!("left out: {}", run.plan.split.held_out.join(", "));
-    let stage = run.stage(&arguments.backend, arguments.resume, &interrupt);
-    stage.train()?;
-    println!("{}", run.folder.model(teacher::training::NAME).display());
+    progress::log(&format!(
+        "left out: {}",
+        context.config.split.held_out.join(", ")
+    ));
+    train::train(&context)?;
+    println!(
+        "{}",
+        context.folder.model(teacher::training::NAME).display()
+    );
     Ok(())
+}
+
+fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
+    let mut preset = Preset::find(&arguments.preset)?;
+    preset.seed = arguments.seed.unwrap_or(preset.seed);
+    let library = arguments.data.load(&preset)?;
+    if arguments.from.is_some() {
+        preset = preset.fine_tuned(arguments.lora);
+    }
+    let fold = arguments.protocol.zip(arguments.fold);
+    let mut config = ResolvedConfig::new(
+        preset,
+        &library,
+        arguments.data.data.as_deref(),
+        arguments.data.strict,
+        fold.map(|(protocol, number)| FoldChoice { protocol, number }),
+    )?;
+    if let Some(start) = &arguments.from {
+        config.start_from(start)?;
+    }
+    let folder = RunFolder::open(&arguments.run)?;
+    let device = arguments.backend.device();
+    Ok(RunContext {
+        interrupt: Interrupt::listen(),
+        ..RunContext::begin(folder, config, library, device)?
+    })
 }

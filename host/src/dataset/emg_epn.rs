@@ -166,7 +166,7 @@ fn labels(trial: &Trial, samples: usize) -> Result<Labels, Fault> {
     ))
 }
 
-fn read_back(value: &serde_json::Value) -> Option<Vec<f64>> {
+fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
     value
         .as_array()?
         .iter()

@@ -7,15 +7,23 @@ use rayon::prelude::*;
 
 use super::error::{Damage, Fault, LoadError, Remedy};
 use super::{
-    DataSet, Recording, cote_allard, emg_epn, myo_readings, numpy, one_subject_myo, react_emg,
+    DataSet, Recording, cote_allard, emg_epn, myo_readings, npy, one_subject_myo, react_emg,
     roshambo, ss_stm, table,
 };
 
 /// How to treat what is found.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct LoadOptions {
-    /// Leave damaged files out and list them, rather than stop at the first.
-    pub skip_bad: bool,
+    /// Stop at the first damaged file, rather than leave damaged files out and list them.
+    pub strict: bool,
+    /// Data sets to read, files of others are passed over; all if empty.
+    pub data_sets: Vec<DataSet>,
+}
+
+impl LoadOptions {
+    fn wants(&self, data_set: DataSet) -> bool {
+        self.data_sets.is_empty() || self.data_sets.contains(&data_set)
+    }
 }
 
 /// Everything found below one path.
@@ -23,7 +31,7 @@ pub struct LoadOptions {
 pub struct Library {
     /// The recordings, ordered by path.
     pub recordings: Vec<Recording>,
-    /// Damaged files that were left out, only with [`LoadOptions::skip_bad`].
+    /// Damaged files that were left out, unless [`LoadOptions::strict`].
     pub skipped: Vec<Skipped>,
     /// Recordings left out because another holds the same samples.
     pub repeats: Vec<Repeat>,
@@ -60,19 +68,19 @@ enum Found {
 /// Reads every recording at or below a path: a folder of many sets, one set, or one file.
 ///
 /// # Errors
-/// [`LoadError::Damaged`] at the first damaged file in path order unless
-/// [`LoadOptions::skip_bad`]; [`LoadError::NoRecordings`] if none is found;
+/// [`LoadError::Damaged`] at the first damaged file in path order with
+/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found;
 /// [`LoadError::Io`] if the file system refuses.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     let files = files(path)?;
-    let found: Vec<_> = files.par_iter().map(|file| open(file)).collect();
+    let found: Vec<_> = files.par_iter().map(|file| open(file, options)).collect();
     let mut library = Library::default();
     for (file, found) in files.into_iter().zip(found) {
         match found {
             Ok(Found::Recordings(recordings)) => library.recordings.extend(recordings),
             Ok(Found::Part) => {}
             Ok(Found::Nothing) => library.ignored.push(file),
-            Err(error @ LoadError::Damaged { .. }) if options.skip_bad => {
+            Err(error @ LoadError::Damaged { .. }) if !options.strict => {
                 library.skipped.push(Skipped { path: file, error });
             }
             Err(error) => return Err(error),
@@ -163,7 +171,7 @@ fn files(path: &Path) -> Result<Vec<PathBuf>, LoadError> {
     Ok(files)
 }
 
-fn open(path: &Path) -> Result<Found, LoadError> {
+fn open(path: &Path, options: &LoadOptions) -> Result<Found, LoadError> {
     let extension = path
         .extension()
         .and_then(|e| e.to_str())
@@ -185,22 +193,26 @@ fn open(path: &Path) -> Result<Found, LoadError> {
             .map_err(|damage| damaged(path, damage))
     };
     if extension == "dat" {
+        if !options.wants(DataSet::CoteAllard) {
+            return Ok(Found::Nothing);
+        }
         return one(cote_allard::read(path, &bytes));
     }
     if extension == "npy" || npy::looks_like(&bytes) {
-        return npy(path, &bytes);
+        return npy(path, &bytes, options);
     }
     let Ok(text) = std::str::from_utf8(&bytes) else {
         return Ok(Found::Nothing);
     };
     if extension == "json" {
-        if !emg_epn::looks_like(text) {
+        if !options.wants(DataSet::EmgEpn612) || !emg_epn::looks_like(text) {
             return Ok(Found::Nothing);
         }
         let user = emg_epn::read(path, text).map_err(|damage| damaged(path, damage))?;
         return Ok(Found::Recordings(user));
     }
-    match Layout::of(text) {
+    let layout = Layout::of(text).filter(|layout| options.wants(layout.data_set()));
+    match layout {
         Some(Layout::ReactEmg) => one(react_emg::read_csv(path, text)),
         Some(Layout::MyoReadings) => one(myo_readings::read(path, text)),
         Some(Layout::SsStm) => one(ss_stm::read(path, text)),
@@ -212,13 +224,18 @@ fn open(path: &Path) -> Result<Found, LoadError> {
     }
 }
 
-fn npy(path: &Path, bytes: &[u8]) -> Result<Found, LoadError> {
+fn npy(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Found, LoadError> {
     let array = npy::parse(bytes).map_err(|damage| damaged(path, damage))?;
     let recording = match (&array.shape[..], &array.values) {
         // Annotations of `roshambo`, read with their samples.
         ([_], npy::Values::Text(_)) => return Ok(Found::Part),
-        _ if roshambo::is_samples(path, &array) => roshambo::read(path, &array)?,
-        _ if react_emg::is_recording(&array) => {
+        _ if roshambo::is_samples(path, &array) => {
+            if !options.wants(DataSet::Roshambo) {
+                return Ok(Found::Nothing);
+            }
+            roshambo::read(path, &array)?
+        }
+        _ if options.wants(DataSet::ReactEmg) && react_emg::is_recording(&array) => {
             react_emg::read_npy(path, &array).map_err(|damage| damaged(path, damage))?
         }
         _ => return Ok(Found::Nothing),
@@ -239,6 +256,16 @@ enum Layout {
 const LOOKED_AT: usize = 20;
 
 impl Layout {
+    /// The data set that is published in this layout.
+    const fn data_set(self) -> DataSet {
+        match self {
+            Self::ReactEmg => DataSet::ReactEmg,
+            Self::MyoReadings => DataSet::MyoReadings,
+            Self::SsStm => DataSet::SsStm,
+            Self::OneSubjectMyo => DataSet::OneSubjectMyo,
+        }
+    }
+
     /// Tells the formats apart by the header, or by how many values a row has, whole or decimal.
     fn of(text: &str) -> Option<Self> {
         if react_emg::has_header(text) {
@@ -322,7 +349,7 @@ mod tests {
             error.contains("7.txt, line 31: expected 9") && error.contains("--skip-bad"),
             "{error}"
         );
-        let library = load(&folder, &LoadOptions { skip_bad: true }).unwrap();
+        let library = load(&folder, &LoadOptions::default()).unwrap();
         assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
         std::fs::remove_dir_all(&folder).unwrap();
     }

@@ -8,11 +8,11 @@ use thiserror::Error;
 
 use super::track::{Track, track};
 use super::trial::Trial;
-use shared::pipeline::LookBackLogits;
 use crate::evaluation::metric::MetricError;
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::summary::{RecordingScore, Summary, summary};
 use crate::evaluation::metric::transition::Rule;
+use shared::pipeline::LookBackLogits;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
 pub const BUFFERS: [usize; 3] = [60, 120, 200];
@@ -23,8 +23,8 @@ pub const BUFFERS: [usize; 3] = [60, 120, 200];
 pub enum Truth {
     /// Labels as published: the cues, as the paper scores.
     Published,
-    /// Labels moved by one constant a data set: where the muscles answer.
-    Moved,
+    /// Lag-compensated labels: moved by one constant a data set, to where muscle activity begins.
+    LagCompensated,
 }
 
 /// How rows become labels.
@@ -81,8 +81,8 @@ pub struct Candidate {
     pub name: String,
     /// Whether its rows speak of past patches too; if not, there is nothing to look ahead with.
     pub looks_back: bool,
-    /// LookBackLogits of each trial's patches, in the order of the trials.
-    pub rows: Vec<Vec<LookBackLogits>>,
+    /// Logits of each trial's patches, in the order of the trials.
+    pub logits: Vec<Vec<LookBackLogits>>,
 }
 
 impl Candidate {
@@ -106,7 +106,7 @@ impl Candidate {
 
 /// One line of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Verdict {
+pub struct Score {
     /// Which model.
     pub model: String,
     /// Which recordings: a data set's name or `all`.
@@ -115,17 +115,17 @@ pub struct Verdict {
     pub look_ahead: LookAhead,
     /// What the labels were compared with.
     pub truth: Truth,
-    /// Scores with each buffer of [`BUFFERS`], labels booked at the instant spoken of.
-    pub spoken: [Summary; BUFFERS.len()],
+    /// Scores with each buffer of [`BUFFERS`], labels booked at the instant reference of.
+    pub reference: [Summary; BUFFERS.len()],
     /// Scores with the widest buffer, labels booked when emitted.
     pub emitted: Summary,
 }
 
-impl Verdict {
-    /// Scores with the widest buffer, the paper's, booked at the instant spoken of.
+impl Score {
+    /// Scores with the widest buffer, the paper's, booked at the instant reference of.
     #[must_use]
     pub const fn widest(&self) -> &Summary {
-        &self.spoken[BUFFERS.len() - 1]
+        &self.reference[BUFFERS.len() - 1]
     }
 }
 
@@ -150,14 +150,14 @@ pub fn judge(
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
     truth: Truth,
-) -> Result<Vec<Verdict>, JudgeError> {
+) -> Result<Vec<Score>, JudgeError> {
     let scored: Vec<_> = trials
         .par_iter()
-        .zip(&candidate.rows)
+        .zip(&candidate.logits)
         .filter_map(|(trial, rows)| {
             let labels = match truth {
                 Truth::Published => trial.published.as_ref()?,
-                Truth::Moved => &trial.moved,
+                Truth::LagCompensated => &trial.lag_compensated,
             };
             Some(
                 score(trial, rows, labels, vocabulary, look_ahead.settings())
@@ -171,7 +171,7 @@ pub fn judge(
     if sets.len() != 1 {
         sets.push(ALL);
     }
-    let verdict = |set: &str| {
+    let score = |set: &str| {
         let chosen = || {
             scored
                 .iter()
@@ -184,22 +184,22 @@ pub fn judge(
                     .collect::<Vec<_>>(),
             )
         };
-        Verdict {
+        Score {
             model: candidate.name.clone(),
             data_set: set.to_owned(),
             look_ahead,
             truth,
-            spoken: std::array::from_fn(of),
+            reference: std::array::from_fn(of),
             emitted: of(BUFFERS.len()),
         }
     };
-    Ok(sets.into_iter().map(verdict).collect())
+    Ok(sets.into_iter().map(score).collect())
 }
 
 /// Name of the line over all data sets.
 pub const ALL: &str = "all";
 
-/// Scores of one trial: spoken book with each buffer, then the emitted book with the widest.
+/// Scores of one trial: reference book with each buffer, then the emitted book with the widest.
 fn score(
     trial: &Trial,
     rows: &[LookBackLogits],
@@ -207,9 +207,10 @@ fn score(
     vocabulary: Vocabulary,
     settings: Settings,
 ) -> Result<Vec<RecordingScore>, JudgeError> {
-    let Track { spoken, emitted } = track(rows, trial.emg.len(), vocabulary.classes(), settings)?;
+    let Track { reference, emitted } =
+        track(rows, trial.emg.len(), vocabulary.classes(), settings)?;
     // Like the reference at a recording's end, its start is judged only once there is a label.
-    let first = spoken.iter().position(Option::is_some).unwrap_or(0);
+    let first = reference.iter().position(Option::is_some).unwrap_or(0);
     let rule = |buffer| Rule {
         buffer,
         ..Rule::default()
@@ -225,7 +226,7 @@ fn score(
     };
     let mut scores = Vec::with_capacity(BUFFERS.len() + 1);
     for buffer in BUFFERS {
-        scores.push(score(&spoken, buffer)?);
+        scores.push(score(&reference, buffer)?);
     }
     scores.push(score(&emitted, BUFFERS[BUFFERS.len() - 1])?);
     Ok(scores)
@@ -243,14 +244,20 @@ pub fn offsets(
     look_ahead: LookAhead,
 ) -> Result<Vec<i32>, JudgeError> {
     let mut offsets = Vec::new();
-    for (trial, rows) in trials.iter().zip(&candidate.rows) {
-        let scores = score(trial, rows, &trial.moved, vocabulary, look_ahead.settings())?;
+    for (trial, rows) in trials.iter().zip(&candidate.logits) {
+        let scores = score(
+            trial,
+            rows,
+            &trial.lag_compensated,
+            vocabulary,
+            look_ahead.settings(),
+        )?;
         offsets.extend(scores[BUFFERS.len() - 1].transitions.offsets());
     }
     Ok(offsets)
 }
 
-/// True against spoken intents over all trials.
+/// True against reference intents over all trials.
 ///
 /// # Errors
 /// When a metric or the smoother refuses.
@@ -261,14 +268,14 @@ pub fn confusion(
     look_ahead: LookAhead,
 ) -> Result<Confusion, JudgeError> {
     let mut confusion = Confusion::new(vocabulary);
-    for (trial, rows) in trials.iter().zip(&candidate.rows) {
+    for (trial, rows) in trials.iter().zip(&candidate.logits) {
         let track = track(
             rows,
             trial.emg.len(),
             vocabulary.classes(),
             look_ahead.settings(),
         )?;
-        confusion.add(&trial.moved, &track.spoken)?;
+        confusion.add(&trial.lag_compensated, &track.reference)?;
     }
     Ok(confusion)
 }
@@ -283,7 +290,7 @@ mod tests {
             let candidate = Candidate {
                 name: "any".to_owned(),
                 looks_back,
-                rows: Vec::new(),
+                logits: Vec::new(),
             };
             candidate.conditions().collect::<Vec<_>>()
         };

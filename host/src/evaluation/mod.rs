@@ -3,3 +3,4 @@
 pub mod judge;
 pub mod metric;
 pub mod track;
+pub mod trial;

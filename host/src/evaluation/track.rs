@@ -11,7 +11,7 @@ use shared::pipeline::LookBackLogits;
 pub struct Track {
     /// Each label from the instant that it speaks of: the paper's book, in which look-ahead costs
     /// no time.
-    pub spoken: Vec<Option<Intent>>,
+    pub reference: Vec<Option<Intent>>,
     /// Each label from the instant that it was emitted: what a user of the device sees.
     pub emitted: Vec<Option<Intent>>,
 }
@@ -19,7 +19,7 @@ pub struct Track {
 /// Smooths the rows of a recording's patches.
 ///
 /// A label holds until the next one; samples before the first label and, in the first book, after
-/// the last instant spoken of have none.
+/// the last instant reference of have none.
 ///
 /// # Errors
 /// When the settings do not fit the rows.
@@ -30,7 +30,7 @@ pub fn track(
     settings: Settings,
 ) -> Result<Track, SettingsError> {
     let mut smoother = Smoother::<MAX_CLASSES, LOOK_BACK>::new(settings, classes)?;
-    let mut spoken = vec![None; samples];
+    let mut reference = vec![None; samples];
     let mut emitted = vec![None; samples];
     let mut held_until = 0;
     for (patch, rows) in rows.iter().enumerate() {
@@ -43,12 +43,12 @@ pub fn track(
             let label = Intent::from_class(decision.class);
             let instant = decision.instant.0 as usize;
             held_until = (instant + settings.hold * PATCH).min(samples);
-            spoken[instant.min(samples)..].fill(label);
+            reference[instant.min(samples)..].fill(label);
             emitted[(decision.known.0 as usize).min(samples)..].fill(label);
         }
     }
-    spoken[held_until..].fill(None);
-    Ok(Track { spoken, emitted })
+    reference[held_until..].fill(None);
+    Ok(Track { reference, emitted })
 }
 
 #[cfg(test)]
@@ -64,20 +64,20 @@ mod tests {
     }
 
     #[test]
-    fn look_ahead_moves_the_emitted_book_and_not_the_spoken_one() {
+    fn look_ahead_moves_the_emitted_book_and_not_the_reference_one() {
         let patches: Vec<LookBackLogits> = (0..40)
             .map(|patch| rows(usize::from(patch >= 20) * 2))
             .collect();
         let track = track(&patches, 400, 3, Settings::PAPER_IN_PATCHES).unwrap();
         let first =
             |book: &[Option<Intent>]| book.iter().position(|&label| label == Some(Intent::Close));
-        let (spoken, emitted) = (
-            first(&track.spoken).unwrap(),
+        let (reference, emitted) = (
+            first(&track.reference).unwrap(),
             first(&track.emitted).unwrap(),
         );
-        assert_eq!(emitted - spoken, 50);
+        assert_eq!(emitted - reference, 50);
         assert_eq!(track.emitted.last(), Some(&Some(Intent::Close)));
-        assert_eq!(track.spoken.last(), Some(&None));
+        assert_eq!(track.reference.last(), Some(&None));
     }
 
     #[test]
@@ -85,7 +85,7 @@ mod tests {
         let track = track(&[rows(1); 3], 30, 3, Settings::PAPER_IN_PATCHES).unwrap();
         assert!(
             track
-                .spoken
+                .reference
                 .iter()
                 .chain(&track.emitted)
                 .all(Option::is_none)

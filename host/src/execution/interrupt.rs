@@ -1,9 +1,9 @@
-//! Ctrl-C: asked once, a run stops at its last complete checkpoint; asked twice, at once.
+//! Ctrl-C: once, a run stops at its last complete checkpoint; twice, at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the user asked to stop.
+/// Whether the user requested to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
@@ -12,10 +12,10 @@ impl Interrupt {
     #[must_use]
     pub fn listen() -> Self {
         let interrupt = Self::default();
-        let asked = interrupt.0.clone();
+        let requested = interrupt.0.clone();
         // Without the handler Ctrl-C simply ends the program, and checkpoints are whole anyway.
         let _ = ctrlc::set_handler(move || {
-            if asked.swap(true, Ordering::SeqCst) {
+            if requested.swap(true, Ordering::SeqCst) {
                 std::process::exit(130);
             }
             eprintln!("stopping; press Ctrl-C again to stop at once");
@@ -25,7 +25,7 @@ impl Interrupt {
 
     /// Whether to stop.
     #[must_use]
-    pub fn asked(&self) -> bool {
+    pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

@@ -21,7 +21,7 @@ pub fn map<T: Sync, R: Send>(
     let all = items
         .par_iter()
         .map(|item| {
-            if interrupt.asked() {
+            if interrupt.requested() {
                 return Err(run.interrupted());
             }
             let made = work(item);

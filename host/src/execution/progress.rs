@@ -20,6 +20,6 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
 }
 
 /// One line for people, above any bar.
-pub fn say(line: &str) {
+pub fn log(line: &str) {
     eprintln!("{line}");
 }

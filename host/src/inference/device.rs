@@ -5,7 +5,10 @@
 
 use shared::model::encoder::{Encoder, Logits, Patch, usual_span};
 use shared::model::file::{Dimensions, Model, ModelError};
-use shared::pipeline::Encode;
+use shared::pipeline::{Encode, LookBackLogits};
+use shared::units::{CleanSample, PATCH, WINDOW_PATCHES};
+
+use crate::dataset::lead_in::padded;
 
 /// Why a model cannot run on this host.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
@@ -78,6 +81,23 @@ impl<'m> WithEncoder<'m> for Outputs<'_> {
         encoder.steps(&mut state, patches, |logits| outputs.push(logits));
         outputs
     }
+}
+
+/// An integer student's logits at every whole patch of a recording, as the device computes them, a
+/// lead-in of one window in front.
+///
+/// # Errors
+/// When no encoder of the model's shape is compiled.
+pub fn integer_logits(
+    model: &Model<'_>,
+    emg: &[CleanSample],
+) -> Result<Vec<LookBackLogits>, AnyEncoderError> {
+    let stream = padded(emg);
+    let (patches, _) = stream.as_chunks::<PATCH>();
+    Ok(outputs(model, patches)?
+        .into_iter()
+        .skip(WINDOW_PATCHES)
+        .collect())
 }
 
 #[cfg(test)]

@@ -8,5 +8,6 @@ pub mod device;
 mod student;
 mod teacher;
 
+pub use device::integer_logits;
 pub use student::student_logits;
 pub use teacher::teacher_logits;

@@ -1,7 +1,6 @@
 //! The float student over a stream.
 
 use burn::tensor::{Device, Tensor};
-use shared::intent::MAX_CLASSES;
 use shared::pipeline::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
@@ -15,7 +14,11 @@ use crate::training::tensor::read_back;
 /// Runs pieces with a whole window in front of each, which gives what one long run would: the
 /// receptive field is shorter than a window.
 #[must_use]
-pub fn student_logits(model: &Student, emg: &[CleanSample], device: &Device) -> Vec<LookBackLogits> {
+pub fn student_logits(
+    model: &Student,
+    emg: &[CleanSample],
+    device: &Device,
+) -> Vec<LookBackLogits> {
     const PIECE: usize = 120;
     let stream = padded(emg);
     let patches = emg.len() / PATCH;

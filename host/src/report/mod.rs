@@ -4,14 +4,20 @@
 //! carries its pictures and its style, so it can be mailed, archived and opened without a network.
 
 mod canvas;
+pub mod cell;
 mod confusion;
 mod curves;
 mod offsets;
 mod page;
+pub mod run_report;
+pub mod scores;
 mod table;
 mod timeline;
 
-use std::{fs, io, path::Path, path::PathBuf};
+use std::path::Path;
+
+use crate::evaluation::judge::JudgeError;
+use crate::execution::run_folder::{RunError, write_whole};
 
 pub use self::{
     confusion::Confusion,
@@ -47,13 +53,11 @@ pub struct ReportData {
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The file could not be written whole; nothing of an older one was touched.
-    #[error("report {}: cannot be written: check the folder, its rights and its space", path.display())]
-    Write {
-        /// Where the report was to go.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] RunError),
+    /// The smoother or a metric refuses.
+    #[error(transparent)]
+    Judge(#[from] JudgeError),
     /// A picture could not be laid out.
     #[error("report: the picture {picture:?} cannot be drawn ({reason}): this is a bug")]
     Draw {
@@ -70,14 +74,7 @@ pub enum ReportError {
 /// [`ReportError::Write`] when the file system refuses, [`ReportError::Draw`] never with finite sizes.
 pub fn write_html(data: &ReportData, path: &Path) -> Result<(), ReportError> {
     let html = page::html(data)?;
-    let failed = |source| ReportError::Write {
-        path: path.to_owned(),
-        source,
-    };
-    let mut unfinished = path.as_os_str().to_owned();
-    unfinished.push(".part");
-    fs::write(&unfinished, html).map_err(failed)?;
-    fs::rename(&unfinished, path).map_err(failed)
+    Ok(write_whole(path, html.as_bytes())?)
 }
 
 #[cfg(test)]

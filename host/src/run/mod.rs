@@ -1,6 +1,18 @@
-//! A run: the preset, the resolved configuration, and the steps from recordings to a judged model file.
+//! A run: its preset, its resolved configuration, and the steps from recordings to a judged model file.
 
-pub mod plan;
+mod aggregation;
+mod candidates;
+pub mod config;
+pub mod context;
+pub mod distill;
+mod error;
+pub mod evaluate;
 pub mod preset;
-pub mod stage;
-pub mod trial;
+pub mod quantize;
+pub mod resolve;
+mod soft_targets;
+mod streams;
+pub mod train;
+mod trials;
+
+pub use error::StepError;

@@ -7,20 +7,18 @@ use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
 use thiserror::Error;
 
-use myointent_research::baselines::PeerSettings;
 use crate::dataset::DataSet;
-use crate::training::schedule::Course;
 use crate::student::distillation::Distillation;
 use crate::student::model::StudentConfig;
 use crate::teacher::model::TeacherConfig;
 use crate::teacher::training::{LoraConfig, TeacherTraining};
+use crate::training::schedule::LrSchedule;
 
 /// Presets that come with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 4] = [
-    ("quickstart", include_str!("../presets/quickstart.toml")),
-    ("cpu", include_str!("../presets/cpu.toml")),
-    ("study", include_str!("../presets/study.toml")),
-    ("paper", include_str!("../presets/paper.toml")),
+pub const BUILT_IN: [(&str, &str); 3] = [
+    ("quickstart", include_str!("../../presets/quickstart.toml")),
+    ("cpu", include_str!("../../presets/cpu.toml")),
+    ("paper", include_str!("../../presets/paper.toml")),
 ];
 
 /// A whole run, from recordings to a model file.
@@ -45,9 +43,6 @@ pub struct Preset {
     pub student: StudentConfig,
     /// How the student is trained.
     pub distillation: Distillation,
-    /// How the paper's baselines are trained; as in the reference, unless said.
-    #[serde(default)]
-    pub peers: PeerSettings,
 }
 
 /// How a trained teacher is trained on; whatever is not here is as in its first training.
@@ -101,8 +96,6 @@ pub struct DataChoice {
 pub enum LabelLag {
     /// By each data set's median lag, estimated on its training subjects.
     Estimated,
-    /// By each data set's documented lag.
-    Documented,
     /// Not at all, as the paper does.
     None,
 }
@@ -191,7 +184,7 @@ impl Preset {
             } else {
                 tuning.learning_rate
             },
-            course: Course::Constant,
+            lr_schedule: LrSchedule::Constant,
             lora: with_lora.then_some(tuning.lora),
             ..self.teacher_training
         };
@@ -319,17 +312,6 @@ impl Preset {
                 );
             }
         }
-        let peers = &self.peers;
-        if peers.stride == 0 || peers.batch == 0 || peers.epochs == 0 {
-            return refuse(
-                "peers",
-                "0".to_owned(),
-                "stride, batch and epochs of 1 or more",
-            );
-        }
-        if !(1..=500).contains(&peers.lstm_step) {
-            return refuse("peers.lstm_step", peers.lstm_step.to_string(), "1 to 500");
-        }
         if !(0.0..1.0).contains(&self.data.held_out_share)
             || !(0.0..1.0).contains(&self.data.validation_share)
         {
@@ -343,8 +325,11 @@ impl Preset {
             return refuse("data.balance", self.data.balance.to_string(), "0 to 1");
         }
         for (key, average) in [
-            ("teacher_training.average", self.teacher_training.average),
-            ("distillation.average", self.distillation.average),
+            (
+                "teacher_training.ema_decay",
+                self.teacher_training.ema_decay,
+            ),
+            ("distillation.ema_decay", self.distillation.ema_decay),
         ] {
             if !(0.0..1.0).contains(&average) {
                 return refuse(key, average.to_string(), "0 or more, below 1");

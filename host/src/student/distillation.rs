@@ -10,20 +10,20 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
 use super::model::Student;
 use crate::dataset::corpus::{Corpus, patch_labels};
-use crate::training::augmentation::{Augmentation, Variation};
-use shared::pipeline::LookBackLogits;
-use crate::training::tensor::read_back;
 use crate::dataset::lead_in::padded;
-use crate::training::fit::{Learner, Pace, Part, SHARDS, fit};
 use crate::execution::interrupt::Interrupt;
-use crate::training::loss::cross_entropy;
 use crate::execution::run_folder::{RunError, RunFolder};
-use crate::training::schedule::Course;
+use crate::training::augmentation::{Augmentation, Variation};
+use crate::training::fit::{Learner, SHARDS, TrainConfig, WeightedMetric, fit};
+use crate::training::loss::cross_entropy;
+use crate::training::schedule::LrSchedule;
+use crate::training::tensor::read_back;
+use shared::pipeline::LookBackLogits;
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";
 /// Name of the files of a student that has learnt from the labels alone, beside the one that had a teacher.
-pub const ALONE: &str = "student-alone";
+pub const LABELS_ONLY: &str = "student-alone";
 
 /// How a student is trained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,9 +43,9 @@ pub struct Distillation {
     pub warm_up: f64,
     /// Decoupled weight decay.
     pub weight_decay: f32,
-    /// Decay of the running mean of the weights that is kept; 0 keeps those of the last step.
+    /// Decay of the exponential moving average of the weights that is saved; 0 saves those of the last step.
     #[serde(default)]
-    pub average: f64,
+    pub ema_decay: f64,
     /// Share of the teacher's word against the labels', 0..=1; 0 trains without a teacher.
     pub teacher_share: f64,
     /// Softening of both sides before they are compared.
@@ -80,7 +80,7 @@ pub struct StudentLearner<'a> {
 }
 
 /// Trains a student on a corpus and the teacher's rows over it, one list a stream; `name` is [`NAME`]
-/// or [`ALONE`].
+/// or [`LABELS_ONLY`].
 ///
 /// # Errors
 /// When the folder cannot be written or the user interrupts.
@@ -103,15 +103,15 @@ pub fn train(
         name,
         ..learner(span, corpus, teacher, validation, config, device)
     };
-    let pace = Pace {
+    let train_config = TrainConfig {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
-        course: Course::WarmUp(config.warm_up),
+        lr_schedule: LrSchedule::WarmUp(config.warm_up),
         weight_decay: config.weight_decay,
-        average: config.average,
+        ema_decay: config.ema_decay,
         seed,
     };
-    fit(&learner, model, pace, run, resume, interrupt)
+    fit(&learner, model, train_config, run, resume, interrupt)
 }
 
 /// What a student learns from.
@@ -330,10 +330,10 @@ impl Learner for StudentLearner<'_> {
         shards
     }
 
-    fn loss(&self, model: &Student, questions: Questions) -> (Tensor<1>, Vec<Part>) {
+    fn loss(&self, model: &Student, questions: Questions) -> (Tensor<1>, Vec<WeightedMetric>) {
         let logits = model.forward(questions.emg.clone());
         let label = Self::label_loss(&logits, &questions);
-        let part = |name, loss: &Tensor<1>| Part {
+        let part = |name, loss: &Tensor<1>| WeightedMetric {
             name,
             mean: f64::from(read_back(loss.clone())[0]),
             weight: 1.0,
@@ -351,7 +351,7 @@ impl Learner for StudentLearner<'_> {
         (total, parts)
     }
 
-    fn validate(&self, model: &Student) -> (f64, Vec<Part>) {
+    fn validate(&self, model: &Student) -> (f64, Vec<WeightedMetric>) {
         let device = self.device.clone().inner();
         let (mut loss, mut answers) = (0.0, 0.0);
         let mut right = [0.0; LOOK_BACK];
@@ -391,17 +391,17 @@ impl Learner for StudentLearner<'_> {
         let loss = loss / f64::max(answers, 1.0);
         let share = |row: usize| right[row] / f64::max(asked[row], 1.0);
         let parts = vec![
-            Part {
+            WeightedMetric {
                 name: "label",
                 mean: loss,
                 weight: 1.0,
             },
-            Part {
+            WeightedMetric {
                 name: "newest patch",
                 mean: share(0),
                 weight: 1.0,
             },
-            Part {
+            WeightedMetric {
                 name: "oldest patch",
                 mean: share(LOOK_BACK - 1),
                 weight: 1.0,

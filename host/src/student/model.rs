@@ -10,7 +10,7 @@ use burn::tensor::{Device, Int, Tensor, TensorData};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-use crate::training::augmentation::{Companding};
+use crate::training::augmentation::Companding;
 
 /// Dimensions of a student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

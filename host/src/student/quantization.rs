@@ -3,15 +3,15 @@
 use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
 use burn::tensor::Tensor;
+use shared::intent::Vocabulary;
 use shared::model::file::{
     self, Dimensions, LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts,
     SmootherDefaults,
 };
 
 use super::model::{Student, StudentConfig};
-use crate::training::augmentation::{Companding};
+use crate::training::augmentation::Companding;
 use crate::training::tensor::read_back;
-use crate::run::preset::Preset;
 
 /// Bytes of a model file: weights rounded to i8 with one scale a row, everything else in f32.
 ///
@@ -19,7 +19,8 @@ use crate::run::preset::Preset;
 /// When the student's dimensions are none that a device can run.
 pub fn quantize(
     student: &Student,
-    preset: &Preset,
+    config: &StudentConfig,
+    vocabulary: Vocabulary,
     smoother: SmootherDefaults,
     provenance: ProvenanceParts,
 ) -> Result<Vec<u8>, ModelError> {
@@ -29,17 +30,17 @@ pub fn quantize(
         span,
         companding,
         ..
-    } = preset.student;
+    } = *config;
     ModelParts {
         dimensions: Dimensions {
             width: d_model,
             layers,
             span,
-            vocabulary: preset.vocabulary(),
+            vocabulary,
         },
         companding: match companding {
-            Companding::Linear => model_file::Companding::Linear,
-            Companding::SquareRoot => model_file::Companding::SquareRoot,
+            Companding::Linear => file::Companding::Linear,
+            Companding::SquareRoot => file::Companding::SquareRoot,
         },
         smoother,
         provenance,

@@ -15,7 +15,7 @@ mod window;
 use burn::tensor::Tensor;
 use burn::tensor::activation::softmax;
 
-use super::dropout::Mask;
+use crate::training::dropout::Mask;
 
 /// Attends, `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, heads side by side.
 ///
@@ -52,7 +52,9 @@ fn on_flex(
     use burn::backend::Dispatch;
     use fused::{FusedAttention as _, Settings};
 
-    let flags = blocked.map_or_else(Vec::new, |flags| crate::training::tensor::read_back(flags.clone()));
+    let flags = blocked.map_or_else(Vec::new, |flags| {
+        crate::training::tensor::read_back(flags.clone())
+    });
     let settings = Settings {
         heads,
         blocked: flags.into_iter().map(|flag| flag > 0.0).collect(),

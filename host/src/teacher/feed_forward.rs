@@ -7,7 +7,7 @@
 use burn::tensor::Tensor;
 use burn::tensor::activation::gelu;
 
-use super::dropout::Mask;
+use crate::training::dropout::Mask;
 
 /// GELU (the exact one, by the error function) of a tensor, and what the mask drops of it.
 #[must_use]
@@ -43,8 +43,8 @@ mod fused {
     use rayon::prelude::*;
 
     use super::Mask;
-    use crate::training::dropout::RowMask;
     use crate::teacher::exponential::exp_negative;
+    use crate::training::dropout::RowMask;
 
     /// GELU and dropout as one operation, `[b, tokens, width]`.
     #[backend_extension(Flex, Autodiff)]
@@ -185,8 +185,8 @@ mod fused {
 #[cfg(all(test, feature = "flex"))]
 mod tests {
     use super::*;
-    use crate::training::tensor::read_back;
     use crate::training::dropout::Dropout;
+    use crate::training::tensor::read_back;
     use burn::tensor::{Device, Distribution};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;

@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 use shared::units::CHANNELS;
 
 use super::attention::attend;
-use super::dropout::Dropout;
 use super::feed_forward::activate;
 use super::window::Grid;
-use crate::training::augmentation::{Companding};
+use crate::training::augmentation::Companding;
+use crate::training::dropout::Dropout;
 
 /// Dimensions of a teacher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,15 +10,15 @@ use serde::{Deserialize, Serialize};
 use super::masking::Task;
 use super::model::{Teacher, TeacherOutput};
 use super::window::{Batch, Example, Grid, batch, examples, inference_input};
-use crate::dataset::corpus::{Corpus};
+use crate::dataset::corpus::Corpus;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::run_folder::{RunError, RunFolder};
 use crate::training::augmentation::{Augmentation, Variation};
+use crate::training::fit::{Learner, SHARDS, TrainConfig, WeightedMetric, fit};
+use crate::training::loss::cross_entropy;
+use crate::training::schedule::LrSchedule;
 use crate::training::tensor::best_class;
 use crate::training::tensor::read_back;
-use crate::training::fit::{Learner, Pace, Part, SHARDS, fit};
-use crate::execution::interrupt::Interrupt;
-use crate::training::loss::cross_entropy;
-use crate::execution::run_folder::{RunError, RunFolder};
-use crate::training::schedule::Course;
 
 /// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "teacher";
@@ -38,12 +38,12 @@ pub struct TeacherTraining {
     /// Peak learning rate.
     pub learning_rate: f64,
     /// How the rate changes: a warm-up for a fresh model, a constant rate for fine-tuning in the paper.
-    pub course: Course,
+    pub lr_schedule: LrSchedule,
     /// Decoupled weight decay, on every parameter.
     pub weight_decay: f32,
-    /// Decay of the running mean of the weights that is kept; 0, as in the paper, keeps those of the last step.
+    /// Decay of the exponential moving average of the weights that is saved; 0, as in the paper, saves those of the last step.
     #[serde(default)]
-    pub average: f64,
+    pub ema_decay: f64,
     /// Tasks; every window is presented once as each.
     pub tasks: Vec<Task>,
     /// Variations of the training windows; none in the paper.
@@ -108,18 +108,25 @@ pub fn train(
     interrupt: &Interrupt,
 ) -> Result<Teacher, RunError> {
     let learner = learner(grid, corpus, validation, config, seed, device);
-    let pace = Pace {
+    let train_config = TrainConfig {
         epochs: config.epochs,
         learning_rate: config.learning_rate,
-        course: config.course,
+        lr_schedule: config.lr_schedule,
         weight_decay: config.weight_decay,
-        average: config.average,
+        ema_decay: config.ema_decay,
         seed,
     };
     let Some(lora) = config.lora else {
-        return fit(&learner, model, pace, run, resume, interrupt);
+        return fit(&learner, model, train_config, run, resume, interrupt);
     };
-    let model = fit(&learner, lora.adapt(model), pace, run, resume, interrupt)?;
+    let model = fit(
+        &learner,
+        lora.adapt(model),
+        train_config,
+        run,
+        resume,
+        interrupt,
+    )?;
     let merged = model.valid().materialize();
     run.save_model(NAME, &merged)?;
     Ok(merged)
@@ -192,13 +199,13 @@ impl Learner for TeacherLearner<'_> {
         shards
     }
 
-    fn loss(&self, model: &Teacher, (batch, rng): Self::Shard) -> (Tensor<1>, Vec<Part>) {
+    fn loss(&self, model: &Teacher, (batch, rng): Self::Shard) -> (Tensor<1>, Vec<WeightedMetric>) {
         let (emg, intent) = losses(&model.forward_dropping(batch.input.clone(), rng), &batch);
         let total = emg.clone() + intent.clone();
         (total, parts(emg, intent, &batch))
     }
 
-    fn validate(&self, model: &Teacher) -> (f64, Vec<Part>) {
+    fn validate(&self, model: &Teacher) -> (f64, Vec<WeightedMetric>) {
         let device = self.device.clone().inner();
         // The same masks every epoch, so that the losses of two epochs can be compared.
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -218,17 +225,17 @@ impl Learner for TeacherLearner<'_> {
         }
         let accuracy = self.accuracy(model, &device);
         let parts = vec![
-            Part {
+            WeightedMetric {
                 name: "emg",
                 mean: emg_sum.mean(),
                 weight: 1.0,
             },
-            Part {
+            WeightedMetric {
                 name: "intent",
                 mean: intent_sum.mean(),
                 weight: 1.0,
             },
-            Part {
+            WeightedMetric {
                 name: "accuracy",
                 mean: accuracy,
                 weight: 1.0,
@@ -288,15 +295,15 @@ pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
     (emg, intent)
 }
 
-fn parts(emg: Tensor<1>, intent: Tensor<1>, batch: &Batch) -> Vec<Part> {
+fn parts(emg: Tensor<1>, intent: Tensor<1>, batch: &Batch) -> Vec<WeightedMetric> {
     let mean = |loss: Tensor<1>| f64::from(read_back(loss)[0]);
     vec![
-        Part {
+        WeightedMetric {
             name: "emg",
             mean: mean(emg),
             weight: batch.emg_cells as f64,
         },
-        Part {
+        WeightedMetric {
             name: "intent",
             mean: mean(intent),
             weight: batch.intent_samples as f64,

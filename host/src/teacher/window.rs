@@ -7,7 +7,7 @@ use shared::units::CHANNELS;
 
 use super::masking::{Masks, Task};
 use super::model::TeacherInput;
-use crate::dataset::corpus::{Corpus};
+use crate::dataset::corpus::Corpus;
 use crate::training::augmentation::{Augmentation, Variation};
 
 /// How the samples of a teacher's window are grouped into tokens.
@@ -217,7 +217,7 @@ mod tests {
         use rand::SeedableRng as _;
         use shared::intent::Vocabulary;
 
-        use crate::dataset::corpus::{Stream};
+        use crate::dataset::corpus::Stream;
 
         let stream = |label| Stream::new(vec![[1; CHANNELS]; 700], vec![label; 700]);
         let corpus = Corpus {

@@ -1,20 +1,20 @@
-//! A running mean of a model's weights, steadier than the weights of any one step.
+//! Exponential moving average (EMA) of a model's weights, steadier than the weights of any one step.
 //!
-//! Exponential, as in Polyak and Juditsky (1992) with the recent steps weighed more: what is validated
-//! and kept is the mean, what goes on learning is the model.
+//! After Polyak and Juditsky (1992), recent steps weighed more: the average is validated and saved,
+//! the model itself goes on training.
 
 use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
 use burn::tensor::{Tensor, TensorData};
 
-/// The mean of all weights, in the order in which the module shows them.
+/// The average of all weights, in the order in which the module shows them.
 #[derive(Clone, Debug)]
-pub struct Average {
+pub struct Ema {
     decay: f32,
     steps: usize,
     weights: Vec<f32>,
 }
 
-impl Average {
+impl Ema {
     /// Begins with the model as it is, after so many steps; each later step takes over `1 - decay` of the mean, and
     /// more at first.
     #[must_use]
@@ -80,7 +80,7 @@ mod tests {
 
     fn model(value: f32) -> Linear {
         let fresh = LinearConfig::new(2, 3).init(&Device::default());
-        let constant = Average {
+        let constant = Ema {
             decay: 0.0,
             steps: 0,
             weights: vec![value; 9],
@@ -90,20 +90,20 @@ mod tests {
 
     #[test]
     fn the_mean_lies_between_the_steps_and_leans_on_the_recent_ones() {
-        let mut average = Average::new(&model(0.0), 0.5, 100);
-        average.add(&model(1.0));
-        average.add(&model(3.0));
+        let mut ema = Ema::new(&model(0.0), 0.5, 100);
+        ema.add(&model(1.0));
+        ema.add(&model(3.0));
         // 0, then (0 + 1) / 2, then (1/2 + 3) / 2.
-        assert_eq!(weights(&average.apply(model(9.0))), [1.75; 9]);
+        assert_eq!(weights(&ema.apply(model(9.0))), [1.75; 9]);
     }
 
     #[test]
     fn a_young_mean_follows_its_model() {
-        let mut average = Average::new(&model(100.0), 0.999, 0);
+        let mut ema = Ema::new(&model(100.0), 0.999, 0);
         for _ in 0..50 {
-            average.add(&model(1.0));
+            ema.add(&model(1.0));
         }
-        let mean = weights(&average.apply(model(0.0)))[0];
+        let mean = weights(&ema.apply(model(0.0)))[0];
         assert!((mean - 1.0).abs() < 0.01, "{mean}");
     }
 }

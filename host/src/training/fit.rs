@@ -8,19 +8,19 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::training::ema::Average;
+use super::ema::Ema;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::{RunError, RunFolder};
-use crate::training::schedule::{Course, Schedule};
+use crate::training::schedule::{LearningRate, LrSchedule};
 
-/// What is learnt: batches, a loss, a judge.
+/// A training problem: batches, a loss, a validation.
 pub trait Learner: Sync {
     /// The network.
     type Model: Module + Sync;
     /// What one optimizer step is drawn from.
     type Item;
-    /// Part of a step's batch, ready to be computed on.
+    /// WeightedMetric of a step's batch, ready to be computed on.
     type Shard: Send;
 
     /// Name of the run's files and progress lines.
@@ -38,10 +38,10 @@ pub trait Learner: Sync {
     fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard>;
 
     /// The loss of one part, to go downhill on, and its named figures, which add up too.
-    fn loss(&self, model: &Self::Model, shard: Self::Shard) -> (Tensor<1>, Vec<Part>);
+    fn loss(&self, model: &Self::Model, shard: Self::Shard) -> (Tensor<1>, Vec<WeightedMetric>);
 
     /// Validation of a model without gradients: the loss that chooses the checkpoint, and named figures.
-    fn validate(&self, model: &Self::Model) -> (f64, Vec<Part>);
+    fn validate(&self, model: &Self::Model) -> (f64, Vec<WeightedMetric>);
 }
 
 /// Parts that a step's batch is computed in.
@@ -49,7 +49,7 @@ pub const SHARDS: usize = 2;
 
 /// A named figure and the number of cells that it is a mean over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct WeightedMetric {
     /// Name in the metrics.
     pub name: &'static str,
     /// Mean over the cells.
@@ -58,20 +58,20 @@ pub struct Part {
     pub weight: f64,
 }
 
-/// How long and how fast a model is trained.
+/// How a model is trained.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace {
+pub struct TrainConfig {
     /// Passes.
     pub epochs: usize,
     /// Peak learning rate.
     pub learning_rate: f64,
-    /// How the rate changes over the run.
-    pub course: Course,
+    /// The schedule of the rate.
+    pub lr_schedule: LrSchedule,
     /// Decoupled weight decay.
     pub weight_decay: f32,
-    /// Decay of the running mean of the weights, which is then what is validated and kept; 0 keeps the model
-    /// itself.
-    pub average: f64,
+    /// Decay of the exponential moving average of the weights, which is then validated and saved; 0 saves the
+    /// model itself.
+    pub ema_decay: f64,
     /// Seed of everything drawn.
     pub seed: u64,
 }
@@ -110,7 +110,7 @@ struct State {
 pub fn fit<L: Learner>(
     learner: &L,
     mut model: L::Model,
-    pace: Pace,
+    config: TrainConfig,
     run: &RunFolder,
     resume: bool,
     interrupt: &Interrupt,
@@ -119,21 +119,25 @@ pub fn fit<L: Learner>(
     let (last, adam) = (format!("{name}-last"), format!("{name}-optimizer"));
     let (state_file, metrics_file) = (format!("{name}-state.json"), format!("{name}.jsonl"));
     let steps = learner.steps();
-    let schedule = Schedule::new(pace.learning_rate, pace.course, pace.epochs * steps.max(1));
-    let mut optimizer = optimizer(pace.weight_decay);
+    let schedule = LearningRate::new(
+        config.learning_rate,
+        config.lr_schedule,
+        config.epochs * steps.max(1),
+    );
+    let mut optimizer = optimizer(config.weight_decay);
     let mut state = State::default();
     if resume && run.file(&state_file).exists() {
         state = run.load_json(&state_file)?;
         model = run.load_model(&last, model)?;
         optimizer = run.load_optimizer(&adam, optimizer)?;
     }
-    let mean_file = format!("{name}-mean");
-    let mut average = if pace.average > 0.0 {
+    let ema_file = format!("{name}-ema");
+    let mut ema = if config.ema_decay > 0.0 {
         let mean = match state.step {
             0 => model.clone(),
-            _ => run.load_model(&mean_file, model.clone())?,
+            _ => run.load_model(&ema_file, model.clone())?,
         };
-        Some(Average::new(&mean, pace.average, state.step))
+        Some(Ema::new(&mean, config.ema_decay, state.step))
     } else {
         None
     };
@@ -141,26 +145,26 @@ pub fn fit<L: Learner>(
         line["epoch"].as_u64() <= Some(state.epochs_done as u64)
     })?;
 
-    for epoch in state.epochs_done..pace.epochs {
-        let mut rng = ChaCha8Rng::seed_from_u64(pace.seed);
+    for epoch in state.epochs_done..config.epochs {
+        let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
         rng.set_stream(1 + epoch as u64);
         let items = learner.epoch(&mut rng);
         let bar = progress::bar(
             items.len(),
-            &format!("{name} epoch {}/{}", epoch + 1, pace.epochs),
+            &format!("{name} epoch {}/{}", epoch + 1, config.epochs),
         );
         let mut means = Means::default();
         let mut rate = 0.0;
         for item in items {
-            if interrupt.asked() {
+            if interrupt.requested() {
                 return Err(run.interrupted());
             }
             rate = schedule.rate(state.step);
             let (gradients, parts) = gradients(learner, &model, learner.shards(&item, &mut rng));
             model = optimizer.step(rate, model, gradients);
             state.step += 1;
-            if let Some(average) = &mut average {
-                average.add(&model);
+            if let Some(ema) = &mut ema {
+                ema.add(&model);
             }
             means.add(&parts);
             bar.set_message(means.to_string());
@@ -168,22 +172,22 @@ pub fn fit<L: Learner>(
         }
         bar.finish_and_clear();
 
-        let mean = average.as_ref().map(|average| average.apply(model.clone()));
+        let mean = ema.as_ref().map(|ema| ema.apply(model.clone()));
         let kept = mean.as_ref().unwrap_or(&model);
         let (loss, parts) = learner.validate(&kept.valid());
         let mut validation = Means::default();
         validation.add(&parts);
-        progress::say(&format!(
+        progress::log(&format!(
             "{name} epoch {}/{}: train {means}; validation {validation}",
             epoch + 1,
-            pace.epochs,
+            config.epochs,
         ));
         if state.best.is_none_or(|best| loss < best) {
             state.best = Some(loss);
             run.save_model(name, kept)?;
         }
         if mean.is_some() {
-            run.save_model(&mean_file, kept)?;
+            run.save_model(&ema_file, kept)?;
         }
         state.epochs_done = epoch + 1;
         run.save_model(&last, &model)?;
@@ -211,7 +215,7 @@ pub fn gradients<L: Learner>(
     learner: &L,
     model: &L::Model,
     shards: Vec<L::Shard>,
-) -> (GradientsParams, Vec<Part>) {
+) -> (GradientsParams, Vec<WeightedMetric>) {
     // A single part is computed on the model itself, so that what it measures of the batch stays with it.
     let shards = match <[L::Shard; 1]>::try_from(shards) {
         Ok([shard]) => {
@@ -230,7 +234,7 @@ pub fn gradients<L: Learner>(
         })
         .collect();
     let mut sum = GradientsAccumulator::new();
-    let mut total: Vec<Part> = Vec::new();
+    let mut total: Vec<WeightedMetric> = Vec::new();
     for (gradients, parts) in done {
         sum.accumulate(model, gradients);
         for part in parts {
@@ -257,10 +261,10 @@ pub fn optimizer(weight_decay: f32) -> ModuleOptimizer {
 
 /// Weighted means of named parts, in the order of their first appearance.
 #[derive(Default)]
-struct Means(Vec<Part>);
+struct Means(Vec<WeightedMetric>);
 
 impl Means {
-    fn add(&mut self, parts: &[Part]) {
+    fn add(&mut self, parts: &[WeightedMetric]) {
         for part in parts {
             match self.0.iter_mut().find(|known| known.name == part.name) {
                 Some(known) => {
@@ -300,18 +304,18 @@ mod tests {
     #[test]
     fn means_weigh_parts_by_their_cells() {
         let mut means = Means::default();
-        means.add(&[Part {
+        means.add(&[WeightedMetric {
             name: "a",
             mean: 1.0,
             weight: 1.0,
         }]);
         means.add(&[
-            Part {
+            WeightedMetric {
                 name: "a",
                 mean: 4.0,
                 weight: 2.0,
             },
-            Part {
+            WeightedMetric {
                 name: "b",
                 mean: 0.0,
                 weight: 0.0,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// How the learning rate changes over a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Course {
+pub enum LrSchedule {
     /// Linear warm-up over this share of the steps, then linear decay to 0.
     WarmUp(f64),
     /// The same rate throughout.
@@ -14,13 +14,13 @@ pub enum Course {
 
 /// The learning rate of every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Schedule {
+pub struct LearningRate {
     peak: f64,
     /// Steps that the rate rises, and steps until it is 0; none for a rate that stays.
     ramp: Option<(usize, usize)>,
 }
 
-impl Schedule {
+impl LearningRate {
     /// A schedule over `total` steps that reaches `peak`.
     ///
     /// With a warm-up, as in the reference, the very first step has rate 0, and steps beyond
@@ -31,10 +31,10 @@ impl Schedule {
         clippy::cast_sign_loss,
         reason = "a share of a number of steps"
     )]
-    pub fn new(peak: f64, course: Course, total: usize) -> Self {
-        let ramp = match course {
-            Course::WarmUp(share) => Some(((share * total as f64) as usize, total)),
-            Course::Constant => None,
+    pub fn new(peak: f64, lr_schedule: LrSchedule, total: usize) -> Self {
+        let ramp = match lr_schedule {
+            LrSchedule::WarmUp(share) => Some(((share * total as f64) as usize, total)),
+            LrSchedule::Constant => None,
         };
         Self { peak, ramp }
     }
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn rises_from_zero_to_the_peak_and_falls_back_to_zero() {
-        let schedule = Schedule::new(1e-4, Course::WarmUp(0.05), 1000);
+        let schedule = LearningRate::new(1e-4, LrSchedule::WarmUp(0.05), 1000);
         let close = |step, rate: f64| (schedule.rate(step) - rate).abs() < 1e-15;
         assert!(close(0, 0.0));
         assert!(close(25, 0.5e-4));
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_constant_rate_is_constant_from_the_first_step_on() {
-        let schedule = Schedule::new(1e-4, Course::Constant, 10);
+        let schedule = LearningRate::new(1e-4, LrSchedule::Constant, 10);
         assert!([0, 5, 10, 100].map(|step| schedule.rate(step)) == [1e-4; 4]);
     }
 }

@@ -76,7 +76,7 @@ impl LowPass {
     fn run(&self, x: &mut [f64]) {
         let first = x.first().copied().unwrap_or_default();
         for Section { b, a } in &self.sections {
-            // What the two memories hold after a long constant: the section answers with the same.
+            // What the two memories hold after a long constant: the section steps with the same.
             let mut memory = [first * (1.0 - b[0]), first * (b[2] - a[1])];
             for x in &mut *x {
                 let y = b[0] * *x + memory[0];

@@ -162,7 +162,7 @@ fn shrunk_covariance(x: &DMatrix<f64>) -> DMatrix<f64> {
 mod tests {
     use super::*;
 
-    /// Ninety made-up examples of four features and three classes of unequal size.
+    /// Ninety synthetic examples of four features and three classes of unequal size.
     fn examples() -> Vec<(Vec<f32>, usize)> {
         (0..90_i32)
             .map(|n| {

@@ -11,14 +11,14 @@ use myointent::training::dropout::Dropout;
 
 /// Dimensions.
 #[derive(Clone, Copy, Debug)]
-pub struct LstmPeerConfig {
+pub struct LstmBaselineConfig {
     /// Width of the layer in front.
     pub front: usize,
     /// Width of the recurrent layer's state.
     pub hidden: usize,
 }
 
-impl Default for LstmPeerConfig {
+impl Default for LstmBaselineConfig {
     fn default() -> Self {
         Self {
             front: 400,
@@ -27,13 +27,13 @@ impl Default for LstmPeerConfig {
     }
 }
 
-impl LstmPeerConfig {
+impl LstmBaselineConfig {
     /// A fresh network.
     #[must_use]
-    pub fn init(&self, classes: usize, device: &Device) -> LstmPeer {
+    pub fn init(&self, classes: usize, device: &Device) -> LstmBaseline {
         // As PyTorch starts it, not as Burn does.
         let bound = 1.0 / (self.hidden as f64).sqrt();
-        LstmPeer {
+        LstmBaseline {
             front: LinearConfig::new(CHANNELS, self.front).init(device),
             lstm: LstmConfig::new(self.front, self.hidden, true)
                 .with_initializer(Initializer::Uniform {
@@ -48,13 +48,13 @@ impl LstmPeerConfig {
 
 /// The network.
 #[derive(Module, Debug)]
-pub struct LstmPeer {
+pub struct LstmBaseline {
     front: Linear,
     lstm: Lstm,
     out: Linear,
 }
 
-impl Network for LstmPeer {
+impl Network for LstmBaseline {
     fn forward(&self, input: Tensor<2>, _: &mut Dropout) -> Vec<Tensor<3>> {
         let [batch, numbers] = input.dims();
         let input = input.reshape([batch, numbers / CHANNELS, CHANNELS]);
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
-        let model = LstmPeerConfig::default().init(3, &Device::default());
+        let model = LstmBaselineConfig::default().init(3, &Device::default());
         // Four gates, each with a bias for the input and one for the state, as PyTorch has.
         let gates = 4 * (400 * 256 + 256 + 256 * 256 + 256);
         assert_eq!(model.num_params(), (8 + 1) * 400 + gates + (256 + 1) * 3);
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn step_by_step_is_the_whole_sequence() {
         let device = Device::default();
-        let model = LstmPeerConfig::default().init(3, &device);
+        let model = LstmBaselineConfig::default().init(3, &device);
         let input: Vec<f32> = (0..2 * 5 * 8_u8)
             .map(|x| (f32::from(x) * 0.7).sin())
             .collect();

@@ -1,22 +1,23 @@
-//! The paper's five baselines, trained and judged on what our own models are: the same recordings, split,
-//! windows, smoother and metrics. What is theirs is what they hear, their network and its training.
+//! The paper's five baselines, trained and evaluated as our own models are: the same recordings, split,
+//! windows, smoother and metrics. Input features, network and training are their own.
 //!
-//! A recording's samples go through a peer's [front end](front_end::FrontEnd), which makes features of one
-//! window, then through its network; the logits of its [answers](answers::Answers) become
-//! [`Rows`](myointent::inference::Rows). Dimensions are those of the reference's code, which differs from the
-//! paper's text here and there.
+//! [`FeatureExtraction`](feature_extraction::FeatureExtraction) makes features of one window, the network
+//! makes logits of them, and the logits of its [`OutputSteps`](output_steps::OutputSteps) become
+//! [`LookBackLogits`](shared::pipeline::LookBackLogits). Dimensions are those of the reference's code,
+//! which differs from the paper's text here and there.
 
-pub mod answers;
 pub mod butterworth;
 pub mod ed_tcn;
-pub mod evaluation;
+pub mod feature_extraction;
 pub mod features;
-pub mod front_end;
+pub mod inference;
 pub mod lda;
 pub mod lstm;
 pub mod mlp;
 pub mod network;
+pub mod output_steps;
 pub mod scaling;
+mod settings;
 pub mod stream;
 pub mod trahgr;
 pub mod training;
@@ -24,13 +25,15 @@ pub mod training;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
+pub use settings::{BaselineSettings, SettingsError, find_preset};
+
 use myointent::execution::run_folder::model_file;
 
 /// One of the paper's baselines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[value(rename_all = "kebab-case")]
-pub enum Peer {
+pub enum Baseline {
     /// Linear discriminant analysis on three features a channel.
     Lda,
     /// Four wide layers on six time-domain features a channel; the reference's name is ANN.
@@ -45,7 +48,7 @@ pub enum Peer {
     TraHgr,
 }
 
-impl Peer {
+impl Baseline {
     /// All five, in the order of the tables.
     pub const ALL: [Self; 5] = [Self::Lda, Self::Mlp, Self::Lstm, Self::EdTcn, Self::TraHgr];
 
@@ -61,25 +64,25 @@ impl Peer {
         }
     }
 
-    /// Stem of the peer's files in a run's folder.
+    /// Stem of the baseline's files in a run's folder.
     #[must_use]
     pub const fn file(self) -> &'static str {
         match self {
-            Self::Lda => "peer-lda",
-            Self::Mlp => "peer-mlp",
-            Self::Lstm => "peer-lstm",
-            Self::EdTcn => "peer-ed-tcn",
-            Self::TraHgr => "peer-trahgr",
+            Self::Lda => "baseline-lda",
+            Self::Mlp => "baseline-mlp",
+            Self::Lstm => "baseline-lstm",
+            Self::EdTcn => "baseline-ed-tcn",
+            Self::TraHgr => "baseline-trahgr",
         }
     }
 
     /// The front end, as fitted to the training windows.
     #[must_use]
-    pub fn front_end_file(self) -> String {
+    pub fn features_file(self) -> String {
         format!("{}.json", self.file())
     }
 
-    /// What was learnt; its presence says that the peer has been trained.
+    /// What was learnt; its presence says that the baseline has been trained.
     #[must_use]
     pub fn model_file(self) -> String {
         match self {
@@ -88,42 +91,10 @@ impl Peer {
         }
     }
 
-    /// Whether it answers about its window's past too, so that a look-ahead has something to read.
+    /// Whether it outputs logits for the past of its window too, which a look-ahead needs.
     /// The others name one label a window.
     #[must_use]
     pub const fn looks_back(self) -> bool {
         matches!(self, Self::Lstm | Self::EdTcn)
-    }
-}
-
-/// How peers are trained; the defaults are the reference's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PeerSettings {
-    /// Samples between the ends of two windows.
-    pub stride: usize,
-    /// Passes over all windows.
-    pub epochs: usize,
-    /// Windows a step.
-    pub batch: usize,
-    /// Learning rate, the same throughout.
-    pub learning_rate: f64,
-    /// Decoupled weight decay, on every parameter.
-    pub weight_decay: f32,
-    /// Samples from one of the LSTM's steps to the next. The reference's 1 makes 500 steps a window, ten
-    /// times the work of 10.
-    pub lstm_step: usize,
-}
-
-impl Default for PeerSettings {
-    fn default() -> Self {
-        Self {
-            stride: 30,
-            epochs: 12,
-            batch: 128,
-            learning_rate: 1e-4,
-            weight_decay: 0.01,
-            lstm_step: 1,
-        }
     }
 }

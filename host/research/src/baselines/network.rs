@@ -1,4 +1,4 @@
-//! What all peers' networks have in common.
+//! What all baselines' networks have in common.
 
 use burn::module::Module;
 use burn::tensor::Tensor;
@@ -12,7 +12,7 @@ pub trait Network: Module + Sync {
 
     /// Runs a batch of inputs `[b, numbers]` as the front end makes them.
     ///
-    /// Gives the logits of every head, `[b, answers, classes]` each: the losses of all are summed, and the
+    /// Gives the logits of every head, `[b, steps, classes]` each: the losses of all are summed, and the
     /// first one is what the network says.
     fn forward(&self, input: Tensor<2>, dropout: &mut Dropout) -> Vec<Tensor<3>>;
 }

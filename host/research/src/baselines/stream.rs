@@ -1,10 +1,10 @@
-//! Streams as peers hear them: raw and cleaned, with a lead-in, window by window.
+//! Streams as baselines hear them: raw and cleaned, with a lead-in, window by window.
 
 use shared::intent::Intent;
 use shared::units::{CleanSample, Sample};
 
-use super::answers::Answers;
-use myointent::dataset::corpus::{Corpus};
+use super::output_steps::OutputSteps;
+use myointent::dataset::corpus::Corpus;
 use myointent::dataset::lead_in::lead_in;
 
 /// Samples in front of a stream. A whole number of the lead-in's 100 samples, so that the newest
@@ -13,7 +13,7 @@ const LEAD: usize = 700;
 
 /// A stream with its lead-in, whose labels nobody knows.
 #[derive(Clone, Debug)]
-pub struct PeerStream {
+pub struct PaddedStream {
     raw: Vec<Sample>,
     emg: Vec<CleanSample>,
     labels: Vec<Option<Intent>>,
@@ -21,7 +21,7 @@ pub struct PeerStream {
 
 /// The samples of one window.
 #[derive(Clone, Copy, Debug)]
-pub struct Heard<'a> {
+pub struct WindowSamples<'a> {
     /// As the armband sends them.
     pub raw: &'a [Sample],
     /// The same, cleaned.
@@ -37,7 +37,7 @@ pub struct Window {
     pub end: usize,
 }
 
-impl PeerStream {
+impl PaddedStream {
     /// Puts the lead-in in front; all three are of one length.
     #[must_use]
     pub fn new(raw: &[Sample], emg: &[CleanSample], labels: &[Option<Intent>]) -> Self {
@@ -52,40 +52,40 @@ impl PeerStream {
 
     /// The `length` samples before a place of the stream; the place is 1 or later, the length 700 or less.
     #[must_use]
-    pub fn heard(&self, end: usize, length: usize) -> Heard<'_> {
+    pub fn window(&self, end: usize, length: usize) -> WindowSamples<'_> {
         let range = LEAD + end - length..LEAD + end;
-        Heard {
+        WindowSamples {
             raw: &self.raw[range.clone()],
             emg: &self.emg[range],
         }
     }
 
-    /// What the answers about that window should be.
+    /// What the steps about that window should be.
     #[must_use]
-    pub fn labels(&self, end: usize, answers: Answers) -> Vec<Option<Intent>> {
-        answers.labels(&self.labels[LEAD + end - answers.window..LEAD + end])
+    pub fn labels(&self, end: usize, steps: OutputSteps) -> Vec<Option<Intent>> {
+        steps.labels(&self.labels[LEAD + end - steps.window..LEAD + end])
     }
 }
 
 /// All streams of a corpus, and the windows among them that teach something.
 #[derive(Clone, Debug)]
-pub struct Material {
+pub struct Windows {
     /// The streams.
-    pub streams: Vec<PeerStream>,
-    /// The windows, every `stride` samples, of which at least one answer is known.
+    pub streams: Vec<PaddedStream>,
+    /// The windows, every `stride` samples, of which at least one step is known.
     pub windows: Vec<Window>,
     /// How many classes there are.
     pub classes: usize,
 }
 
-impl Material {
+impl Windows {
     /// Lists the windows of a corpus.
     #[must_use]
-    pub fn of(corpus: &Corpus, answers: Answers, stride: usize) -> Self {
-        let streams: Vec<PeerStream> = corpus
+    pub fn of(corpus: &Corpus, steps: OutputSteps, stride: usize) -> Self {
+        let streams: Vec<PaddedStream> = corpus
             .streams
             .iter()
-            .map(|stream| PeerStream::new(&stream.raw, &stream.emg, &stream.labels))
+            .map(|stream| PaddedStream::new(&stream.raw, &stream.emg, &stream.labels))
             .collect();
         let mut windows = Vec::new();
         for (stream, own) in corpus.streams.iter().enumerate() {
@@ -94,7 +94,7 @@ impl Material {
                     .step_by(stride)
                     .filter(|&end| {
                         streams[stream]
-                            .labels(end, answers)
+                            .labels(end, steps)
                             .iter()
                             .any(Option::is_some)
                     })
@@ -112,9 +112,9 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myointent::dataset::corpus::{Stream};
+    use crate::baselines::Baseline;
+    use myointent::dataset::corpus::Stream;
     use myointent::dataset::lead_in::padded;
-    use crate::baselines::Peer;
     use shared::intent::Vocabulary;
 
     fn corpus() -> Corpus {
@@ -130,10 +130,13 @@ mod tests {
     #[test]
     fn a_window_is_the_one_that_every_other_model_gets() {
         let corpus = corpus();
-        let material = Material::of(&corpus, Answers::of(Peer::Lda, 1), 30);
+        let windows_of = Windows::of(&corpus, OutputSteps::of(Baseline::Lda, 1), 30);
         let expected = padded(&corpus.streams[0].emg);
-        assert_eq!(material.streams[0].heard(10, 600).emg, &expected[10..610]);
-        let long = material.streams[0].heard(10, 625);
+        assert_eq!(
+            windows_of.streams[0].window(10, 600).emg,
+            &expected[10..610]
+        );
+        let long = windows_of.streams[0].window(10, 625);
         assert_eq!(long.raw.len(), 625);
         assert_eq!(long.raw[615..], corpus.streams[0].raw[..10]);
     }
@@ -141,14 +144,17 @@ mod tests {
     #[test]
     fn windows_whose_label_nobody_knows_are_left_out() {
         let corpus = corpus();
-        let ends = |peer| {
-            let windows = Material::of(&corpus, Answers::of(peer, 10), 30).windows;
+        let ends = |baseline| {
+            let windows = Windows::of(&corpus, OutputSteps::of(baseline, 10), 30).windows;
             windows.iter().map(|window| window.end).collect::<Vec<_>>()
         };
         // The last samples of 210, 240 are unknown; LSTM and ED-TCN know older ones.
-        assert_eq!(ends(Peer::Mlp), [30, 60, 90, 120, 150, 180, 270, 300, 330]);
-        assert_eq!(ends(Peer::EdTcn).len(), 11);
+        assert_eq!(
+            ends(Baseline::Mlp),
+            [30, 60, 90, 120, 150, 180, 270, 300, 330]
+        );
+        assert_eq!(ends(Baseline::EdTcn).len(), 11);
         // Half an inner window of labels is the least that LSTM learns from.
-        assert_eq!(ends(Peer::Lstm)[0], 60);
+        assert_eq!(ends(Baseline::Lstm)[0], 60);
     }
 }

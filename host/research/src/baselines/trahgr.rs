@@ -7,7 +7,7 @@ use burn::tensor::activation::{gelu, softmax};
 use burn::tensor::{Device, Tensor};
 use shared::units::{CHANNELS, WINDOW};
 
-use super::front_end::ORDERS;
+use super::feature_extraction::ORDERS;
 use super::network::Network;
 use myointent::training::dropout::Dropout;
 

@@ -1,26 +1,27 @@
-//! `myointent study`: every comparison of the paper, job by job.
+//! `myointent-research study`: every comparison of the paper, job by job.
 
 use std::io::Write as _;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, DataArguments};
-use myointent::execution::interrupt::Interrupt;
-use myointent::run::preset::Preset;
-use myointent::dataset::folds::Protocol;
+use crate::baselines::find_preset;
 use crate::comparison::job::Study;
 use crate::comparison::variant::Variant;
+use myointent::cli::arguments::{BackendArguments, DataArguments};
+use myointent::dataset::folds::Protocol;
+use myointent::execution::interrupt::Interrupt;
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Each job is one fold of one variant and stands for itself (but fine-tuning, which needs the variant\n\
     `pretraining`); one that was interrupted goes on where it stopped, one that is done is passed over.\n\n\
-    Examples:\n  myointent study --data recordings --skip-bad                 # all jobs, one after the other\n  \
-    myointent study --data recordings --skip-bad --list | sh     # or any scheduler\n  \
-    myointent study --data recordings --skip-bad --study runs/sizes --variant student-64x2,student-96x3
-  myointent tables runs/study --out docs/tables                # what came out"
+    Examples:\n  myointent-research study --data recordings                 # all jobs, one after the other\n  \
+    myointent-research study --data recordings --list | sh     # or any scheduler\n  \
+    myointent-research study --data recordings --study runs/sizes --variant student-64x2,student-96x3
+  myointent-research tables runs/study --out docs/tables                # what came out"
 )]
 pub struct Arguments {
     /// Built-in preset or a TOML file that the variants vary.
@@ -54,15 +55,16 @@ pub struct Arguments {
 /// When recordings, preset or folders cannot be used.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
-    let preset = Preset::find(&arguments.preset)?;
-    let library = arguments.data.load(preset.seed)?;
+    let (preset, baselines) = find_preset(&arguments.preset)?;
+    let library = Arc::new(arguments.data.load(&preset)?);
     let study = Study {
         folder: &arguments.study,
         preset: &preset,
         protocol: arguments.protocol,
-        library: &library,
+        baselines: &baselines,
+        library,
         data: arguments.data.data.as_deref(),
-        skip_bad: arguments.data.skip_bad,
+        strict: arguments.data.strict,
         device: arguments.backend.device(),
         interrupt: &interrupt,
     };
@@ -101,7 +103,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> String {
     let program = std::env::args()
         .next()
-        .unwrap_or_else(|| "myointent".to_owned());
+        .unwrap_or_else(|| "myointent-research".to_owned());
     let mut words = vec![program, "study".to_owned()];
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     option("preset", arguments.preset.clone());
@@ -114,8 +116,8 @@ fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> Stri
     if let Some(fold) = fold {
         option("fold", fold.to_string());
     }
-    if arguments.data.skip_bad {
-        words.push("--skip-bad".to_owned());
+    if arguments.data.strict {
+        words.push("--strict".to_owned());
     }
     words
         .iter()

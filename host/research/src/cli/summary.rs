@@ -1,4 +1,4 @@
-//! `myointent summary`: the folds of a protocol as one evaluation.
+//! `myointent-research summary`: the folds of a protocol as one evaluation.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -7,20 +7,20 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::table::tables;
-use myointent::execution::run_folder::RunFolder;
-use myointent::run::stage::Results;
 use crate::comparison::{Outcome, folds};
+use myointent::execution::run_folder::RunFolder;
+use myointent::report::scores::tables;
+use myointent::run::evaluate::Results;
 
 const FILE: &str = "summary.json";
 
 /// Arguments of `summary`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "DIR holds a run folder for each fold, judged by `myointent evaluate`. Scores are put together by\n\
+    after_help = "DIR holds a run folder for each fold, evaluated by `myointent evaluate`. Scores are put together by\n\
     subject: deviations are over all people left out, whatever the fold. Folds that are missing are told; folds\n\
     that were not run alike, or that leave somebody out twice, are refused. All numbers go to DIR/summary.json.\n\n\
-    Example:\n  myointent summary studies/all/main"
+    Example:\n  myointent-research summary studies/all/main"
 )]
 pub struct Arguments {
     /// Folder of the folds.
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         left_out_in_fold: variant
             .runs
             .iter()
-            .map(|run| (run.fold().number, run.plan.split.held_out.as_slice()))
+            .map(|run| (run.fold().number, run.config.split.held_out.as_slice()))
             .collect(),
         results: &variant.results,
     };

@@ -4,7 +4,7 @@ use super::Outcomes;
 use super::scores::{ACCURACY, Heading, Line, scores};
 use super::section::{MAIN, Section, TRUTHS, would_fill};
 use super::variant::Variant;
-use myointent::run::stage::{INTEGER, TEACHER};
+use myointent::run::evaluate::{INTEGER, TEACHER};
 
 const WINDOW: &str = "window-";
 const PRE_TRAINING: [&str; 4] = ["scratch", "pretrained", "fine-tuned", "lora"];

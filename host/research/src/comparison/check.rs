@@ -6,8 +6,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::{Run, StudyError};
-use myointent::run::plan::Plan;
 use myointent::dataset::split::Role;
+use myointent::run::config::ResolvedConfig;
 
 /// Who is left out is what folds are there to differ in.
 const MAY_DIFFER: [&str; 2] = ["data.held_out", "data.validation"];
@@ -27,7 +27,7 @@ pub(super) fn check(runs: &[Run]) -> Result<(), StudyError> {
                 second: run.path.clone(),
             });
         }
-        for subject in &run.plan.split.held_out {
+        for subject in &run.config.split.held_out {
             if let Some(first) = left_out.insert(subject, run) {
                 return Err(StudyError::LeftOutTwice {
                     subject: subject.clone(),
@@ -50,7 +50,7 @@ fn alone(run: &Run) -> Result<(), StudyError> {
             of: fold.of,
         });
     }
-    let split = &run.plan.split;
+    let split = &run.config.split;
     let planned: BTreeSet<&str> = split.held_out.iter().map(String::as_str).collect();
     let seen = |subject: &str| {
         let others = [&split.training, &split.validation];
@@ -70,7 +70,7 @@ fn alone(run: &Run) -> Result<(), StudyError> {
         .published
         .iter()
         .chain(&results.spliced)
-        .flat_map(|verdict| verdict.spoken.iter().chain([&verdict.emitted]))
+        .flat_map(|score| score.reference.iter().chain([&score.emitted]))
         .flat_map(|summary| &summary.subjects)
         .map(|score| score.subject.as_str())
         .filter(|&subject| split.role(subject) != Some(Role::HeldOut));
@@ -90,7 +90,7 @@ fn alone(run: &Run) -> Result<(), StudyError> {
 
 /// Refuses two folds whose settings differ, and says in what.
 fn alike(first: &Run, second: &Run) -> Result<(), StudyError> {
-    let (one, other) = (settings(&first.plan), settings(&second.plan));
+    let (one, other) = (settings(&first.config), settings(&second.config));
     let names: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
     let said = |value: Option<&Value>| value.map_or_else(|| "none".to_owned(), Value::to_string);
     let keys: Vec<String> = names
@@ -118,21 +118,21 @@ fn alike(first: &Run, second: &Run) -> Result<(), StudyError> {
 ///
 /// Paths are not in it: folds may run on several machines. Lags are not either: each fold estimates
 /// them on its own training subjects.
-fn settings(plan: &Plan) -> BTreeMap<String, Value> {
+fn settings(config: &ResolvedConfig) -> BTreeMap<String, Value> {
     let mut settings = BTreeMap::new();
     // A preset is plain numbers and names, which JSON can always hold.
-    let preset = serde_json::to_value(&plan.preset).unwrap_or_default();
+    let preset = serde_json::to_value(&config.preset).unwrap_or_default();
     flatten("", preset, &mut settings);
     settings.retain(|key, _| !MAY_DIFFER.contains(&key.as_str()));
-    let folds = plan.fold.map_or(1, |fold| fold.of);
+    let folds = config.fold.map_or(1, |fold| fold.of);
     settings.insert("folds".to_owned(), folds.into());
-    settings.insert("variant".to_owned(), plan.variant.clone().into());
-    settings.insert("skip_bad".to_owned(), plan.skip_bad.into());
+    settings.insert("variant".to_owned(), config.variant.clone().into());
+    settings.insert("strict".to_owned(), config.strict.into());
     // Where it lies may differ as well, not what it is.
-    let start = plan.start.as_deref().and_then(Path::file_name);
+    let start = config.start.as_deref().and_then(Path::file_name);
     let start = start.map(|name| name.to_string_lossy().into_owned());
     settings.insert("start".to_owned(), start.into());
-    settings.insert("synthetic".to_owned(), plan.data.is_none().into());
+    settings.insert("synthetic".to_owned(), config.data.is_none().into());
     settings
 }
 

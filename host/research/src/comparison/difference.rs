@@ -3,11 +3,11 @@
 //! People differ far more than models do, so the deviation of the differences says what the two
 //! models' own deviations cannot.
 
-use super::cell::{self, Cell, ONE, PAIRED};
 use super::scores::{Heading, shown};
 use super::{Column, Outcome, Row, Sheet};
 use myointent::evaluation::judge::Truth;
 use myointent::evaluation::metric::summary::{MeanSd, SubjectScore, Summary};
+use myointent::report::cell::{self, Cell, ONE, PAIRED};
 
 /// A number of a person.
 type Value = fn(&SubjectScore) -> Option<f64>;
@@ -37,8 +37,8 @@ pub(super) fn differences(
     for look_ahead in variant.look_aheads() {
         for (model, other) in pairs {
             let summary = |model: &str, set: &str| {
-                let verdict = variant.verdict(model, set, look_ahead, truth);
-                verdict.map(|verdict| verdict.widest())
+                let score = variant.score(model, set, look_ahead, truth);
+                score.map(|score| score.widest())
             };
             let mut cells = vec![
                 cell::text(format!("{model} - {other}")),

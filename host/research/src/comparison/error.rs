@@ -19,7 +19,7 @@ pub enum StudyError {
     },
     /// A folder without a single run.
     #[error(
-        "{path}: expected {expected} with a plan.json each, found none: give the folder above them"
+        "{path}: expected {expected} with a config.json each, found none: give the folder above them"
     )]
     NoRuns {
         /// The folder.
@@ -38,9 +38,9 @@ pub enum StudyError {
         /// The run's folder.
         run: PathBuf,
     },
-    /// Results that were made before the plan was changed.
+    /// Results that were made before the config was changed.
     #[error(
-        "{run}: plan.json and results.json disagree on {subject}, who is left out in one of them only: run `myointent evaluate --run {run}` again"
+        "{run}: config.json and results.json disagree on {subject}, who is left out in one of them only: run `myointent evaluate --run {run}` again"
     )]
     Stale {
         /// The run's folder.

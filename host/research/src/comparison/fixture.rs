@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::{Outcome, Outcomes, load};
-use myointent::evaluation::judge::{ALL, LookAhead, Truth, Verdict};
+use myointent::dataset::split::Split;
+use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
 use myointent::evaluation::metric::offset;
 use myointent::evaluation::metric::summary::{SubjectScore, Summary};
-use myointent::run::plan::{Fold, Plan};
-use myointent::run::preset::Preset;
-use myointent::dataset::split::Split;
 use myointent::execution::run_folder::RunFolder;
-use myointent::run::stage::{RESULTS, Results, TEACHER};
+use myointent::run::config::{Fold, ResolvedConfig};
+use myointent::run::evaluate::{RESULTS, Results, TEACHER};
+use myointent::run::preset::Preset;
 
 /// A study's folder, gone with the value.
 pub struct Fixture(tempfile::TempDir);
@@ -21,11 +21,11 @@ type Edit<T> = Box<dyn FnOnce(&mut T)>;
 /// A fold that is being made up: one teacher, judged with and without look-ahead.
 pub struct MadeFold {
     path: PathBuf,
-    plan: Plan,
+    config: ResolvedConfig,
     scores: Vec<SubjectScore>,
     models: Vec<(&'static str, bool)>,
-    reading: LookAhead,
-    plan_edit: Option<Edit<Plan>>,
+    aggregation: LookAhead,
+    config_edit: Option<Edit<ResolvedConfig>>,
     results_edit: Option<Edit<Results>>,
 }
 
@@ -50,13 +50,13 @@ impl Fixture {
         let preset = Preset::find("quickstart").unwrap();
         MadeFold {
             path: self.path().join(variant).join(format!("fold-{number}")),
-            plan: Plan {
+            config: ResolvedConfig {
                 variant: variant.to_owned(),
                 fold: Some(Fold { number, of }),
                 preset,
                 start: None,
                 data: Some("recordings".into()),
-                skip_bad: false,
+                strict: false,
                 split: Split {
                     training: vec!["roshambo/08".to_owned()],
                     validation: vec!["ss-stm/sub1".to_owned()],
@@ -67,8 +67,8 @@ impl Fixture {
             },
             scores: Vec::new(),
             models: vec![(TEACHER, true)],
-            reading: LookAhead::AllRows,
-            plan_edit: None,
+            aggregation: LookAhead::AllRows,
+            config_edit: None,
             results_edit: None,
         }
     }
@@ -91,14 +91,14 @@ impl MadeFold {
         self
     }
 
-    pub fn reading(mut self, reading: LookAhead) -> Self {
+    pub fn reading(mut self, aggregation: LookAhead) -> Self {
         self.reading = reading;
         self
     }
 
-    /// Changes the plan after all.
-    pub fn plan(mut self, edit: impl FnOnce(&mut Plan) + 'static) -> Self {
-        self.plan_edit = Some(Box::new(edit));
+    /// Changes the config after all.
+    pub fn config(mut self, edit: impl FnOnce(&mut ResolvedConfig) + 'static) -> Self {
+        self.config_edit = Some(Box::new(edit));
         self
     }
 
@@ -110,16 +110,16 @@ impl MadeFold {
 
     pub fn write(mut self) -> PathBuf {
         let mut results = results(self.scores, &self.models);
-        results.reading = self.reading;
-        self.plan.split.held_out.clone_from(&results.held_out);
-        if let Some(edit) = self.plan_edit {
-            edit(&mut self.plan);
+        results.aggregation = self.reading;
+        self.config.split.held_out.clone_from(&results.held_out);
+        if let Some(edit) = self.config_edit {
+            edit(&mut self.config);
         }
         if let Some(edit) = self.results_edit {
             edit(&mut results);
         }
         let folder = RunFolder::open(&self.path).unwrap();
-        self.plan.save(&folder).unwrap();
+        self.config.save(&folder).unwrap();
         folder.save_json(RESULTS, &results).unwrap();
         self.path
     }
@@ -160,7 +160,7 @@ pub fn results(scores: impl IntoIterator<Item = SubjectScore>, models: &[(&str, 
         }
     };
     let mut published = Vec::new();
-    for truth in [Truth::Published, Truth::Moved] {
+    for truth in [Truth::Published, Truth::LagCompensated] {
         for &(model, with_look_ahead) in models {
             let readings = if with_look_ahead { 3 } else { 1 };
             for look_ahead in LookAhead::ALL.into_iter().take(readings) {
@@ -170,12 +170,12 @@ pub fn results(scores: impl IntoIterator<Item = SubjectScore>, models: &[(&str, 
                     };
                     let own = || scores.iter().filter(of);
                     let spoken = Summary::of_subjects(own().cloned().collect());
-                    Verdict {
+                    Score {
                         model: model.to_owned(),
                         data_set: set.to_owned(),
                         look_ahead,
                         truth,
-                        spoken: [spoken.clone(), spoken.clone(), spoken],
+                        reference: [spoken.clone(), spoken.clone(), spoken],
                         emitted: Summary::of_subjects(own().map(late).collect()),
                     }
                 }));
@@ -186,7 +186,7 @@ pub fn results(scores: impl IntoIterator<Item = SubjectScore>, models: &[(&str, 
     held_out.sort_unstable();
     Results {
         held_out,
-        reading: LookAhead::AllRows,
+        aggregation: LookAhead::AllRows,
         published,
         spliced: Vec::new(),
     }

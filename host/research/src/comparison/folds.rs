@@ -2,8 +2,8 @@
 
 use shared::units::SAMPLE_PERIOD_MS;
 
-use super::cell::{self, ONE};
 use super::{Column, Outcome, Row, Sheet};
+use myointent::report::cell::{self, ONE};
 
 /// A row for each fold of these variants.
 #[must_use]
@@ -21,20 +21,20 @@ pub fn folds<'a>(variants: impl IntoIterator<Item = &'a Outcome>) -> Sheet {
     let mut rows = Vec::new();
     for variant in variants {
         for run in &variant.runs {
-            let (plan, fold) = (&run.plan, run.fold());
-            let lags = plan.lags.iter().map(|(data_set, lag)| {
+            let (config, fold) = (&run.config, run.fold());
+            let lags = config.lags.iter().map(|(data_set, lag)| {
                 let milliseconds = lag.samples * SAMPLE_PERIOD_MS as usize;
                 format!("{} {milliseconds}", data_set.name())
             });
             let cells = [
                 variant.name.clone(),
                 format!("{} of {}", fold.number, fold.of),
-                plan.split.training.len().to_string(),
-                run.results.reading.name().to_owned(),
+                config.split.training.len().to_string(),
+                run.results.aggregation.name().to_owned(),
                 lags.collect::<Vec<_>>().join(", "),
                 run.revision().to_owned(),
-                plan.split.validation.join(", "),
-                plan.split.held_out.join(", "),
+                config.split.validation.join(", "),
+                config.split.held_out.join(", "),
             ];
             rows.push(Row {
                 cells: cells.map(cell::text).to_vec(),

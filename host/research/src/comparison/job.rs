@@ -4,21 +4,28 @@
 //! scheduler can run them in any number at once. A job that was interrupted goes on where it stopped.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::bail;
 use burn::tensor::Device;
 
-use super::variant::Variant;
-use myointent::execution::interrupt::Interrupt;
-use crate::baselines::Peer;
-use myointent::run::plan::{Plan, Turn};
-use myointent::run::preset::Preset;
-use myointent::execution::progress;
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
+use myointent::execution::interrupt::Interrupt;
+use myointent::execution::progress;
 use myointent::execution::run_folder::{RunError, RunFolder, model_file};
-use myointent::run::stage::{RESULTS, Stage};
+use myointent::run::config::{CONFIG, ResolvedConfig};
+use myointent::run::context::RunContext;
+use myointent::run::distill::{distill, train_on_labels};
+use myointent::run::evaluate::{RESULTS, evaluate};
+use myointent::run::preset::Preset;
+use myointent::run::quantize::{MODEL, quantize};
+use myointent::run::resolve::FoldChoice;
+use myointent::run::train::train;
 use myointent::teacher;
+
+use super::variant::Variant;
+use crate::baselines::{self, Baseline, BaselineSettings};
 
 /// What all jobs of a study have in common.
 pub struct Study<'a> {
@@ -29,11 +36,13 @@ pub struct Study<'a> {
     /// How everybody is left out in turn.
     pub protocol: Protocol,
     /// The recordings.
-    pub library: &'a Library,
-    /// Where they lie.
+    pub library: Arc<Library>,
+    /// How baselines are trained.
+    pub baselines: &'a BaselineSettings,
+    /// Where the recordings lie.
     pub data: Option<&'a Path>,
     /// Whether damaged files were left out.
-    pub skip_bad: bool,
+    pub strict: bool,
     /// What is computed on, with gradients.
     pub device: Device,
     /// Ctrl-C.
@@ -49,7 +58,7 @@ impl Study<'_> {
         if !variant.has_folds() {
             return Ok(vec![None]);
         }
-        let labelled = Plan::labelled(&variant.preset(self.preset), self.library)?;
+        let labelled = ResolvedConfig::labelled(&variant.preset(self.preset), &self.library)?;
         Ok((1..=self.protocol.folds(labelled)).map(Some).collect())
     }
 
@@ -61,40 +70,42 @@ impl Study<'_> {
         let path = self.path(variant, fold);
         let folder = RunFolder::open(&path)?;
         if folder.file(RESULTS).exists() {
-            progress::say(&format!("{}: done before", path.display()));
+            progress::log(&format!("{}: done before", path.display()));
             return Ok(());
         }
-        let plan = self.plan(variant, fold, &folder)?;
-        progress::say(&format!(
+        let config = self.config(variant, fold, &folder)?;
+        progress::log(&format!(
             "{}: leaving out {}",
             path.display(),
-            plan.split.held_out.join(", ")
+            config.split.held_out.join(", ")
         ));
-        let stage = Stage {
-            run: &folder,
-            plan: &plan,
-            library: self.library,
+        let context = RunContext {
+            folder,
+            config,
+            library: self.library.clone(),
             device: self.device.clone(),
             resume: true,
-            interrupt: self.interrupt,
+            interrupt: self.interrupt.clone(),
         };
         if !variant.is_student() {
-            stage.train()?;
+            train(&context)?;
         }
         if !variant.has_folds() {
             return Ok(());
         }
         let model = if variant.has_students() || variant.is_student() {
-            stage.distill()?;
+            distill(&context)?;
             if variant.has_students() {
-                stage.train_alone()?;
-                stage.train_peers(&Peer::ALL)?;
+                train_on_labels(&context)?;
+                baselines::training::train_all(&context, &Baseline::ALL, self.baselines)?;
             }
-            Some(stage.quantize(&folder.file(myointent::cli::quickstart::MODEL))?)
+            Some(quantize(&context, &context.folder.file(MODEL))?)
         } else {
             None
         };
-        stage.evaluate(model.as_deref())?;
+        evaluate(&context, model.as_deref(), &|trials| {
+            Ok(baselines::inference::candidates(&context, trials)?)
+        })?;
         Ok(())
     }
 
@@ -106,39 +117,40 @@ impl Study<'_> {
         }
     }
 
-    /// The plan that the folder was begun with, or a new one.
-    fn plan(
+    /// The config that the folder was begun with, or a new one.
+    fn config(
         &self,
         variant: Variant,
         fold: Option<usize>,
         folder: &RunFolder,
-    ) -> anyhow::Result<Plan> {
-        let turn = fold.map(|number| Turn {
+    ) -> anyhow::Result<ResolvedConfig> {
+        let choice = fold.map(|number| FoldChoice {
             protocol: self.protocol,
             number,
         });
         let preset = variant.preset(self.preset);
-        let mut plan = Plan::new(preset, self.library, self.data, self.skip_bad, turn)?;
-        plan.variant = variant.to_string();
+        let mut config =
+            ResolvedConfig::new(preset, &self.library, self.data, self.strict, choice)?;
+        config.variant = variant.to_string();
         if variant.is_pretrained() {
             let start = self.path(Variant::Pretraining, None);
             if !start.join(model_file(teacher::training::NAME)).exists() {
                 bail!(
-                    "{}: no teacher to start from; run `myointent study --variant pretraining` first",
+                    "{}: no teacher to start from; run `myointent-research study --variant pretraining` first",
                     start.display()
                 );
             }
-            plan.start_from(&start)?;
+            config.start_from(&start)?;
         }
-        match Plan::load(folder) {
-            Ok(begun) if begun.preset != plan.preset || begun.split != plan.split => bail!(
+        match ResolvedConfig::load(folder) {
+            Ok(begun) if begun.preset != config.preset || begun.split != config.split => bail!(
                 "{}: begun with another preset, protocol or recordings; give another --study folder",
-                folder.file("plan.json").display()
+                folder.file(CONFIG).display()
             ),
             Ok(begun) => Ok(begun),
             Err(RunError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
-                plan.save(folder)?;
-                Ok(plan)
+                config.save(folder)?;
+                Ok(config)
             }
             Err(error) => Err(error.into()),
         }

@@ -6,9 +6,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use myointent::evaluation::judge::{ALL, LookAhead, Truth, Verdict};
+use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
 use myointent::evaluation::metric::summary::Summary;
-use myointent::run::stage::Results;
+use myointent::run::evaluate::Results;
 
 /// Puts the results of folds together that leave different people out.
 ///
@@ -17,24 +17,24 @@ use myointent::run::stage::Results;
 #[must_use]
 pub fn merge(folds: &[&Results]) -> Results {
     let held_out: BTreeSet<&String> = folds.iter().flat_map(|fold| &fold.held_out).collect();
-    let mut readings = folds.iter().map(|fold| fold.reading);
-    let first = readings.next().unwrap_or(LookAhead::AllRows);
-    let agreed = readings.all(|reading| reading == first);
+    let mut aggregations = folds.iter().map(|fold| fold.aggregation);
+    let first = aggregations.next().unwrap_or(LookAhead::AllRows);
+    let agreed = aggregations.all(|reading| reading == first);
     Results {
         held_out: held_out.into_iter().cloned().collect(),
-        reading: if agreed { first } else { LookAhead::AllRows },
-        published: verdicts(folds.iter().flat_map(|fold| &fold.published)),
-        spliced: verdicts(folds.iter().flat_map(|fold| &fold.spliced)),
+        aggregation: if agreed { first } else { LookAhead::AllRows },
+        published: scores(folds.iter().flat_map(|fold| &fold.published)),
+        spliced: scores(folds.iter().flat_map(|fold| &fold.spliced)),
     }
 }
 
 /// One line of every condition, in the order in which they first appear.
-fn verdicts<'a>(all: impl Iterator<Item = &'a Verdict>) -> Vec<Verdict> {
+fn scores<'a>(all: impl Iterator<Item = &'a Score>) -> Vec<Score> {
     type Condition<'a> = (Truth, &'a str, LookAhead);
-    type Group<'a> = BTreeMap<&'a str, Vec<&'a Verdict>>;
+    type Group<'a> = BTreeMap<&'a str, Vec<&'a Score>>;
     let mut groups: Vec<(Condition, Group)> = Vec::new();
-    for verdict in all.filter(|verdict| verdict.data_set != ALL) {
-        let condition = (verdict.truth, verdict.model.as_str(), verdict.look_ahead);
+    for score in all.filter(|score| score.data_set != ALL) {
+        let condition = (score.truth, score.model.as_str(), score.look_ahead);
         let at = groups
             .iter()
             .position(|(known, _)| *known == condition)
@@ -43,7 +43,7 @@ fn verdicts<'a>(all: impl Iterator<Item = &'a Verdict>) -> Vec<Verdict> {
                 groups.len() - 1
             });
         let sets = &mut groups[at].1;
-        sets.entry(&verdict.data_set).or_default().push(verdict);
+        sets.entry(&score.data_set).or_default().push(score);
     }
     let mut merged = Vec::new();
     for (condition, sets) in groups {
@@ -51,31 +51,31 @@ fn verdicts<'a>(all: impl Iterator<Item = &'a Verdict>) -> Vec<Verdict> {
             merged.push(pooled(condition, data_set, folds));
         }
         if sets.len() > 1 {
-            let everybody: Vec<&Verdict> = sets.into_values().flatten().collect();
+            let everybody: Vec<&Score> = sets.into_values().flatten().collect();
             merged.push(pooled(condition, ALL, &everybody));
         }
     }
     // As one evaluation orders them: all models under one truth, then under the next.
-    let order: Vec<Truth> = merged.iter().map(|verdict| verdict.truth).collect();
-    merged.sort_by_key(|verdict| order.iter().position(|&truth| truth == verdict.truth));
+    let order: Vec<Truth> = merged.iter().map(|score| score.truth).collect();
+    merged.sort_by_key(|score| order.iter().position(|&truth| truth == score.truth));
     merged
 }
 
 fn pooled(
     (truth, model, look_ahead): (Truth, &str, LookAhead),
     data_set: &str,
-    folds: &[&Verdict],
-) -> Verdict {
-    let of = |book: &dyn Fn(&Verdict) -> &Summary| {
+    folds: &[&Score],
+) -> Score {
+    let of = |book: &dyn Fn(&Score) -> &Summary| {
         let subjects = folds.iter().flat_map(|fold| book(fold).subjects.clone());
         Summary::of_subjects(subjects.collect())
     };
-    Verdict {
+    Score {
         model: model.to_owned(),
         data_set: data_set.to_owned(),
         look_ahead,
         truth,
-        spoken: std::array::from_fn(|buffer| of(&|fold| &fold.spoken[buffer])),
+        reference: std::array::from_fn(|buffer| of(&|fold| &fold.reference[buffer])),
         emitted: of(&|fold| &fold.emitted),
     }
 }
@@ -113,7 +113,7 @@ mod tests {
             prop_assert_eq!(&merged.held_out, &whole.held_out);
             let line = |results: &Results, set: &str| {
                 let mut lines = results.published.iter();
-                lines.find(|verdict| verdict.data_set == set && verdict.truth == Truth::Moved).cloned()
+                lines.find(|score| score.data_set == set && score.truth == Truth::LagCompensated).cloned()
             };
             for set in ["roshambo", "ss-stm", ALL] {
                 prop_assert_eq!(line(&merged, set), line(&whole, set));

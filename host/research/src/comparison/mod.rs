@@ -1,12 +1,11 @@
 //! The paper's comparisons on the recordings at hand: the jobs, and the tables of what came out.
 //!
-//! On disk `STUDY/VARIANT/fold-K/{plan.json,results.json}`. A variant is one way to train; its
+//! On disk `STUDY/VARIANT/fold-K/{config.json,results.json}`. A variant is one way to train; its
 //! folds leave disjoint groups of people out, so that everybody is left out once. [`job`] fills the
 //! folders; all else here reads them: every number of a table comes from run folders alone, and what
 //! does not belong together is refused ([`StudyError`]) rather than averaged.
 
 mod ablation;
-pub mod cell;
 mod check;
 mod difference;
 mod error;

@@ -1,14 +1,14 @@
 //! How late the changes come that a model follows: over changes, not over people.
 
-use super::cell::{self, Cell, MEAN_SD, ONE, Parts};
 use super::scores::{Heading, Line, shown};
 use super::{Column, Row, Sheet};
 use myointent::evaluation::judge::Truth;
 use myointent::evaluation::metric::summary::Summary;
+use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts};
 
 const FOLLOWED: Parts = &["followed", "transitions"];
 
-/// One table: a row for each data set, look-ahead and model; nobody without a verdict has one.
+/// One table: a row for each data set, look-ahead and model; nobody without a score has one.
 pub(super) fn offsets(heading: &Heading<'_>, lines: &[Line<'_>], truth: Truth) -> Sheet {
     let mut columns = vec![
         Column::new("recordings", ONE),
@@ -32,7 +32,7 @@ pub(super) fn offsets(heading: &Heading<'_>, lines: &[Line<'_>], truth: Truth) -
         for ahead in 0..2 {
             for line in lines {
                 let look_ahead = line.variant.look_aheads()[ahead];
-                let Some(verdict) = line.variant.verdict(line.model, set, look_ahead, truth) else {
+                let Some(score) = line.variant.score(line.model, set, look_ahead, truth) else {
                     continue;
                 };
                 let mut cells = vec![
@@ -40,8 +40,8 @@ pub(super) fn offsets(heading: &Heading<'_>, lines: &[Line<'_>], truth: Truth) -
                     cell::text(look_ahead.name()),
                     cell::text(line.label.as_str()),
                 ];
-                cells.extend(book(verdict.widest()));
-                cells.extend(book(&verdict.emitted));
+                cells.extend(book(score.widest()));
+                cells.extend(book(&score.emitted));
                 sheet.rows.push(Row {
                     cells,
                     source: line.variant.provenance(),

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use super::StudyError;
 use super::check::check;
 use super::merge::merge;
-use myointent::evaluation::judge::{ALL, LookAhead, Truth, Verdict};
-use myointent::run::plan::{Fold, Plan};
+use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
 use myointent::execution::run_folder::RunFolder;
-use myointent::run::stage::{RESULTS, Results};
+use myointent::run::config::{CONFIG, Fold, ResolvedConfig};
+use myointent::run::evaluate::{RESULTS, Results};
 
 /// One judged run.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub struct Run {
     /// Its folder.
     pub path: PathBuf,
     /// What ran.
-    pub plan: Plan,
+    pub config: ResolvedConfig,
     /// What came out.
     pub results: Results,
 }
@@ -36,14 +36,14 @@ pub struct Outcome {
 impl Run {
     fn load(path: PathBuf) -> Result<Self, StudyError> {
         let folder = RunFolder::existing(&path)?;
-        let plan = Plan::load(&folder)?;
+        let config = ResolvedConfig::load(&folder)?;
         if !folder.file(RESULTS).exists() {
             return Err(StudyError::NotJudged { run: path });
         }
         let results = folder.load_json(RESULTS)?;
         Ok(Self {
             path,
-            plan,
+            config,
             results,
         })
     }
@@ -51,13 +51,13 @@ impl Run {
     /// Which fold it is; a run by itself is the only one.
     #[must_use]
     pub fn fold(&self) -> Fold {
-        self.plan.fold.unwrap_or(Fold { number: 1, of: 1 })
+        self.config.fold.unwrap_or(Fold { number: 1, of: 1 })
     }
 
     /// Revision of the source that ran, if known.
     #[must_use]
     pub fn revision(&self) -> &str {
-        self.plan.git_revision.as_deref().unwrap_or("unknown")
+        self.config.git_revision.as_deref().unwrap_or("unknown")
     }
 }
 
@@ -69,7 +69,7 @@ impl Outcome {
     pub fn load(path: &Path) -> Result<Self, StudyError> {
         let mut runs = sub_folders(path)?
             .into_iter()
-            .filter(|folder| folder.join("plan.json").exists())
+            .filter(|folder| folder.join(CONFIG).exists())
             .map(Run::load)
             .collect::<Result<Vec<_>, _>>()?;
         if runs.is_empty() {
@@ -110,27 +110,27 @@ impl Outcome {
     /// none are read as the paper does.
     #[must_use]
     pub fn look_aheads(&self) -> [LookAhead; 2] {
-        let reading = match self.results.reading {
+        let aggregation = match self.results.aggregation {
             LookAhead::None => LookAhead::AllRows,
             chosen => chosen,
         };
-        [LookAhead::None, reading]
+        [LookAhead::None, aggregation]
     }
 
     /// The line of a model over the recordings of a data set as published, if it was judged so.
     #[must_use]
-    pub fn verdict(
+    pub fn score(
         &self,
         model: &str,
         data_set: &str,
         look_ahead: LookAhead,
         truth: Truth,
-    ) -> Option<&Verdict> {
-        self.results.published.iter().find(|verdict| {
-            verdict.model == model
-                && verdict.data_set == data_set
-                && verdict.look_ahead == look_ahead
-                && verdict.truth == truth
+    ) -> Option<&Score> {
+        self.results.published.iter().find(|score| {
+            score.model == model
+                && score.data_set == data_set
+                && score.look_ahead == look_ahead
+                && score.truth == truth
         })
     }
 
@@ -145,9 +145,9 @@ impl Outcome {
     #[must_use]
     pub fn models(&self) -> Vec<&str> {
         let mut models = Vec::new();
-        for verdict in &self.results.published {
-            if !models.contains(&verdict.model.as_str()) {
-                models.push(&verdict.model);
+        for score in &self.results.published {
+            if !models.contains(&score.model.as_str()) {
+                models.push(&score.model);
             }
         }
         models

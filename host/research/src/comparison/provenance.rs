@@ -9,10 +9,10 @@ impl Outcome {
     /// What produced the numbers, in a line: preset, seed, revisions, folds, people.
     #[must_use]
     pub fn provenance(&self) -> String {
-        let plan = &self.runs[0].plan;
+        let config = &self.runs[0].config;
         let revisions: BTreeSet<&str> = self.runs.iter().map(Run::revision).collect();
         let revisions: Vec<&str> = revisions.into_iter().collect();
-        let trained = self.runs.iter().map(|run| run.plan.split.training.len());
+        let trained = self.runs.iter().map(|run| run.config.split.training.len());
         let (least, most) = trained.fold((usize::MAX, 0), |(least, most), count| {
             (least.min(count), most.max(count))
         });
@@ -21,20 +21,20 @@ impl Outcome {
         } else {
             format!("{least} to {most}")
         };
-        let synthetic = if plan.data.is_none() {
+        let synthetic = if config.data.is_none() {
             "; SYNTHETIC recordings"
         } else {
             ""
         };
-        let start = plan.start.as_deref().and_then(Path::file_name);
+        let start = config.start.as_deref().and_then(Path::file_name);
         let start = start.map_or_else(String::new, |name| {
             format!(", starting from `{}`", name.to_string_lossy())
         });
         format!(
             "`{}`: preset {}, seed {}, revision {}; {} of {} folds; trained on {trained} subjects{start}; {} subjects left out{synthetic}",
             self.name,
-            plan.preset.name,
-            plan.preset.seed,
+            config.preset.name,
+            config.preset.seed,
             revisions.join(" and "),
             self.runs.len(),
             self.of(),
@@ -57,7 +57,7 @@ impl Outcome {
                 missing.join(", ")
             ));
         }
-        let readings = self.runs.iter().map(|run| run.results.reading.name());
+        let readings = self.runs.iter().map(|run| run.results.aggregation.name());
         let differ = readings.clone().collect::<BTreeSet<_>>().len() > 1;
         if differ {
             let chosen: Vec<String> = self
@@ -70,7 +70,7 @@ impl Outcome {
                 "`{}`: the folds chose different readings of the look-ahead ({}); shown is `{}`, the paper's",
                 self.name,
                 chosen.join("; "),
-                self.results.reading.name()
+                self.results.aggregation.name()
             ));
         }
         for model in self.models() {
@@ -90,8 +90,8 @@ impl Outcome {
 
 #[cfg(test)]
 mod tests {
-    use myointent::evaluation::judge::LookAhead;
     use crate::comparison::fixture::Fixture;
+    use myointent::evaluation::judge::LookAhead;
 
     #[test]
     fn a_fold_that_is_not_there_is_told_and_counted() {
@@ -121,7 +121,7 @@ mod tests {
         first.reading(LookAhead::SameInstant).write();
         fixture.fold("main", 2, 2).left_out("roshambo/02").write();
         let main = fixture.variant("main");
-        assert_eq!(main.results.reading, LookAhead::AllRows);
+        assert_eq!(main.results.aggregation, LookAhead::AllRows);
         let warning = &main.warnings()[0];
         assert!(
             warning.contains("fold 1: 0.25 s, same instant"),

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::cell::{self, Cell, MEAN_SD, ONE, Parts, SUPPORT};
 use super::{Column, Outcome, Row, Sheet};
-use myointent::evaluation::judge::{ALL, BUFFERS, Truth, Verdict};
+use myointent::evaluation::judge::{ALL, BUFFERS, Score, Truth};
+use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts, SUPPORT};
 
 /// What a row shows: a model of a variant.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Line<'a> {
 pub(super) struct Measure {
     name: &'static str,
     parts: Parts,
-    cell: fn(&Verdict) -> Cell,
+    cell: fn(&Score) -> Cell,
 }
 
 /// Raw accuracy and transition accuracy with the paper's buffer.
@@ -29,12 +29,12 @@ pub(super) const ACCURACY: [Measure; 3] = [
     Measure {
         name: "raw",
         parts: MEAN_SD,
-        cell: |verdict| cell::share(verdict.widest().raw_accuracy),
+        cell: |score| cell::share(score.widest().raw_accuracy),
     },
     Measure {
         name: "TA",
         parts: MEAN_SD,
-        cell: |verdict| cell::share(verdict.widest().transition_accuracy),
+        cell: |score| cell::share(score.widest().transition_accuracy),
     },
     SUPPORTED_BY,
 ];
@@ -44,17 +44,17 @@ pub(super) const BY_BUFFER: [Measure; BUFFERS.len() + 1] = [
     Measure {
         name: "TA 60",
         parts: MEAN_SD,
-        cell: |verdict| cell::share(verdict.spoken[0].transition_accuracy),
+        cell: |score| cell::share(score.reference[0].transition_accuracy),
     },
     Measure {
         name: "TA 120",
         parts: MEAN_SD,
-        cell: |verdict| cell::share(verdict.spoken[1].transition_accuracy),
+        cell: |score| cell::share(score.reference[1].transition_accuracy),
     },
     Measure {
         name: "TA 200",
         parts: MEAN_SD,
-        cell: |verdict| cell::share(verdict.spoken[2].transition_accuracy),
+        cell: |score| cell::share(score.reference[2].transition_accuracy),
     },
     SUPPORTED_BY,
 ];
@@ -62,7 +62,7 @@ pub(super) const BY_BUFFER: [Measure; BUFFERS.len() + 1] = [
 const SUPPORTED_BY: Measure = Measure {
     name: "n",
     parts: SUPPORT,
-    cell: |verdict| cell::support(verdict.widest().subjects.len(), verdict.widest().events),
+    cell: |score| cell::support(score.widest().subjects.len(), score.widest().events),
 };
 
 /// What a table is called and says of itself.
@@ -126,10 +126,10 @@ pub(super) fn scores(
     }
     let mut sheet = heading.sheet(truth, &variants, columns);
     let judged = |line: &&Line<'_>| {
-        let verdicts = &line.variant.results.published;
-        verdicts
+        let scores = &line.variant.results.published;
+        scores
             .iter()
-            .any(|verdict| verdict.model == line.model && verdict.truth == truth)
+            .any(|score| score.model == line.model && score.truth == truth)
     };
     for ahead in 0..2 {
         for line in lines.iter().filter(judged) {
@@ -139,8 +139,8 @@ pub(super) fn scores(
                 cell::text(look_ahead.name()),
             ];
             for (_, set) in &sets {
-                let verdict = line.variant.verdict(line.model, set, look_ahead, truth);
-                let of = |measure: &Measure| verdict.map_or_else(cell::none, measure.cell);
+                let score = line.variant.score(line.model, set, look_ahead, truth);
+                let of = |measure: &Measure| score.map_or_else(cell::none, measure.cell);
                 cells.extend(measures.iter().map(of));
             }
             sheet.rows.push(Row {
@@ -159,14 +159,14 @@ pub(super) fn shown(data_set: &str) -> &str {
 
 const fn in_words(truth: Truth) -> &'static str {
     match truth {
-        Truth::Moved => "moved",
+        Truth::LagCompensated => "moved",
         Truth::Published => "as published",
     }
 }
 
 const fn suffix(truth: Truth) -> &'static str {
     match truth {
-        Truth::Moved => "moved",
+        Truth::LagCompensated => "moved",
         Truth::Published => "published",
     }
 }
@@ -195,7 +195,7 @@ mod tests {
             rows: "model",
         };
         let lines = [line("LDA"), line("teacher"), line("never judged")];
-        let sheet = scores(&heading, &lines, &ACCURACY, Truth::Moved);
+        let sheet = scores(&heading, &lines, &ACCURACY, Truth::LagCompensated);
         let expected = "\
 model              look-ahead  roshambo raw  roshambo TA  roshambo n
 -----------  ----------------  ------------  -----------  ----------

@@ -7,7 +7,7 @@ use myointent::evaluation::judge::Truth;
 pub(super) const MAIN: &str = "main";
 pub(super) const WRIST: &str = "wrist";
 /// Every table comes twice.
-pub(super) const TRUTHS: [Truth; 2] = [Truth::Moved, Truth::Published];
+pub(super) const TRUTHS: [Truth; 2] = [Truth::LagCompensated, Truth::Published];
 
 /// A table or its place.
 #[derive(Clone, Debug, PartialEq, Eq)]

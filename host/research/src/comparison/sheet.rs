@@ -1,7 +1,7 @@
 //! A table of a study: cells for people in Markdown, their numbers one by one in CSV.
 
-use super::cell::{Cell, Parts};
 use myointent::report::Table;
+use myointent::report::cell::{Cell, Parts};
 
 /// A column.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -120,7 +120,7 @@ impl Sheet {
 mod tests {
     use super::*;
     use myointent::evaluation::metric::summary::MeanSd;
-    use crate::comparison::cell::{MEAN_SD, ONE, SUPPORT, none, share, support, text};
+    use myointent::report::cell::{MEAN_SD, ONE, SUPPORT, none, share, support, text};
 
     #[test]
     fn a_cell_without_a_number_keeps_its_fields_in_csv() {

@@ -6,9 +6,9 @@ use super::offsets::offsets;
 use super::scores::{ACCURACY, BY_BUFFER, Heading, Line, Measure, scores};
 use super::section::{MAIN, Section, TRUTHS, WRIST, is_known};
 use super::{Outcome, Outcomes, Sheet, folds};
+use crate::baselines::Baseline;
 use myointent::evaluation::judge::Truth;
-use crate::baselines::Peer;
-use myointent::run::stage::{ALONE, INTEGER, INTEGER_ALONE, STUDENT, TEACHER};
+use myointent::run::evaluate::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, STUDENT, TEACHER};
 
 /// The tables of a study, in the order of the page.
 #[derive(Clone, Debug)]
@@ -19,25 +19,25 @@ pub struct Tables {
     pub sections: Vec<Section>,
 }
 
-/// Rows in the order of the paper: its peers, then ours; models that are not here come last.
+/// Rows in the order of the paper: its baselines, then ours; models that are not here come last.
 const MODELS: [&str; 10] = [
-    Peer::Lda.name(),
-    Peer::Mlp.name(),
-    Peer::Lstm.name(),
-    Peer::EdTcn.name(),
-    Peer::TraHgr.name(),
+    Baseline::Lda.name(),
+    Baseline::Mlp.name(),
+    Baseline::Lstm.name(),
+    Baseline::EdTcn.name(),
+    Baseline::TraHgr.name(),
     TEACHER,
     STUDENT,
     INTEGER,
-    ALONE,
-    INTEGER_ALONE,
+    LABELS_ONLY,
+    INTEGER_LABELS_ONLY,
 ];
 const OURS: [(&str, &str); 5] = [
     (INTEGER, TEACHER),
     (STUDENT, TEACHER),
     (INTEGER, STUDENT),
-    (STUDENT, ALONE),
-    (INTEGER, INTEGER_ALONE),
+    (STUDENT, LABELS_ONLY),
+    (INTEGER, INTEGER_LABELS_ONLY),
 ];
 const INTRODUCTION: &str = "\
 Every score is mean (sample deviation) over people, each of whom one fold leaves out and no model of

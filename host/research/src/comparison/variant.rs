@@ -6,13 +6,13 @@ use std::str::FromStr;
 use shared::model::encoder::usual_span;
 use shared::units::WINDOW_PATCHES;
 
-use myointent::run::preset::Preset;
 use myointent::dataset::DataSet;
+use myointent::run::preset::Preset;
 
 /// One variant of a study's preset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Variant {
-    /// The preset as it is: teacher, students with and without it, peers.
+    /// The preset as it is: teacher, students with and without it, baselines.
     Main,
     /// The same with the wrist's intents, on the data sets that have them: 4 or 5 classes are in the
     /// recordings, pinch is in none.
@@ -98,7 +98,7 @@ impl Variant {
         self != Self::Pretraining
     }
 
-    /// Whether students with and without a teacher, and peers, are trained too; most other variants ask about the
+    /// Whether students with and without a teacher, and baselines, are trained too; most other variants ask about the
     /// teacher alone.
     #[must_use]
     pub fn has_students(self) -> bool {
@@ -163,7 +163,7 @@ fn sized(mut preset: Preset, width: usize, layers: usize) -> Preset {
     preset.data.data_sets.clear();
     preset.data.balance = 0.5;
     preset.distillation.patches = 2 * WINDOW_PATCHES;
-    preset.distillation.average = 0.998;
+    preset.distillation.ema_decay = 0.998;
     preset.distillation.teacher_share = 0.0;
     preset
 }

@@ -3,8 +3,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{attend, plain};
-use crate::training::tensor::read_back;
 use crate::training::dropout::{Dropout, Mask};
+use crate::training::tensor::read_back;
 
 const HEADS: usize = 2;
 const D: usize = 12;

@@ -4,8 +4,8 @@ use burn::tensor::Device;
 use tempfile::{TempDir, tempdir};
 
 use super::*;
-use crate::training::augmentation::{Companding};
 use crate::teacher::model::TeacherConfig;
+use crate::training::augmentation::Companding;
 
 const CLASSES: usize = 3;
 

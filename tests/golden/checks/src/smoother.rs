@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::stream::smoother::{Likelihood, AggregationMode, Settings, Smoother, Weighting};
+use shared::stream::smoother::{AggregationMode, Likelihood, Settings, Smoother, Weighting};
 use shared::units::SampleIndex;
 
 /// The three classes and MASK, which the reference lets win.

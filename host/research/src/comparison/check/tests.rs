@@ -24,11 +24,11 @@ fn folds_of_other_settings_are_refused_with_the_keys() {
     fixture.fold("main", 1, 2).left_out("roshambo/01").write();
     let second = fixture.fold("main", 2, 2).left_out("roshambo/02");
     second
-        .plan(|plan| {
-            plan.preset.seed += 1;
-            plan.preset.teacher_training.epochs += 1;
-            plan.preset.data.held_out = vec!["roshambo/02".to_owned()];
-            plan.preset.data.validation = vec!["roshambo/01".to_owned()];
+        .config(|config| {
+            config.preset.seed += 1;
+            config.preset.teacher_training.epochs += 1;
+            config.preset.data.held_out = vec!["roshambo/02".to_owned()];
+            config.preset.data.validation = vec!["roshambo/01".to_owned()];
         })
         .write();
     let StudyError::RunsDiffer { keys, .. } = refusal(&fixture) else {
@@ -86,8 +86,8 @@ fn a_left_out_subject_that_was_trained_on_is_refused() {
     for role in ["training", "validation"] {
         let fixture = Fixture::new();
         let fold = fixture.fold("main", 1, 1).left_out("roshambo/01");
-        fold.plan(move |plan| {
-            let split = &mut plan.split;
+        fold.config(move |config| {
+            let split = &mut config.split;
             match role {
                 "training" => split.training.push("roshambo/01".to_owned()),
                 _ => split.validation.push("roshambo/01".to_owned()),
@@ -105,7 +105,7 @@ fn a_left_out_subject_that_was_trained_on_is_refused() {
 fn results_of_an_older_plan_are_refused() {
     let fixture = Fixture::new();
     let fold = fixture.fold("main", 1, 1).left_out("roshambo/01");
-    fold.plan(|plan| plan.split.held_out = vec!["roshambo/02".to_owned()])
+    fold.config(|config| config.split.held_out = vec!["roshambo/02".to_owned()])
         .write();
     assert!(matches!(refusal(&fixture), StudyError::Stale { .. }));
     let fixture = Fixture::new();

@@ -6,11 +6,11 @@
 
 use core::hint::black_box;
 
-use shared::model::encoder::{
-        Encoder, EncoderState, Logits, Patch,
-        rebuild::{Rebuild, TILE},
-    };
 use shared::intent::MAX_CLASSES;
+use shared::model::encoder::{
+    Encoder, EncoderState, Logits, Patch,
+    rebuild::{Rebuild, TILE},
+};
 use shared::model::file::Model;
 use shared::pipeline::{Encode, Pipeline};
 use shared::stream::preprocess::Preprocessor;

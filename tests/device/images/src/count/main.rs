@@ -21,8 +21,8 @@ mod image {
 
     use device::{arguments, files, println, timer};
     use shared::model::encoder::{EncoderState, usual_span};
-    use shared::model::kernels::Aligned;
     use shared::model::file::Model;
+    use shared::model::kernels::Aligned;
     use shared::units::{CHANNELS, Sample};
 
     use crate::line;

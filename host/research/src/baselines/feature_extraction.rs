@@ -1,19 +1,19 @@
-//! What each peer hears of a window.
+//! What each baseline hears of a window.
 
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, WINDOW};
 
-use super::Peer;
-use super::answers::Answers;
+use super::Baseline;
 use super::butterworth::LowPass;
 use super::features::{
     Spectrum, deviations, mean_absolute, mean_absolutes, root_mean_square, slope_sign_changes,
     variance, waveform_length, zero_crossings,
 };
+use super::output_steps::OutputSteps;
 use super::scaling::Scaling;
-use super::stream::Heard;
+use super::stream::WindowSamples;
 
 /// Orders of TraHGR's low-pass filters.
 pub const ORDERS: [usize; 3] = [1, 3, 5];
@@ -24,18 +24,18 @@ static LOW_PASSES: LazyLock<[LowPass; 3]> =
 
 /// From a window's samples to a network's input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FrontEnd {
-    peer: Peer,
+pub struct FeatureExtraction {
+    baseline: Baseline,
     lstm_step: usize,
     scaling: Option<Scaling>,
 }
 
-impl FrontEnd {
+impl FeatureExtraction {
     /// A front end that has not been scaled yet.
     #[must_use]
-    pub const fn new(peer: Peer, lstm_step: usize) -> Self {
+    pub const fn new(baseline: Baseline, lstm_step: usize) -> Self {
         Self {
-            peer,
+            baseline,
             lstm_step,
             scaling: None,
         }
@@ -44,31 +44,31 @@ impl FrontEnd {
     /// Fits the z-scores to what this front end made of the training windows: per feature for LDA and
     /// MLP, per channel for the LSTM, none for the others.
     #[must_use]
-    pub fn scaled<'a>(self, heard: impl Iterator<Item = &'a [f32]>) -> Self {
-        let features = match self.peer {
-            Peer::Lda => 3 * CHANNELS,
-            Peer::Mlp => 6 * CHANNELS,
-            Peer::Lstm => CHANNELS,
-            Peer::EdTcn | Peer::TraHgr => return self,
+    pub fn scaled<'a>(self, windows: impl Iterator<Item = &'a [f32]>) -> Self {
+        let features = match self.baseline {
+            Baseline::Lda => 3 * CHANNELS,
+            Baseline::Mlp => 6 * CHANNELS,
+            Baseline::Lstm => CHANNELS,
+            Baseline::EdTcn | Baseline::TraHgr => return self,
         };
         Self {
-            scaling: Some(Scaling::fit(heard, features)),
+            scaling: Some(Scaling::fit(windows, features)),
             ..self
         }
     }
 
-    /// What the peer's answers speak of.
+    /// What the baseline's steps speak of.
     #[must_use]
-    pub const fn answers(&self) -> Answers {
-        Answers::of(self.peer, self.lstm_step)
+    pub const fn output_steps(&self) -> OutputSteps {
+        OutputSteps::of(self.baseline, self.lstm_step)
     }
 
-    /// A window of [`Answers::window`] samples as the network's input.
+    /// A window of [`OutputSteps::window`] samples as the network's input.
     ///
-    /// Length: LDA 24 and MLP 48, channel after channel; LSTM and ED-TCN 8 an answer, answer after
-    /// answer; TraHGR `[channel][sample][order]`, 14 400.
+    /// Length: LDA 24 and MLP 48, channel after channel; LSTM and ED-TCN 8 an step, step after
+    /// step; TraHGR `[channel][sample][order]`, 14 400.
     #[must_use]
-    pub fn hear(&self, window: Heard<'_>) -> Vec<f32> {
+    pub fn extract(&self, window: WindowSamples<'_>) -> Vec<f32> {
         let raw = |channel: usize| -> Vec<i32> {
             let samples = window.raw.iter();
             samples.map(|sample| i32::from(sample[channel])).collect()
@@ -78,9 +78,9 @@ impl FrontEnd {
             samples.map(|sample| i32::from(sample[channel])).collect()
         };
         let channels = 0..CHANNELS;
-        let answers = self.answers();
-        let mut input: Vec<f32> = match self.peer {
-            Peer::Lda => channels
+        let steps = self.output_steps();
+        let mut input: Vec<f32> = match self.baseline {
+            Baseline::Lda => channels
                 .map(cleaned)
                 .flat_map(|x| {
                     [
@@ -91,7 +91,7 @@ impl FrontEnd {
                 })
                 .map(|feature| feature as f32)
                 .collect(),
-            Peer::Mlp => channels
+            Baseline::Mlp => channels
                 .map(raw)
                 .flat_map(|x| {
                     [
@@ -105,14 +105,13 @@ impl FrontEnd {
                 })
                 .map(|feature| feature as f32)
                 .collect(),
-            Peer::Lstm => side_by_side(
-                channels.map(|channel| deviations(&raw(channel), answers.starts(), answers.inner)),
+            Baseline::Lstm => side_by_side(
+                channels.map(|channel| deviations(&raw(channel), steps.starts(), steps.inner)),
             ),
-            Peer::EdTcn => side_by_side(
-                channels
-                    .map(|channel| mean_absolutes(&raw(channel), answers.starts(), answers.inner)),
+            Baseline::EdTcn => side_by_side(
+                channels.map(|channel| mean_absolutes(&raw(channel), steps.starts(), steps.inner)),
             ),
-            Peer::TraHgr => channels
+            Baseline::TraHgr => channels
                 .flat_map(|channel| {
                     let x: Vec<f64> = raw(channel).iter().map(|&x| f64::from(x) / 128.0).collect();
                     let filtered = LOW_PASSES.each_ref().map(|filter| filter.zero_phase(&x));
@@ -151,9 +150,9 @@ mod tests {
         (raw, emg)
     }
 
-    fn hear(front: &FrontEnd) -> (Vec<f32>, Vec<Sample>, Vec<CleanSample>) {
-        let (raw, emg) = samples(front.answers().window);
-        let input = front.hear(Heard {
+    fn extract(front: &FeatureExtraction) -> (Vec<f32>, Vec<Sample>, Vec<CleanSample>) {
+        let (raw, emg) = samples(front.output_steps().window);
+        let input = front.extract(WindowSamples {
             raw: &raw,
             emg: &emg,
         });
@@ -168,26 +167,26 @@ mod tests {
 
     #[test]
     fn each_peer_hears_what_the_table_says_in_the_order_it_says() {
-        let (lda, _, emg) = hear(&FrontEnd::new(Peer::Lda, 1));
+        let (lda, _, emg) = extract(&FeatureExtraction::new(Baseline::Lda, 1));
         let seventh: Vec<i32> = emg.iter().map(|sample| i32::from(sample[7])).collect();
         assert_eq!(lda.len(), 24);
         assert_eq!(lda[22], waveform_length(&seventh) as f32);
 
-        let (mlp, raw, _) = hear(&FrontEnd::new(Peer::Mlp, 1));
+        let (mlp, raw, _) = extract(&FeatureExtraction::new(Baseline::Mlp, 1));
         assert_eq!(mlp.len(), 48);
         assert_eq!(mlp[6 + 4], zero_crossings(&channel(&raw, 1)) as f32);
 
-        let (lstm, raw, _) = hear(&FrontEnd::new(Peer::Lstm, 10));
+        let (lstm, raw, _) = extract(&FeatureExtraction::new(Baseline::Lstm, 10));
         assert_eq!(lstm.len(), 50 * 8);
         let newest = variance(&channel(&raw, 3)[500..]).sqrt() as f32;
         assert_eq!(lstm[49 * 8 + 3], newest);
 
-        let (tcn, raw, _) = hear(&FrontEnd::new(Peer::EdTcn, 1));
+        let (tcn, raw, _) = extract(&FeatureExtraction::new(Baseline::EdTcn, 1));
         assert_eq!(tcn.len(), 20 * 8);
         let second = mean_absolute(&channel(&raw, 5)[25..175]) as f32;
         assert_eq!(tcn[8 + 5], second);
 
-        let (hgr, raw, _) = hear(&FrontEnd::new(Peer::TraHgr, 1));
+        let (hgr, raw, _) = extract(&FeatureExtraction::new(Baseline::TraHgr, 1));
         assert_eq!(hgr.len(), 8 * 600 * 3);
         let x: Vec<f64> = channel(&raw, 2)
             .iter()
@@ -199,13 +198,16 @@ mod tests {
 
     #[test]
     fn a_scaled_front_end_survives_its_file() {
-        let front = FrontEnd::new(Peer::Lstm, 10);
-        let (input, ..) = hear(&front);
+        let front = FeatureExtraction::new(Baseline::Lstm, 10);
+        let (input, ..) = extract(&front);
         let scaled = front.scaled(std::iter::once(input.as_slice()));
-        let (again, ..) = hear(&scaled);
+        let (again, ..) = extract(&scaled);
         let mean = again.iter().sum::<f32>() / again.len() as f32;
         assert!(mean.abs() < 1e-4, "{mean}");
         let json = serde_json::to_string(&scaled).unwrap();
-        assert_eq!(serde_json::from_str::<FrontEnd>(&json).unwrap(), scaled);
+        assert_eq!(
+            serde_json::from_str::<FeatureExtraction>(&json).unwrap(),
+            scaled
+        );
     }
 }

@@ -1,5 +1,4 @@
-//! From a preset and the recordings at hand to what will run: who is left out, how late the labels
-//! are, which streams are trained on. Saved beside the results.
+//! From a preset and the recordings at hand to the resolved configuration of a run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,77 +6,28 @@ use std::path::{Path, PathBuf};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
-use shared::intent::Intent;
-use shared::units::{SAMPLE_RATE_HZ, Sample};
 use thiserror::Error;
 
-use crate::dataset::corpus::{Corpus, Stream};
-use crate::run::preset::{LabelLag, Preset};
+use super::config::{Fold, Lag, ResolvedConfig};
+use super::preset::{LabelLag, Preset};
 use crate::dataset::folds::{self, Protocol};
-use crate::dataset::lag::{self, LagEstimate};
-use crate::dataset::splice::{self, SpliceOptions};
+use crate::dataset::lag;
 use crate::dataset::split::{Choice, Role, Split, SplitError, SplitOptions};
-use crate::dataset::DataSet;
-use crate::dataset::Library;
-use crate::dataset::Recording;
+use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::run_folder::{RunError, RunFolder};
-
-const FILE: &str = "plan.json";
-
-/// Who is trained on, who is left out, and how late each data set's labels are.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Plan {
-    /// What sets the run apart from the others of its study; the preset's name by itself.
-    pub variant: String,
-    /// Which part of a protocol over several runs this is.
-    pub fold: Option<Fold>,
-    /// The preset as it runs.
-    pub preset: Preset,
-    /// What training starts from: a run's folder or a checkpoint; none for fresh weights.
-    pub start: Option<PathBuf>,
-    /// Where the recordings lie; none for synthetic ones.
-    pub data: Option<PathBuf>,
-    /// Damaged files are left out.
-    pub skip_bad: bool,
-    /// Subjects by role.
-    pub split: Split,
-    /// Lag of the labels of each data set.
-    pub lags: BTreeMap<DataSet, Lag>,
-    /// Revision of the source that made the plan, if known.
-    pub git_revision: Option<String>,
-}
-
-/// One run of a protocol that leaves everybody out in turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fold {
-    /// Which, 1 first.
-    pub number: usize,
-    /// Of how many.
-    pub of: usize,
-}
 
 /// A run of a protocol, before it is known how many there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn {
+pub struct FoldChoice {
     /// The protocol.
     pub protocol: Protocol,
     /// Which run, 1 first.
     pub number: usize,
 }
 
-/// How late the muscles are after a data set's labels.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Lag {
-    /// Samples that labels are moved by.
-    pub samples: usize,
-    /// The measurement on training subjects, if it was made.
-    pub estimate: Option<LagEstimate>,
-}
-
-/// Why no plan can be made.
+/// Why a preset cannot be resolved.
 #[derive(Debug, Error)]
-pub enum PlanError {
+pub enum ConfigError {
     /// The split cannot be made.
     #[error(transparent)]
     Split(#[from] SplitError),
@@ -116,7 +66,7 @@ pub enum PlanError {
     Run(#[from] RunError),
 }
 
-impl Plan {
+impl ResolvedConfig {
     /// Decides who is left out and measures the labels' lag on training subjects alone.
     ///
     /// With a turn of a protocol, the protocol says who is left out, and a share of the others,
@@ -128,17 +78,17 @@ impl Plan {
         mut preset: Preset,
         library: &Library,
         data: Option<&Path>,
-        skip_bad: bool,
-        turn: Option<Turn>,
-    ) -> Result<Self, PlanError> {
+        strict: bool,
+        fold: Option<FoldChoice>,
+    ) -> Result<Self, ConfigError> {
         let labelled = Self::labelled(&preset, library)?;
-        let fold = turn.map(|turn| Fold {
-            number: turn.number,
-            of: turn.protocol.folds(labelled.iter().copied()),
+        let fold = fold.map(|choice| Fold {
+            number: choice.number,
+            of: choice.protocol.folds(labelled.iter().copied()),
         });
         if let Some(Fold { number, of }) = fold {
             if of < 2 || !(1..=of).contains(&number) {
-                return Err(PlanError::Fold { number, of });
+                return Err(ConfigError::Fold { number, of });
             }
             let mut groups = folds::folds(labelled.iter().copied(), of, preset.seed);
             preset.data.held_out = groups.swap_remove(number - 1);
@@ -153,7 +103,7 @@ impl Plan {
             start: None,
             preset,
             data: data.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
-            skip_bad,
+            strict,
             split,
             lags,
             git_revision: git_revision(),
@@ -168,7 +118,7 @@ impl Plan {
     pub fn labelled<'l>(
         preset: &Preset,
         library: &'l Library,
-    ) -> Result<Vec<&'l Recording>, PlanError> {
+    ) -> Result<Vec<&'l Recording>, ConfigError> {
         let vocabulary = preset.vocabulary();
         let labelled: Vec<&Recording> = library
             .recordings
@@ -176,7 +126,7 @@ impl Plan {
             .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
             .collect();
         if labelled.is_empty() {
-            return Err(PlanError::NoLabels {
+            return Err(ConfigError::NoLabels {
                 recordings: library.recordings.len(),
                 classes: vocabulary.classes(),
             });
@@ -194,7 +144,7 @@ impl Plan {
     /// # Errors
     /// When that run has seen somebody who is left out here. A checkpoint without a run's folder
     /// around it does not say whom it has seen.
-    pub fn start_from(&mut self, start: &Path) -> Result<(), PlanError> {
+    pub fn start_from(&mut self, start: &Path) -> Result<(), ConfigError> {
         if let Ok(origin) = RunFolder::existing(start).and_then(|run| Self::load(&run)) {
             let seen = |subject: &&String| {
                 matches!(
@@ -204,7 +154,7 @@ impl Plan {
             };
             let subjects: Vec<String> = self.split.held_out.iter().filter(seen).cloned().collect();
             if !subjects.is_empty() {
-                return Err(PlanError::Seen {
+                return Err(ConfigError::Seen {
                     start: start.to_owned(),
                     subjects: subjects.join(", "),
                 });
@@ -212,144 +162,6 @@ impl Plan {
         }
         self.start = Some(std::path::absolute(start).unwrap_or_else(|_| start.to_owned()));
         Ok(())
-    }
-
-    /// Writes the plan into a run's folder, the preset also as TOML.
-    ///
-    /// # Errors
-    /// When the folder cannot be written.
-    pub fn save(&self, run: &RunFolder) -> Result<(), RunError> {
-        crate::execution::run_folder::write_whole(&run.file("preset.toml"), self.preset.to_toml().as_bytes())?;
-        run.save_json(FILE, self)
-    }
-
-    /// Reads the plan of a run's folder.
-    ///
-    /// # Errors
-    /// When the folder holds none.
-    pub fn load(run: &RunFolder) -> Result<Self, RunError> {
-        run.load_json(FILE)
-    }
-
-    /// Samples that labels of a data set are moved by.
-    #[must_use]
-    pub fn lag(&self, data_set: DataSet) -> usize {
-        self.lags.get(&data_set).map_or(0, |lag| lag.samples)
-    }
-
-    /// Labels of a recording in the preset's vocabulary, moved by its data set's lag.
-    #[must_use]
-    pub fn moved_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
-        lag::shifted(
-            &recording.labels_in(self.preset.vocabulary()),
-            self.lag(recording.data_set),
-        )
-    }
-
-    /// Samples of a recording as models get them, electrodes aligned if the preset says so.
-    #[must_use]
-    pub fn samples(&self, recording: &Recording) -> Vec<Sample> {
-        if self.preset.data.align_electrodes {
-            recording.aligned_samples()
-        } else {
-            recording.samples.clone()
-        }
-    }
-
-    /// What is trained on.
-    #[must_use]
-    pub fn training(&self, library: &Library) -> Corpus {
-        self.corpus(library, Role::Training)
-    }
-
-    /// What chooses the checkpoint.
-    #[must_use]
-    pub fn validation(&self, library: &Library) -> Corpus {
-        self.corpus(library, Role::Validation)
-    }
-
-    /// Recordings of the subjects left out that have labels of the vocabulary.
-    #[must_use]
-    pub fn held_out<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
-        let vocabulary = self.preset.vocabulary();
-        let mut recordings = self.split.select(&library.recordings, Role::HeldOut);
-        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
-        recordings
-    }
-
-    /// Validation recordings that have labels of the vocabulary.
-    #[must_use]
-    pub fn validation_recordings<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
-        let vocabulary = self.preset.vocabulary();
-        let mut recordings = self.split.select(&library.recordings, Role::Validation);
-        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
-        recordings
-    }
-
-    /// Recordings of one data set joined in random order and rhythm, one a subject, labels moved
-    /// by the lag.
-    #[must_use]
-    pub fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
-        let vocabulary = self.preset.vocabulary();
-        let Some(first) = recordings.first() else {
-            return Vec::new();
-        };
-        let own: Vec<Recording> = recordings
-            .iter()
-            .map(|&recording| Recording {
-                labels: recording.labels_in(vocabulary),
-                samples: self.samples(recording),
-                ..recording.clone()
-            })
-            .collect();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "checked with the preset"
-        )]
-        let options = SpliceOptions {
-            samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
-            count: 1,
-            lag_samples: self.lag(first.data_set),
-            seed: self.preset.seed,
-        };
-        splice::splice(&own.iter().collect::<Vec<_>>(), &options)
-    }
-
-    fn corpus(&self, library: &Library, role: Role) -> Corpus {
-        let vocabulary = self.preset.vocabulary();
-        let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-        for recording in self.split.select(&library.recordings, role) {
-            by_set
-                .entry(recording.data_set)
-                .or_default()
-                .push(recording);
-        }
-        let people = folds::subjects(by_set.values().flatten().copied());
-        let most = people.values().map(Vec::len).max().unwrap_or(0);
-        let mut streams = Vec::new();
-        for (data_set, recordings) in &by_set {
-            if self.preset.data.as_published {
-                streams.extend(recordings.iter().map(|recording| {
-                    Stream::new(self.samples(recording), self.moved_labels(recording))
-                }));
-            }
-            if self.preset.data.spliced_seconds > 0.0 {
-                let share = most as f64 / people[data_set].len() as f64;
-                let seconds =
-                    self.preset.data.spliced_seconds * share.powf(self.preset.data.balance);
-                let spliced = self.spliced(recordings, seconds);
-                streams.extend(
-                    spliced
-                        .into_iter()
-                        .map(|joined| Stream::new(joined.samples, joined.labels)),
-                );
-            }
-        }
-        Corpus {
-            vocabulary,
-            streams,
-        }
     }
 }
 
@@ -446,10 +258,6 @@ fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<D
             let lag = match preset.data.label_lag {
                 LabelLag::None => Lag {
                     samples: 0,
-                    estimate: None,
-                },
-                LabelLag::Documented => Lag {
-                    samples: documented,
                     estimate: None,
                 },
                 LabelLag::Estimated => {

@@ -1,0 +1,76 @@
+//! The models of a run over its trials.
+
+use rayon::prelude::*;
+use shared::model::file::Model;
+use shared::pipeline::LookBackLogits;
+use shared::units::CleanSample;
+
+use super::context::RunContext;
+use super::error::StepError;
+use crate::evaluation::judge::Candidate;
+use crate::evaluation::trial::Trial;
+use crate::execution::parallel;
+use crate::execution::run_folder::RunError;
+use crate::inference::{integer_logits, student_logits, teacher_logits};
+use crate::student::model::Student;
+
+/// The teacher over all trials.
+pub(super) fn teacher_candidate(
+    context: &RunContext,
+    name: &str,
+    trials: &[Trial],
+) -> Result<Candidate, RunError> {
+    let (model, grid) = (context.teacher()?, context.config.preset.teacher.grid());
+    let device = context.inference_device();
+    candidate(context, name, trials, |emg| {
+        teacher_logits(&model, grid, emg, &device)
+    })
+}
+
+/// A float student over all trials.
+pub(super) fn student_candidate(
+    context: &RunContext,
+    name: &str,
+    student: &Student,
+    trials: &[Trial],
+) -> Result<Candidate, RunError> {
+    let device = context.inference_device();
+    candidate(context, name, trials, |emg| {
+        student_logits(student, emg, &device)
+    })
+}
+
+/// The integer student of a model file over all trials.
+pub(super) fn integer_candidate(
+    name: &str,
+    bytes: &[u8],
+    trials: &[Trial],
+) -> Result<Candidate, StepError> {
+    let model = Model::parse(bytes)?;
+    let logits = trials
+        .par_iter()
+        .map(|trial| integer_logits(&model, &trial.emg))
+        .collect::<Result<_, _>>()?;
+    Ok(Candidate {
+        name: name.to_owned(),
+        looks_back: true,
+        logits,
+    })
+}
+
+/// A model over all trials, as many at once as there are cores.
+fn candidate(
+    context: &RunContext,
+    name: &str,
+    trials: &[Trial],
+    logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits> + Sync,
+) -> Result<Candidate, RunError> {
+    let logits = parallel::map(name, trials, &context.folder, &context.interrupt, |trial| {
+        logits(&trial.emg)
+    })?;
+    Ok(Candidate {
+        name: name.to_owned(),
+        looks_back: true,
+        logits,
+    })
+}

@@ -1,0 +1,126 @@
+//! What every step of a run works with.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use burn::module::Module as _;
+use burn::tensor::Device;
+
+use super::config::ResolvedConfig;
+use crate::dataset::Library;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::run_folder::{RunError, RunFolder};
+use crate::student::model::Student;
+use crate::teacher;
+use crate::teacher::model::Teacher;
+
+/// A run that has begun: its folder, its configuration, its recordings and what it computes on.
+pub struct RunContext {
+    /// Where everything is written.
+    pub folder: RunFolder,
+    /// What runs.
+    pub config: ResolvedConfig,
+    /// The recordings.
+    pub library: Arc<Library>,
+    /// Device with gradients.
+    pub device: Device,
+    /// Whether to go on where an interrupted run stopped.
+    pub resume: bool,
+    /// Ctrl-C.
+    pub interrupt: Interrupt,
+}
+
+impl RunContext {
+    /// Begins a run, or goes on with it: the configuration is written into the folder.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn begin(
+        folder: RunFolder,
+        config: ResolvedConfig,
+        library: impl Into<Arc<Library>>,
+        device: Device,
+    ) -> Result<Self, RunError> {
+        config.save(&folder)?;
+        Ok(Self {
+            folder,
+            config,
+            library: library.into(),
+            device,
+            resume: false,
+            interrupt: Interrupt::default(),
+        })
+    }
+
+    /// The folder and the configuration of a run that has begun.
+    ///
+    /// # Errors
+    /// When the folder holds no configuration.
+    pub fn find(path: &Path) -> Result<(RunFolder, ResolvedConfig), RunError> {
+        let folder = RunFolder::existing(path)?;
+        let config = ResolvedConfig::load(&folder)?;
+        Ok((folder, config))
+    }
+
+    /// The device without gradients.
+    #[must_use]
+    pub fn inference_device(&self) -> Device {
+        self.device.clone().inner()
+    }
+
+    /// Whether the run folder holds weights of this name.
+    #[must_use]
+    pub fn has(&self, name: &str) -> bool {
+        self.folder.model(name).exists()
+    }
+
+    /// The trained teacher, without gradients.
+    ///
+    /// # Errors
+    /// When it is missing or of another shape.
+    pub fn teacher(&self) -> Result<Teacher, RunError> {
+        load_teacher(&self.folder, &self.config, &self.inference_device())
+    }
+
+    /// A trained student by the name of its files, without gradients.
+    ///
+    /// # Errors
+    /// When it is missing or of another shape.
+    pub fn student(&self, name: &str) -> Result<Student, RunError> {
+        load_student(&self.folder, &self.config, name, &self.inference_device())
+    }
+}
+
+/// The trained teacher of a run folder, on a device without gradients.
+///
+/// # Errors
+/// When it is missing or of another shape.
+pub fn load_teacher(
+    folder: &RunFolder,
+    config: &ResolvedConfig,
+    device: &Device,
+) -> Result<Teacher, RunError> {
+    let preset = &config.preset;
+    folder
+        .load_model(
+            teacher::training::NAME,
+            preset.teacher.init(preset.classes, device),
+        )
+        .map(|model| model.valid())
+}
+
+/// A trained student of a run folder by the name of its files, on a device without gradients.
+///
+/// # Errors
+/// When it is missing or of another shape.
+pub fn load_student(
+    folder: &RunFolder,
+    config: &ResolvedConfig,
+    name: &str,
+    device: &Device,
+) -> Result<Student, RunError> {
+    let preset = &config.preset;
+    folder
+        .load_model(name, preset.student.init(preset.classes, device))
+        .map(|model| model.valid())
+}

@@ -1,0 +1,113 @@
+//! Which streams of the recordings a run trains on, validates with and is judged on.
+
+use std::collections::BTreeMap;
+
+use shared::units::SAMPLE_RATE_HZ;
+
+use super::config::ResolvedConfig;
+use crate::dataset::corpus::{Corpus, Stream};
+use crate::dataset::folds;
+use crate::dataset::splice::{self, SpliceOptions};
+use crate::dataset::split::Role;
+use crate::dataset::{DataSet, Library, Recording};
+
+impl ResolvedConfig {
+    /// What is trained on.
+    #[must_use]
+    pub fn training(&self, library: &Library) -> Corpus {
+        self.corpus(library, Role::Training)
+    }
+
+    /// What chooses the checkpoint.
+    #[must_use]
+    pub fn validation(&self, library: &Library) -> Corpus {
+        self.corpus(library, Role::Validation)
+    }
+
+    /// Recordings of the subjects left out that have labels of the vocabulary.
+    #[must_use]
+    pub fn held_out<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let mut recordings = self.split.select(&library.recordings, Role::HeldOut);
+        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
+        recordings
+    }
+
+    /// Validation recordings that have labels of the vocabulary.
+    #[must_use]
+    pub fn validation_recordings<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let mut recordings = self.split.select(&library.recordings, Role::Validation);
+        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
+        recordings
+    }
+
+    /// Recordings of one data set joined in random order and rhythm, one a subject, labels moved
+    /// by the lag.
+    #[must_use]
+    pub fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let Some(first) = recordings.first() else {
+            return Vec::new();
+        };
+        let own: Vec<Recording> = recordings
+            .iter()
+            .map(|&recording| Recording {
+                labels: recording.labels_in(vocabulary),
+                samples: self.samples(recording),
+                ..recording.clone()
+            })
+            .collect();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked with the preset"
+        )]
+        let options = SpliceOptions {
+            samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
+            count: 1,
+            lag_samples: self.lag(first.data_set),
+            seed: self.preset.seed,
+        };
+        splice::splice(&own.iter().collect::<Vec<_>>(), &options)
+    }
+
+    fn corpus(&self, library: &Library, role: Role) -> Corpus {
+        let vocabulary = self.preset.vocabulary();
+        let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
+        for recording in self.split.select(&library.recordings, role) {
+            by_set
+                .entry(recording.data_set)
+                .or_default()
+                .push(recording);
+        }
+        let people = folds::subjects(by_set.values().flatten().copied());
+        let most = people.values().map(Vec::len).max().unwrap_or(0);
+        let mut streams = Vec::new();
+        for (data_set, recordings) in &by_set {
+            if self.preset.data.as_published {
+                streams.extend(recordings.iter().map(|recording| {
+                    Stream::new(
+                        self.samples(recording),
+                        self.lag_compensated_labels(recording),
+                    )
+                }));
+            }
+            if self.preset.data.spliced_seconds > 0.0 {
+                let share = most as f64 / people[data_set].len() as f64;
+                let seconds =
+                    self.preset.data.spliced_seconds * share.powf(self.preset.data.balance);
+                let spliced = self.spliced(recordings, seconds);
+                streams.extend(
+                    spliced
+                        .into_iter()
+                        .map(|joined| Stream::new(joined.samples, joined.labels)),
+                );
+            }
+        }
+        Corpus {
+            vocabulary,
+            streams,
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Step 1: the teacher.
+
+use std::path::Path;
+
+use super::context::RunContext;
+use super::error::StepError;
+use crate::execution::progress;
+use crate::execution::run_folder::RunFolder;
+use crate::teacher;
+use crate::teacher::model::Teacher;
+
+/// Trains the teacher.
+///
+/// # Errors
+/// When nobody is left to validate with, the folder cannot be written or the user interrupts.
+pub fn train(context: &RunContext) -> Result<(), StepError> {
+    let preset = &context.config.preset;
+    let corpus = context.config.training(&context.library);
+    let validation = context.config.validation(&context.library);
+    if validation.streams.is_empty() {
+        return Err(StepError::NoValidation);
+    }
+    progress::log(&format!(
+        "training on {} streams, {:.0} s; validating on {}, {:.0} s",
+        corpus.streams.len(),
+        corpus.seconds(),
+        validation.streams.len(),
+        validation.seconds(),
+    ));
+    context.device.seed(preset.seed);
+    let mut model = preset.teacher.init(preset.classes, &context.device);
+    if let Some(start) = &context.config.start {
+        model = load_start(start, model)?;
+    }
+    if preset.teacher_training.epochs == 0 {
+        context.folder.save_model(teacher::training::NAME, &model)?;
+        return Ok(());
+    }
+    teacher::training::train(
+        model,
+        preset.teacher.grid(),
+        &corpus,
+        &validation,
+        &preset.teacher_training,
+        preset.seed,
+        &context.device,
+        &context.folder,
+        context.resume,
+        &context.interrupt,
+    )?;
+    Ok(())
+}
+
+/// The weights that training starts from: another run's teacher, or a checkpoint in the reference's format.
+fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
+    if start.is_dir() {
+        return Ok(RunFolder::existing(start)?.load_model(teacher::training::NAME, model)?);
+    }
+    Ok(teacher::checkpoint::load(start, model)?)
+}
