@@ -10,6 +10,8 @@ mod debian;
 pub mod device;
 pub mod emulator;
 pub mod firmware;
+#[cfg(test)]
+mod pages;
 pub mod qemu;
 pub mod size;
 pub mod stack;
