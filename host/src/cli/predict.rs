@@ -16,7 +16,7 @@ use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
 
 use super::arguments::BackendArguments;
 use super::replay::one_recording;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use crate::training::tensor::read_back;
 use crate::inference::student_logits;
 use crate::inference::teacher_logits;

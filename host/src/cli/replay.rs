@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use shared::model::file::Model;
-use shared::pipeline::{Encode, Pipeline, Reports};
+use shared::model::Encode;
+use shared::pipeline::{Pipeline, Reports};
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 

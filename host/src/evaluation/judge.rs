@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::track::{Track, track};
 use super::trial::Trial;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use crate::evaluation::metric::MetricError;
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::summary::{RecordingScore, Summary, summary};

@@ -4,7 +4,7 @@ use shared::intent::{Intent, MAX_CLASSES};
 use shared::stream::smoother::{Settings, SettingsError, Smoother};
 use shared::units::{LOOK_BACK, PATCH, SampleIndex};
 
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// The labels of one recording, sample by sample, in two books.
 #[derive(Clone, Debug, PartialEq)]

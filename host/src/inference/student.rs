@@ -2,7 +2,7 @@
 
 use burn::tensor::{Device, Tensor};
 use shared::intent::MAX_CLASSES;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
 use crate::dataset::lead_in::padded;

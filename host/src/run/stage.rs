@@ -12,7 +12,7 @@ use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
 use shared::stream::smoother::{Likelihood, AggregationMode};
 use shared::units::{CleanSample, HOLD, LOOK_AHEAD, PATCH, WINDOW_PATCHES};
 
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use crate::dataset::lead_in::padded;
 use crate::inference::student_logits;
 use crate::inference::teacher_logits;
@@ -534,7 +534,7 @@ fn integer_candidate(name: &str, bytes: &[u8], trials: &[Trial]) -> anyhow::Resu
 /// An integer student's rows at every whole patch of a stream, as the device computes them.
 ///
 /// # Errors
-/// When no encoder of the model's shape is compiled.
+/// When the encoder refuses the model.
 pub fn integer_rows(model: &Model<'_>, emg: &[CleanSample]) -> anyhow::Result<Vec<LookBackLogits>> {
     let stream = padded(emg);
     let (patches, _) = stream.as_chunks::<PATCH>();

@@ -11,7 +11,7 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
 use super::model::Student;
 use crate::dataset::corpus::{Corpus, patch_labels};
 use crate::training::augmentation::{Augmentation, Variation};
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use crate::training::tensor::read_back;
 use crate::dataset::lead_in::padded;
 use crate::training::fit::{Learner, Pace, Part, SHARDS, fit};

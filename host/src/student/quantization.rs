@@ -3,8 +3,9 @@
 use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
 use burn::tensor::Tensor;
+use shared::model::dimensions::{self, Dimensions};
 use shared::model::file::{
-    self, Dimensions, LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts,
+    LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts,
     SmootherDefaults,
 };
 
@@ -38,8 +39,8 @@ pub fn quantize(
             vocabulary: preset.vocabulary(),
         },
         companding: match companding {
-            Companding::Linear => model_file::Companding::Linear,
-            Companding::SquareRoot => model_file::Companding::SquareRoot,
+            Companding::Linear => dimensions::Companding::Linear,
+            Companding::SquareRoot => dimensions::Companding::SquareRoot,
         },
         smoother,
         provenance,

@@ -4,7 +4,7 @@ use shared::intent::Intent;
 use shared::units::{LOOK_BACK, PATCH, WINDOW};
 
 use super::Peer;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// The answers that a peer gives about one window, oldest first.
 ///

@@ -12,7 +12,7 @@ use super::mlp::MlpConfig;
 use super::network::Network;
 use super::stream::PeerStream;
 use super::trahgr::TraHgrConfig;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use myointent::training::tensor::read_back;
 use myointent::evaluation::judge::Candidate;
 use myointent::run::trial::Trial;
