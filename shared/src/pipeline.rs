@@ -10,49 +10,16 @@
 //! runs on the device and in `myointent replay`, so both write the same lines.
 
 use crate::intent::{Intent, MAX_CLASSES};
+use crate::model::Encode;
 use crate::stream::preprocess::Preprocessor;
 use crate::stream::ring::SampleRing;
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Settings, SettingsError, Smoother};
 use crate::uart_line::{Counters, Kind, Report};
-use crate::units::{CleanSample, LOOK_BACK, Millis, PATCH, Sample, SampleIndex};
+use crate::units::{LOOK_BACK, Millis, Sample, SampleIndex};
 
 /// Most lost samples that are filled in by repeating the last one before them.
 pub const BRIDGED_AT_MOST: u32 = 5;
-
-/// Logits of the newest patches, newest first: row `j` speaks of the patch `j` before the newest.
-/// Columns from the model's number of classes on mean nothing.
-pub type LookBackLogits = [[f32; MAX_CLASSES]; LOOK_BACK];
-
-/// A model that takes patch after patch. It never changes; its memory is apart from it.
-pub trait Encode {
-    /// What it remembers of the patches so far.
-    type State;
-
-    /// Classes that it tells apart, 1 ... 6.
-    fn classes(&self) -> usize;
-
-    /// The memory before the first patch.
-    fn fresh(&self) -> Self::State;
-
-    /// Forgets all patches in place: a device has no stack for a second memory.
-    fn reset(&self, state: &mut Self::State);
-
-    /// Takes the next patch, oldest sample first.
-    fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits;
-
-    /// Takes patches that follow one another: as many steps, bit for bit, perhaps sooner done.
-    fn steps(
-        &self,
-        state: &mut Self::State,
-        patches: &[[CleanSample; PATCH]],
-        mut output: impl FnMut(LookBackLogits),
-    ) {
-        for patch in patches {
-            output(self.step(state, patch));
-        }
-    }
-}
 
 /// What one input made happen, in order: at most a change of state and a label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]

@@ -28,6 +28,9 @@ pub type Sample = [i8; CHANNELS];
 /// One instant after median and rectification, 0..=128; the model's input is this over 128.
 pub type CleanSample = [u8; CHANNELS];
 
+/// Ten preprocessed samples, the oldest first: 50 ms, the encoder's input.
+pub type Patch = [CleanSample; PATCH];
+
 /// Position of a sample in its stream, 0 first; wraps after 248 days.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub struct SampleIndex(pub u32);

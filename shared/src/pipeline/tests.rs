@@ -1,9 +1,10 @@
 //! The composed line over a model that is easy to foretell.
 
 use super::*;
+use crate::model::LookBackLogits;
 use crate::stream::preprocess::clean;
 use crate::stream::safe_state::Cause;
-use crate::units::CHANNELS;
+use crate::units::{CHANNELS, PATCH, Patch};
 use alloc::{boxed::Box, vec, vec::Vec};
 use proptest::prelude::*;
 
@@ -26,7 +27,7 @@ impl Encode for Spelled {
         state.clear();
     }
 
-    fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits {
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits {
         let sum: usize = patch.iter().map(|sample| usize::from(sample[0])).sum();
         state.push(sum % 3);
         let mut rows = [[0.0; MAX_CLASSES]; LOOK_BACK];
@@ -203,7 +204,7 @@ fn a_model_of_too_many_classes_is_refused() {
         }
         fn fresh(&self) {}
         fn reset(&self, (): &mut ()) {}
-        fn step(&self, (): &mut (), _: &[CleanSample; PATCH]) -> LookBackLogits {
+        fn step(&self, (): &mut (), _: &Patch) -> LookBackLogits {
             [[0.0; MAX_CLASSES]; LOOK_BACK]
         }
     }

@@ -1,6 +1,6 @@
 //! The last 3 s of clean samples, kept as whole patches, and how many of them follow one another.
 
-use crate::units::{CHANNELS, CleanSample, PATCH, WINDOW, WINDOW_PATCHES};
+use crate::units::{CHANNELS, CleanSample, PATCH, Patch, WINDOW, WINDOW_PATCHES};
 
 /// The model's window: the newest 600 samples, in patches counted from the last reset.
 ///
@@ -8,7 +8,7 @@ use crate::units::{CHANNELS, CleanSample, PATCH, WINDOW, WINDOW_PATCHES};
 /// number of patches and a reset starts at the ring's first place.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SampleRing {
-    patches: [[CleanSample; PATCH]; WINDOW_PATCHES],
+    patches: [Patch; WINDOW_PATCHES],
     /// Where the patch under way lies, 0..60.
     current: usize,
     /// Its samples so far, 0..10.
@@ -30,7 +30,7 @@ impl SampleRing {
     }
 
     /// Takes a sample; gives the patch that it completes, every tenth sample since the last reset.
-    pub fn push(&mut self, sample: CleanSample) -> Option<&[CleanSample; PATCH]> {
+    pub fn push(&mut self, sample: CleanSample) -> Option<&Patch> {
         self.patches[self.current][self.filled] = sample;
         self.contiguous = self.contiguous.saturating_add(1);
         self.filled += 1;
@@ -64,7 +64,7 @@ impl SampleRing {
 
     /// Whole patches, oldest first: 60 when a patch has just completed in a full ring, 59 while
     /// the next one overwrites the oldest.
-    pub fn patches(&self) -> impl Iterator<Item = &[CleanSample; PATCH]> {
+    pub fn patches(&self) -> impl Iterator<Item = &Patch> {
         let whole = if self.is_full() {
             WINDOW_PATCHES - usize::from(self.filled > 0)
         } else {

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::{ALIGNMENT, FORMAT_VERSION, MAGIC};
-use crate::model::encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, any_shape::SHAPES};
+use crate::model::dimensions::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH};
 use crate::units::{LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
 /// Why bytes are not a model for this build.
@@ -235,34 +235,20 @@ pub enum ModelError {
         /// Bytes left.
         found: usize,
     },
-    /// A good model of another shape than the encoder was compiled for.
+    /// A good model that the encoder's state has no room for.
     #[error(
-        "model of width {width}, {layers} layers, span {span}; this encoder is compiled for \
-         {}, {}, {}: choose a build or a model that fits",
-        expected.0, expected.1, expected.2
+        "model of width {width} with {slots} cache slots (layers x span); this program has room for \
+         width {most_width} and {most_slots} slots: train a smaller model"
     )]
-    Shape {
-        /// Width, layers, span of the encoder.
-        expected: (usize, usize, usize),
+    TooLarge {
         /// The model's width.
         width: usize,
-        /// The model's layers.
-        layers: usize,
-        /// The model's span.
-        span: usize,
-    },
-    /// A good model of a shape that this program has no encoder for.
-    #[error(
-        "model of width {width}, {layers} layers, span {span}; this program runs (width, layers, \
-         span) {SHAPES:?}: train one of these"
-    )]
-    ShapeNotCompiled {
-        /// The model's width.
-        width: usize,
-        /// The model's layers.
-        layers: usize,
-        /// The model's span.
-        span: usize,
+        /// Largest width.
+        most_width: usize,
+        /// The model's layers x span.
+        slots: usize,
+        /// Most slots.
+        most_slots: usize,
     },
 }
 

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{Excerpt, ModelError};
 use crate::intent::Vocabulary;
-use crate::model::encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, receptive_field};
+use crate::model::dimensions::{
+    Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
+};
 use crate::stream::smoother::{AggregationMode, Likelihood, Settings};
 use crate::units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
@@ -14,28 +16,6 @@ use crate::units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES}
 const MEDIAN_WIDTH: u8 = 3;
 /// What a rectified sample is divided by.
 const DIVISOR: u8 = 128;
-
-/// The numbers that decide every tensor's shape.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Dimensions {
-    /// Width d of the residual stream: a multiple of 8, 16 to 128.
-    pub width: usize,
-    /// Layers L, 1 to 3.
-    pub layers: usize,
-    /// Patches that attention sees, the newest included.
-    pub span: usize,
-    /// What the classes are.
-    pub vocabulary: Vocabulary,
-}
-
-/// How a cleaned sample 0..=128 becomes the encoder's input 0..=1.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Companding {
-    /// `x / 128`.
-    Linear,
-    /// `sqrt(x / 128)`: more room for weak contractions.
-    SquareRoot,
-}
 
 /// How the model wants its answers smoothed, unless the user says otherwise.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -258,7 +238,7 @@ impl<'m> WireHeader<'m> {
         if span == 0 || span > MAX_SPAN {
             return Err(ModelError::Span { found: span });
         }
-        let seen = receptive_field(layers, span) + LOOK_BACK - 1;
+        let seen = patches_needed(layers, span);
         if seen > WINDOW_PATCHES {
             return Err(ModelError::ReceptiveField { found: seen });
         }

@@ -1,6 +1,6 @@
 //! The tensors as they lie in the file: borrowed.
 
-use crate::model::encoder::MAX_LAYERS;
+use crate::model::dimensions::MAX_LAYERS;
 
 /// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] x[c] + bias[r]`.
 #[derive(Clone, Copy, Debug, Default)]

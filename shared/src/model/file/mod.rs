@@ -7,16 +7,18 @@
 mod error;
 mod header;
 mod layout;
-mod reader;
 #[cfg(any(test, feature = "write"))]
-pub mod samples;
+pub mod random;
+mod reader;
 #[cfg(any(test, feature = "write"))]
 mod writer;
 
 pub use error::{Excerpt, ModelError, TensorName};
-pub use header::{Companding, Dimensions, Header, List, Provenance, SmootherDefaults};
+pub use header::{Header, List, Provenance, SmootherDefaults};
 pub use layout::{LayerWeights, LinearWeights, NormWeights, Weights};
 pub use reader::Model;
+#[cfg(test)]
+pub(crate) use writer::overwrite;
 #[cfg(any(test, feature = "write"))]
 pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, quantize_rows};
 

@@ -6,7 +6,7 @@ use super::{
     header::{Header, WireHeader},
     layout::{LayerWeights, LinearWeights, NormWeights, Weights},
 };
-use crate::model::encoder::HEADS;
+use crate::model::dimensions::HEADS;
 use crate::model::kernels::TILE_ROWS;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 

@@ -7,9 +7,10 @@ use serde::Serialize;
 use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
     error::ModelError,
-    header::{Companding, Dimensions, SmootherDefaults, WireHeader},
+    header::{SmootherDefaults, WireHeader},
     reader::Model,
 };
+use crate::model::dimensions::{Companding, Dimensions};
 use crate::model::kernels::packing::packed;
 
 /// A linear map with quantized rows.
@@ -238,4 +239,15 @@ fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
     let start = file.len() + list([bytes.len()]).len();
     let pad = start.next_multiple_of(ALIGNMENT) - start;
     append::<[u8]>(file, &[&[0; ALIGNMENT][..pad], bytes].concat());
+}
+
+/// Overwrites bytes between prefix and checksum (`place` counts from the prefix) and corrects the
+/// checksum.
+#[cfg(test)]
+pub(crate) fn overwrite(file: &mut Vec<u8>, changes: impl Iterator<Item = (usize, u8)>) {
+    file.truncate(file.len() - CHECKSUM_BYTES);
+    for (place, byte) in changes {
+        file[PREFIX_BYTES + place] = byte;
+    }
+    seal(file);
 }
