@@ -19,7 +19,7 @@
 //! checksum = two upper-case hexadecimal digits: all bytes of the body, XORed (as NMEA 0183 does)
 //! ```
 //!
-//! `emitted - instant` samples of 5 ms are the label's delay. Every line that parses is written
+//! A line has at most 99 bytes, CR LF included. `emitted - instant` samples of 5 ms are the label's delay. Every line that parses is written
 //! back byte for byte.
 //!
 //! ```text
@@ -32,9 +32,6 @@ use core::fmt::{self, Write};
 use crate::intent::Intent;
 use crate::stream::safe_state::{Cause, Status};
 use crate::units::SampleIndex;
-
-/// Bytes of the longest line, line end included.
-pub const MAX_LINE: usize = 99;
 
 /// Why a line is written.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -8,11 +8,11 @@ pub const SAMPLE_RATE_HZ: u32 = 200;
 pub const SAMPLE_PERIOD_MS: u32 = 1000 / SAMPLE_RATE_HZ;
 /// Samples that the model looks at: 3 s.
 pub const WINDOW: usize = 600;
-/// Samples that the encoder takes at once: 50 ms, or 25 ms in a build with the feature `patch-5`.
-pub const PATCH: usize = if cfg!(feature = "patch-5") { 5 } else { 10 };
+/// Samples of a patch, the encoder's input: 50 ms.
+pub const PATCH: usize = 10;
 /// Patches in a window.
 pub const WINDOW_PATCHES: usize = WINDOW / PATCH;
-/// Patches that every encoder step speaks about: the newest and those of the look-ahead before it, five of 50 ms.
+/// Patches that every encoder step gives logits for: the newest, and the five of the look-ahead before it.
 pub const LOOK_BACK: usize = 1 + LOOK_AHEAD / PATCH;
 /// Default look-ahead of the smoother, in samples (paper: 0.25 s).
 pub const LOOK_AHEAD: usize = 50;

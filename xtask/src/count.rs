@@ -51,9 +51,6 @@ pub struct Arguments {
     /// A model to run; otherwise the one that the project ships, judged by its budget.
     #[arg(long, value_name = "FILE.intent")]
     model: Option<PathBuf>,
-    /// The model takes patches of 5 samples.
-    #[arg(long, requires = "model")]
-    patch_5: bool,
     /// Take these counts as the committed ones. Say in the commit why they are worse, if they are.
     #[arg(long, conflicts_with_all = ["recording", "model"])]
     accept: bool,
@@ -70,12 +67,7 @@ pub fn print(arguments: &Arguments) -> Result<()> {
     };
     let toolchain = toolchain::find(false)?;
     qemu::find()?;
-    let image = if arguments.patch_5 {
-        Image::CountOfFives
-    } else {
-        Image::Count
-    };
-    let image = device::build(&toolchain, image)?;
+    let image = device::build(&toolchain, Image::Count)?;
     let table = count(&image, &samples, arguments.model.as_deref())?;
     if arguments.recording.is_some() || arguments.model.is_some() {
         println!(

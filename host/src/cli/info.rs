@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             "span": dimensions.span,
             "companding": format!("{:?}", header.companding),
             "reading": format!("{:?}", smoother.reading),
-            "likelihood": format!("{:?}", smoother.likelihood),
+            "likelihood": "Logits",
             "look_ahead": smoother.look_ahead,
             "hold": smoother.hold,
             "data_sets": sets,
@@ -74,8 +74,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     )?;
     writeln!(
         out,
-        "smoother      {:?} of {:?}, look-ahead {} samples, hold {} samples",
-        smoother.reading, smoother.likelihood, smoother.look_ahead, smoother.hold
+        "smoother      {:?} of Logits, look-ahead {} samples, hold {} samples",
+        smoother.reading, smoother.look_ahead, smoother.hold
     )?;
     writeln!(
         out,

@@ -9,7 +9,7 @@ use burn::tensor::Device;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
-use shared::stream::smoother::{Likelihood, AggregationMode};
+use shared::stream::smoother::AggregationMode;
 use shared::units::{CleanSample, HOLD, LOOK_AHEAD, PATCH, WINDOW_PATCHES};
 
 use shared::model::LookBackLogits;
@@ -262,7 +262,6 @@ impl Stage<'_> {
                 LookAhead::SameInstant => AggregationMode::SameInstant,
                 LookAhead::None | LookAhead::AllRows => AggregationMode::AllRowsFrom,
             },
-            likelihood: Likelihood::Logits,
             look_ahead: LOOK_AHEAD,
             hold: HOLD,
         };

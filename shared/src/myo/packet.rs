@@ -71,13 +71,6 @@ impl FirmwareVersion {
     pub const fn is_supported(self) -> bool {
         self.major > 0
     }
-
-    /// Whether it is older than 1.2, the oldest that the vendor describes: worth a warning, for
-    /// nobody states a minimum for streaming EMG.
-    #[must_use]
-    pub const fn is_dated(self) -> bool {
-        self.major < 1 || self.major == 1 && self.minor < 2
-    }
 }
 
 fn first<const LENGTH: usize>(bytes: &[u8]) -> Result<&[u8; LENGTH], TooShort> {
@@ -124,9 +117,8 @@ mod tests {
         let version = |bytes: [u8; 8]| FirmwareVersion::parse(&bytes).unwrap();
         let newest = version([1, 0, 5, 0, 0xb2, 0x07, 2, 0]);
         assert_eq!((newest.major, newest.minor, newest.patch), (1, 5, 1970));
-        assert!(newest.is_supported() && !newest.is_dated());
-        let dated = version([1, 0, 1, 0, 0xf3, 0x02, 2, 0]);
-        assert!(dated.is_supported() && dated.is_dated());
+        assert!(newest.is_supported());
+        assert!(version([1, 0, 1, 0, 0xf3, 0x02, 2, 0]).is_supported());
         assert!(!version([0, 0, 8, 0, 0, 0, 1, 0]).is_supported());
     }
 }

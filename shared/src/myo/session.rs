@@ -173,7 +173,7 @@ impl MyoSession {
         self.battery.is_some_and(|percent| percent <= LOW_BATTERY)
     }
 
-    /// Firmware of the armband; none of this connection's yet. See [`FirmwareVersion::is_dated`].
+    /// Firmware of the armband; none of this connection's yet.
     #[must_use]
     pub const fn firmware(&self) -> Option<FirmwareVersion> {
         self.firmware

@@ -8,7 +8,7 @@
 use crate::units::{CHANNELS, CleanSample, Sample};
 
 /// Samples under the median.
-pub const MEDIAN_WIDTH: usize = 3;
+pub const MEDIAN_WIDTH: u8 = 3;
 /// What a clean value is divided by to become the model's input, 0 ... 1.
 pub const DIVISOR: u8 = 128;
 
@@ -68,28 +68,6 @@ fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample 
     })
 }
 
-/// The arm that wears the band. Models are trained on right arms.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum ArmSide {
-    /// Channels as the armband sends them.
-    #[default]
-    Right,
-    /// Channels mirrored to where a right arm has them: 6, 5, 4, 3, 2, 1, 0, 7.
-    Left,
-}
-
-impl ArmSide {
-    /// The sample as a right arm would have given it. Twice is the sample itself.
-    #[must_use]
-    pub fn reorder(self, sample: Sample) -> Sample {
-        const MIRRORED: [usize; CHANNELS] = [6, 5, 4, 3, 2, 1, 0, 7];
-        match self {
-            Self::Right => sample,
-            Self::Left => MIRRORED.map(|channel| sample[channel]),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,16 +111,6 @@ mod tests {
         assert_eq!(preprocessor.push([9; CHANNELS]), None);
         assert_eq!(preprocessor.finish(), Some([0; CHANNELS]));
         assert_eq!(preprocessor, Preprocessor::new());
-    }
-
-    #[test]
-    fn a_left_arm_is_mirrored_around_channel_3() {
-        let sample = [10, 11, 12, 13, 14, 15, 16, 17];
-        assert_eq!(ArmSide::Right.reorder(sample), sample);
-        assert_eq!(
-            ArmSide::Left.reorder(sample),
-            [16, 15, 14, 13, 12, 11, 10, 17]
-        );
     }
 
     proptest! {

@@ -15,10 +15,9 @@
 
 mod settings;
 
-use crate::model::arithmetic::exp;
 use crate::units::SampleIndex;
 
-pub use settings::{AggregationMode, Likelihood, Settings, SettingsError, Weighting};
+pub use settings::{AggregationMode, Settings, SettingsError};
 
 /// A label, still as a class number, with its delay in the open.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -51,10 +50,8 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     ///
     /// # Errors
     /// Refuses a look-ahead of `ROWS` rows or more, a hold of 0, no or too many classes, rows of no
-    /// samples, a weight factor that is negative or no number.
+    /// samples.
     pub fn new(settings: Settings, classes: usize) -> Result<Self, SettingsError> {
-        let (Weighting::Equal { max_factor } | Weighting::Progressive { max_factor }) =
-            settings.weighting;
         if settings.look_ahead >= ROWS {
             return Err(SettingsError::LookAhead {
                 most: ROWS.saturating_sub(1),
@@ -72,9 +69,6 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         }
         if settings.row_samples == 0 {
             return Err(SettingsError::RowSamples);
-        }
-        if !(max_factor.is_finite() && max_factor >= 0.0) {
-            return Err(SettingsError::MaxFactor { found: max_factor });
         }
         Ok(Self {
             settings,
@@ -125,67 +119,26 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
-    /// Adds what one window says of each instant that still waits. With rows `r` newest first, the
-    /// instant `j` rows back gets, in the four combinations:
+    /// Adds one window's rows to the sums of the instants that still wait for their label. With rows
+    /// `r` newest first, the instant `j` rows back gets `r_0 + ... + r_j` ([`AllRowsFrom`]) or `r_j`
+    /// ([`SameInstant`]). Sums are not divided by their number of rows: it is the same for all classes.
     ///
-    /// ```text
-    /// all rows, equal        w(j) * (r_0 + ... + r_j)
-    /// all rows, progressive  w(j) * r_0 + w(j - 1) * r_1 + ... + w(0) * r_j
-    /// same row, equal        w(j) * r_j
-    /// same row, progressive  r_j                              w(i) = 1 + slope * i
-    /// ```
-    ///
-    /// The second is a sum of sums: (r_0 + ... + r_j) + slope * (j * r_0 + ... + 1 * r_(j-1)).
-    /// Weights are not divided out: one divisor for all classes moves no maximum.
+    /// [`AllRowsFrom`]: AggregationMode::AllRowsFrom
+    /// [`SameInstant`]: AggregationMode::SameInstant
     fn add(&mut self, rows: &[[f32; CLASSES]; ROWS]) {
         let depth = self.settings.look_ahead + 1;
-        let slope = self.slope();
         let mut sum = [0.0; CLASSES];
-        let mut sum_of_sums = [0.0; CLASSES];
         for (back, row) in rows.iter().enumerate().take(self.seen) {
-            let row = self.scores(row);
-            let weight = 1.0 + slope * back as f32;
             let waiting = &mut self.sums[(self.newest + depth - back) % depth];
             for class in 0..self.classes {
-                sum_of_sums[class] += sum[class];
                 sum[class] += row[class];
-                waiting[class] += match (self.settings.aggregation, self.settings.weighting) {
-                    (AggregationMode::AllRowsFrom, Weighting::Equal { .. }) => weight * sum[class],
-                    (AggregationMode::AllRowsFrom, Weighting::Progressive { .. }) => {
-                        sum[class] + slope * sum_of_sums[class]
-                    }
-                    (AggregationMode::SameInstant, Weighting::Equal { .. }) => weight * row[class],
-                    (AggregationMode::SameInstant, Weighting::Progressive { .. }) => row[class],
+                waiting[class] += match self.settings.aggregation {
+                    AggregationMode::AllRowsFrom => sum[class],
+                    AggregationMode::SameInstant => row[class],
                 };
             }
         }
     }
-
-    /// Growth of the weight per row. Without look-ahead there is one row, and it weighs 1.
-    fn slope(&self) -> f32 {
-        let (Weighting::Equal { max_factor } | Weighting::Progressive { max_factor }) =
-            self.settings.weighting;
-        (max_factor - 1.0) / self.settings.look_ahead.max(1) as f32
-    }
-
-    fn scores(&self, row: &[f32; CLASSES]) -> [f32; CLASSES] {
-        match self.settings.likelihood {
-            Likelihood::Logits => *row,
-            Likelihood::Probabilities => softmax(row, self.classes),
-        }
-    }
-}
-
-/// Softmax over the first `classes` logits; the rest is 0.
-fn softmax<const CLASSES: usize>(logits: &[f32; CLASSES], classes: usize) -> [f32; CLASSES] {
-    let most = logits[largest(&logits[..classes])];
-    let mut shares = [0.0; CLASSES];
-    let mut total = 0.0;
-    for (share, logit) in shares.iter_mut().zip(&logits[..classes]) {
-        *share = exp(logit - most);
-        total += *share;
-    }
-    shares.map(|share| share / total)
 }
 
 /// Place of the largest value, the first on ties; 0 when nothing compares.

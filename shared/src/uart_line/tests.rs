@@ -77,6 +77,9 @@ fn line(body: &str) -> String {
     format!("${body}*{:02X}\r\n", checksum(body))
 }
 
+/// Bytes of the longest line, line end included.
+const MAX_LINE: usize = 99;
+
 proptest! {
     #[test]
     fn what_is_written_is_read_back(report in any_report()) {

@@ -166,7 +166,7 @@ pub enum ModelError {
         found: u8,
     },
     /// The smoother's likelihood.
-    #[error("likelihood {found}, expected 0 (logits) or 1 (probabilities): update this program")]
+    #[error("likelihood {found}, expected 0 (logits): export the model again")]
     Likelihood {
         /// The file's code.
         found: u8,

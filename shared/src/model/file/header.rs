@@ -9,21 +9,18 @@ use crate::intent::Vocabulary;
 use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
 };
-use crate::stream::smoother::{AggregationMode, Likelihood, Settings};
+use crate::stream::preprocess::{DIVISOR, MEDIAN_WIDTH};
+use crate::stream::smoother::{AggregationMode, Settings};
 use crate::units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
-/// Width of the preprocessing median, samples.
-const MEDIAN_WIDTH: u8 = 3;
-/// What a rectified sample is divided by.
-const DIVISOR: u8 = 128;
+/// The only value of the smoother's likelihood: logits are summed as they are.
+const LIKELIHOOD_LOGITS: u8 = 0;
 
 /// How the model wants its answers smoothed, unless the user says otherwise.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SmootherDefaults {
     /// Which rows are summed.
     pub aggregation: AggregationMode,
-    /// What is summed.
-    pub likelihood: Likelihood,
     /// Samples of look-ahead: whole patches, at most 50.
     pub look_ahead: usize,
     /// Samples that a label is held: whole patches, at least one.
@@ -36,7 +33,6 @@ impl SmootherDefaults {
     pub const fn in_patches(&self) -> Settings {
         Settings {
             aggregation: self.aggregation,
-            likelihood: self.likelihood,
             look_ahead: self.look_ahead / PATCH,
             hold: self.hold / PATCH,
             ..Settings::PAPER_IN_PATCHES
@@ -165,10 +161,7 @@ impl<'m> WireHeader<'m> {
                 AggregationMode::AllRowsFrom => 0,
                 AggregationMode::SameInstant => 1,
             },
-            likelihood: match smoother.likelihood {
-                Likelihood::Logits => 0,
-                Likelihood::Probabilities => 1,
-            },
+            likelihood: LIKELIHOOD_LOGITS,
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
             data_sets,
@@ -283,11 +276,11 @@ impl<'m> WireHeader<'m> {
             1 => AggregationMode::SameInstant,
             found => return Err(ModelError::AggregationMode { found }),
         };
-        let likelihood = match self.likelihood {
-            0 => Likelihood::Logits,
-            1 => Likelihood::Probabilities,
-            found => return Err(ModelError::Likelihood { found }),
-        };
+        if self.likelihood != LIKELIHOOD_LOGITS {
+            return Err(ModelError::Likelihood {
+                found: self.likelihood,
+            });
+        }
         let [look_ahead, hold] = [self.look_ahead, self.hold].map(usize::from);
         if look_ahead > LOOK_AHEAD || !look_ahead.is_multiple_of(PATCH) {
             return Err(ModelError::LookAhead {
@@ -300,7 +293,6 @@ impl<'m> WireHeader<'m> {
         }
         Ok(SmootherDefaults {
             aggregation,
-            likelihood,
             look_ahead,
             hold,
         })

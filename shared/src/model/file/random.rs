@@ -6,7 +6,7 @@ use super::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, Smo
 use crate::model::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
-use crate::stream::smoother::{AggregationMode, Likelihood};
+use crate::stream::smoother::AggregationMode;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
 /// Draws tensors.
@@ -51,7 +51,6 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
         companding: Companding::SquareRoot,
         smoother: SmootherDefaults {
             aggregation: AggregationMode::AllRowsFrom,
-            likelihood: Likelihood::Logits,
             look_ahead: 50,
             hold: 20,
         },

@@ -27,7 +27,7 @@ pub const QUERY_LIMIT: i16 = 4095;
 /// Largest code of a key, and of a value.
 pub const KEY_LIMIT: i16 = 8191;
 /// Most terms of a product of two codes: a head's width, or the span.
-pub const MAX_TERMS: usize = if cfg!(feature = "patch-5") { 64 } else { 32 };
+pub const MAX_TERMS: usize = 32;
 /// Rows of weights that lie side by side in a tile (see [`Kernels::multiply`]).
 pub const TILE_ROWS: usize = 4;
 /// Columns of a row that lie side by side in a tile: one word of a 32-bit core.
@@ -38,7 +38,7 @@ pub const GROUP_ORDER: [usize; GROUP] = [0, 2, 1, 3];
 
 // i16 x i8 over 512 columns: 512 x 32768 x 127 = 2 130 706 432. With -128 it would be 2^31.
 const _: () = assert!(MAX_COLUMNS as i64 * 32_768 * 127 <= i32::MAX as i64);
-// Query x key over a head, attention weight x value over the span: below 2^12 x 2^13 x 2^6 = 2^31.
+// Query x key over a head, attention weight x value over the span: below 2^12 x 2^13 x 2^5 = 2^30.
 const _: () = assert!(QUERY_LIMIT as i64 * KEY_LIMIT as i64 * MAX_TERMS as i64 <= i32::MAX as i64);
 
 /// Numbers at a multiple of four bytes, where a core can load several words at once.
