@@ -19,7 +19,7 @@ use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{LOOK_BACK, Millis, Sample, SampleIndex};
 
 /// Most lost samples that are filled in by repeating the last one before them.
-pub const BRIDGED_AT_MOST: u32 = 5;
+pub const MAX_BRIDGED: u32 = 5;
 
 /// What one input made happen, in order: at most a change of state and a label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -113,7 +113,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let mut reports = self.tick(now);
         self.counters.lost = self.counters.lost.saturating_add(missing);
         match self.last {
-            Some(last) if missing <= BRIDGED_AT_MOST => {
+            Some(last) if missing <= MAX_BRIDGED => {
                 self.counters.bridged = self.counters.bridged.saturating_add(missing);
                 for _ in 0..missing {
                     self.take(now, last, &mut reports);

@@ -4,7 +4,7 @@ use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::{Model, ModelError};
-use shared::stream::link_sequence::Receiver;
+use shared::stream::link_sequence::GapDetector;
 use shared::pipeline::{Pipeline, Reports};
 use shared::uart_line::{Counters, Kind, Report};
 use shared::stream::safe_state::{Event, SafeState, Start};
@@ -69,13 +69,13 @@ fn start(restart: Restart) -> Start {
 #[embassy_executor::task]
 pub async fn run(pipeline: &'static mut Line) -> ! {
     output::say(output::Line::Report(pipeline.state_report()));
-    let mut receiver = Receiver::new();
+    let mut detector = GapDetector::new();
     loop {
         watchdog::INFERENCE.alive();
         let silence = wait_for(pipeline.deadline());
         match select(PACKETS.next(), silence).await {
             Either::First(packet) => {
-                let received = receiver.take(packet);
+                let received = detector.receive(packet);
                 let now = now();
                 if received.disconnected {
                     tell(pipeline.disconnected(now));

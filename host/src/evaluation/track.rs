@@ -44,7 +44,7 @@ pub fn track(
             let instant = decision.instant.0 as usize;
             held_until = (instant + settings.hold * PATCH).min(samples);
             spoken[instant.min(samples)..].fill(label);
-            emitted[(decision.known.0 as usize).min(samples)..].fill(label);
+            emitted[(decision.window_end.0 as usize).min(samples)..].fill(label);
         }
     }
     spoken[held_until..].fill(None);

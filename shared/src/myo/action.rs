@@ -5,12 +5,12 @@ use super::characteristic::Characteristic;
 use super::packet::Pair;
 
 /// Most bytes of a write: what fits into the smallest packet of the protocol.
-pub const PAYLOAD_AT_MOST: usize = 20;
+pub const MAX_PAYLOAD: usize = 20;
 
 /// Bytes to write, at most 20.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Payload {
-    bytes: [u8; PAYLOAD_AT_MOST],
+    bytes: [u8; MAX_PAYLOAD],
     length: u8,
 }
 
@@ -18,8 +18,8 @@ impl Payload {
     /// These bytes; more than 20 do not compile.
     #[must_use]
     pub const fn new<const LENGTH: usize>(payload: [u8; LENGTH]) -> Self {
-        const { assert!(LENGTH <= PAYLOAD_AT_MOST) };
-        let mut bytes = [0; PAYLOAD_AT_MOST];
+        const { assert!(LENGTH <= MAX_PAYLOAD) };
+        let mut bytes = [0; MAX_PAYLOAD];
         bytes.split_at_mut(LENGTH).0.copy_from_slice(&payload);
         Self {
             bytes,
@@ -40,7 +40,7 @@ impl Payload {
 /// outstanding. Each is answered by its own [`Event`](super::Event), or by `Disconnected`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Action {
-    /// Scan, passively, and tell of every advertisement heard. Answered by any number of `Heard`.
+    /// Scan, passively, and tell of every advertisement heard. Answered by any number of `Advertisement`.
     Scan,
     /// Scan no more. Nothing answers.
     StopScan,
@@ -59,7 +59,7 @@ pub enum Action {
     /// `Disconnected`, or by `ConnectFailed` where there was no connection yet.
     Disconnect,
     /// Two samples for the pipeline, the older first. They follow those delivered before unless a
-    /// `Gap` or `Lost` came between.
+    /// `Gap` or `StreamEnded` came between.
     Deliver(Pair),
     /// Samples are missing between those delivered before and those to come.
     Gap {
@@ -67,5 +67,5 @@ pub enum Action {
         missing: u32,
     },
     /// The stream that had begun is over.
-    Lost,
+    StreamEnded,
 }

@@ -83,7 +83,7 @@ impl Characteristic {
 
     /// Its place in [`Characteristic::ALL`], 0..=6: an index for an adapter's table of handles.
     #[must_use]
-    pub const fn place(self) -> usize {
+    pub const fn index(self) -> usize {
         match self {
             Self::FirmwareVersion => 0,
             Self::Command => 1,
@@ -104,13 +104,13 @@ impl Found {
     /// These and `characteristic`.
     #[must_use]
     pub const fn with(self, characteristic: Characteristic) -> Self {
-        Self(self.0 | 1 << characteristic.place())
+        Self(self.0 | 1 << characteristic.index())
     }
 
     /// Whether `characteristic` is among them.
     #[must_use]
     pub const fn contains(self, characteristic: Characteristic) -> bool {
-        self.0 & (1 << characteristic.place()) != 0
+        self.0 & (1 << characteristic.index()) != 0
     }
 
     /// Whether a stream can be set up: only the battery may be missing.
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn uuids_and_places_lead_back_to_their_characteristic() {
         for (place, characteristic) in Characteristic::ALL.into_iter().enumerate() {
-            assert_eq!(characteristic.place(), place);
+            assert_eq!(characteristic.index(), place);
             let uuid = characteristic.uuid();
             assert_eq!(Characteristic::from_uuid(uuid), Some(characteristic));
         }

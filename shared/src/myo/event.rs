@@ -7,7 +7,7 @@ use super::characteristic::{Characteristic, Found};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Event<'a> {
     /// Somebody advertises.
-    Heard {
+    Advertisement {
         /// Who, with the kind of address that the report names.
         address: Address,
         /// How loud, in dBm; 127 where the radio does not know.

@@ -6,7 +6,7 @@
 //! ```text
 //! radio --Event, Millis--> MyoSession --Action--> radio     Scan, Connect, Discover, Read, Write ...
 //!                               |
-//!                               +-----Action----> pipeline  Deliver, Gap, Lost
+//!                               +-----Action----> pipeline  Deliver, Gap, StreamEnded
 //! ```
 //!
 //! The way in: [`advertisement`] finds the armband, [`characteristic`] and [`uuid`] name what it

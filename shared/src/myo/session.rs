@@ -41,9 +41,9 @@ pub enum Phase {
     /// Receiving EMG, or waiting for the first.
     Streaming,
     /// Waiting for the connection that it gave up to be gone.
-    Leaving,
+    Disconnecting,
     /// Waiting for the next attempt.
-    Resting,
+    BackingOff,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -59,11 +59,11 @@ enum State {
         found: Found,
     },
     Streaming(Stream),
-    Leaving {
+    Disconnecting {
         since: Millis,
         rest: u32,
     },
-    Resting {
+    BackingOff {
         since: Millis,
         rest: u32,
     },
@@ -74,7 +74,7 @@ enum State {
 /// Promises: it reads no clock and does no I/O; an event takes bounded work and never panics,
 /// whatever its bytes, its time and its order; events that do not fit are ignored; at most one
 /// operation is outstanding; samples are delivered at most once, in order, and never as contiguous
-/// across a loss that lanes and times can show; `Lost` follows every stream exactly once.
+/// across a loss that lanes and times can show; `StreamEnded` follows every stream exactly once.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MyoSession {
     settings: Settings,
@@ -108,7 +108,7 @@ impl MyoSession {
     /// are answered by a later call, never from within `act`.
     pub fn handle(&mut self, now: Millis, event: Event<'_>, act: &mut impl FnMut(Action)) {
         match event {
-            Event::Heard {
+            Event::Advertisement {
                 address,
                 rssi,
                 data,
@@ -144,8 +144,8 @@ impl MyoSession {
             State::Connecting { .. } => Phase::Connecting,
             State::SettingUp { .. } => Phase::SettingUp,
             State::Streaming(_) => Phase::Streaming,
-            State::Leaving { .. } => Phase::Leaving,
-            State::Resting { .. } => Phase::Resting,
+            State::Disconnecting { .. } => Phase::Disconnecting,
+            State::BackingOff { .. } => Phase::BackingOff,
         }
     }
 

@@ -1,11 +1,11 @@
 //! Numbers on what the radio hands to the inference, so that a queue between them may drop.
 //!
 //! A bounded queue drops its oldest entry rather than block. With every packet goes the position
-//! of its first sample and the number of its stream, and so whatever was dropped, the receiver
+//! of its first sample and the number of its stream, and so whatever was dropped, the detector
 //! finds out: a jump of the position is a gap, another stream is a disconnection.
 //!
 //! ```text
-//! MyoSession -> Sender -> queue, may drop -> Receiver -> Pipeline
+//! MyoSession -> Sequencer -> queue, may drop -> GapDetector -> Pipeline
 //! ```
 
 use crate::units::{Sample, SampleIndex};
@@ -23,12 +23,12 @@ pub struct Packet {
 
 /// Numbers what goes into the queue.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sender {
+pub struct Sequencer {
     stream: u32,
     next: SampleIndex,
 }
 
-impl Sender {
+impl Sequencer {
     /// Before the first sample.
     #[must_use]
     pub const fn new() -> Self {
@@ -55,7 +55,7 @@ impl Sender {
     }
 
     /// The stream is over; what comes next is another.
-    pub const fn over(&mut self) -> Packet {
+    pub const fn end(&mut self) -> Packet {
         let stream = self.stream;
         self.stream = stream.wrapping_add(1);
         Packet {
@@ -79,13 +79,13 @@ pub struct Received {
 
 /// Finds out what is missing among what comes out of the queue.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Receiver {
+pub struct GapDetector {
     /// The stream that goes on; none after its end.
     stream: Option<u32>,
     next: SampleIndex,
 }
 
-impl Receiver {
+impl GapDetector {
     /// Before the first packet.
     #[must_use]
     pub const fn new() -> Self {
@@ -96,7 +96,7 @@ impl Receiver {
     }
 
     /// Takes the next packet that the queue kept.
-    pub fn take(&mut self, packet: Packet) -> Received {
+    pub fn receive(&mut self, packet: Packet) -> Received {
         let other = self.stream.is_some_and(|stream| stream != packet.stream);
         let missing = packet.first.since(self.next);
         let taken = if packet.samples.is_some() { 2 } else { 0 };
@@ -129,36 +129,39 @@ mod tests {
 
     #[test]
     fn what_the_queue_kept_passes_unchanged() {
-        let (mut sender, mut receiver) = (Sender::new(), Receiver::new());
+        let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
         for value in 0..10 {
             let pair = [[value; 8], [-value; 8]];
-            let packet = sender.samples(pair);
-            assert_eq!(receiver.take(packet), plain(Some(pair)));
+            let packet = sequencer.samples(pair);
+            assert_eq!(detector.receive(packet), plain(Some(pair)));
         }
-        sender.gap(6);
-        let received = receiver.take(sender.samples(QUIET));
+        sequencer.gap(6);
+        let received = detector.receive(sequencer.samples(QUIET));
         assert_eq!((received.missing, received.disconnected), (6, false));
-        assert!(receiver.take(sender.over()).disconnected);
-        assert_eq!(receiver.take(sender.samples(QUIET)), plain(Some(QUIET)));
+        assert!(detector.receive(sequencer.end()).disconnected);
+        assert_eq!(
+            detector.receive(sequencer.samples(QUIET)),
+            plain(Some(QUIET))
+        );
     }
 
     #[test]
     fn a_dropped_end_of_stream_is_found_out() {
-        let (mut sender, mut receiver) = (Sender::new(), Receiver::new());
-        receiver.take(sender.samples(QUIET));
-        let _dropped = sender.over();
-        let received = receiver.take(sender.samples(QUIET));
+        let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
+        detector.receive(sequencer.samples(QUIET));
+        let _dropped = sequencer.end();
+        let received = detector.receive(sequencer.samples(QUIET));
         assert!(received.disconnected);
         assert_eq!(received.missing, 0);
     }
 
     #[test]
     fn positions_wrap() {
-        let mut sender = Sender::new();
-        let mut receiver = Receiver::new();
-        sender.gap(u32::MAX);
-        receiver.take(sender.samples(QUIET));
-        let received = receiver.take(sender.samples(QUIET));
+        let mut sequencer = Sequencer::new();
+        let mut detector = GapDetector::new();
+        sequencer.gap(u32::MAX);
+        detector.receive(sequencer.samples(QUIET));
+        let received = detector.receive(sequencer.samples(QUIET));
         assert_eq!(received, plain(Some(QUIET)));
     }
 
@@ -186,7 +189,7 @@ mod tests {
         fn whatever_a_full_queue_drops_positions_and_streams_stay_right(
             steps in prop::collection::vec(step(), 1..200),
         ) {
-            let (mut sender, mut receiver) = (Sender::new(), Receiver::new());
+            let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
             let mut queue = VecDeque::new();
             let (mut position, mut stream) = (0_u32, 0_u32);
             let mut seen: Vec<(u32, u32)> = Vec::new();
@@ -195,20 +198,20 @@ mod tests {
                 let packet = match step {
                     Step::Samples => {
                         position += 2;
-                        Some((sender.samples(QUIET), Some((position - 2, stream))))
+                        Some((sequencer.samples(QUIET), Some((position - 2, stream))))
                     }
                     Step::Gap(missing) => {
-                        sender.gap(missing);
+                        sequencer.gap(missing);
                         position += missing;
                         None
                     }
                     Step::Over => {
                         stream += 1;
-                        Some((sender.over(), None))
+                        Some((sequencer.end(), None))
                     }
                     Step::Receive => {
                         if let Some((packet, truth)) = queue.pop_front() {
-                            let received = receiver.take(packet);
+                            let received = detector.receive(packet);
                             over_since |= received.disconnected;
                             counted += received.missing;
                             if let Some((at, stream)) = truth {

@@ -27,7 +27,7 @@ pub struct Decision {
     /// Newest sample of the row that the label speaks of.
     pub instant: SampleIndex,
     /// Newest sample that was known when the label was made: the window's end.
-    pub known: SampleIndex,
+    pub window_end: SampleIndex,
 }
 
 /// Look-ahead and hold over rows of at most `CLASSES` scores, `ROWS` of them a window.
@@ -114,7 +114,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             Decision {
                 class: largest(&self.sums[(self.newest + 1) % depth][..self.classes]),
                 instant: SampleIndex(window_end.0.wrapping_sub(behind)),
-                known: window_end,
+                window_end,
             }
         })
     }

@@ -85,7 +85,7 @@ const DRAWS: usize = 10_000;
 const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
-/// Calls of kernels in one call of [`judge`].
+/// Calls of kernels in one call of [`check`].
 pub const CASES: usize = 4 * DRAWS
     + SPECIAL.len()
     + FILLS.len()
@@ -98,7 +98,7 @@ pub const CASES: usize = 4 * DRAWS
 /// # Errors
 ///
 /// The first disagreement.
-pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
+pub fn check<K: Kernels>() -> Result<usize, Mismatch> {
     let mut judged = 0;
     let mut noise = Noise(0x2545_f491);
     for fill in FILLS {
@@ -400,7 +400,7 @@ mod tests {
 
     #[test]
     fn the_catalogue_catches_a_dropped_tail() {
-        let mismatch = judge::<DropsTheTail>().unwrap_err();
+        let mismatch = check::<DropsTheTail>().unwrap_err();
         assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
     }
 

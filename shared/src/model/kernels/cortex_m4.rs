@@ -617,7 +617,7 @@ mod tests {
 
     #[test]
     fn the_dsp_form_passes_the_catalogue() {
-        let judged = checks::judge::<CortexM4>().unwrap();
+        let judged = checks::check::<CortexM4>().unwrap();
         assert_eq!(judged, checks::CASES);
     }
 }

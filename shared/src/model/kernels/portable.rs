@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_portable_form_passes_the_catalogue() {
-        let judged = checks::judge::<Portable>().unwrap();
+        let judged = checks::check::<Portable>().unwrap();
         assert_eq!(judged, checks::CASES);
     }
 }

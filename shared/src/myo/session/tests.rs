@@ -69,7 +69,7 @@ impl Player {
         let data = &advertisement();
         self.tell(
             now,
-            Event::Heard {
+            Event::Advertisement {
                 address,
                 rssi,
                 data,
@@ -176,7 +176,7 @@ fn the_mode_is_the_settings() {
 fn the_strongest_armband_of_half_a_second_wins() {
     let mut player = Player::new(Settings::default());
     player.follow(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
-    let stranger = Event::Heard {
+    let stranger = Event::Advertisement {
         address: address(9),
         rssi: -1,
         data: b"\x04\x09Myo",
@@ -231,7 +231,7 @@ fn failed_connects_rest_longer_each_time_up_to_five_seconds() {
         player.connecting(now);
         now += 510;
         assert_eq!(player.tell(now, Event::ConnectFailed), []);
-        assert_eq!(player.session.phase(), Phase::Resting);
+        assert_eq!(player.session.phase(), Phase::BackingOff);
         assert_eq!(player.tell(now + rest - 1, Event::Tick), []);
         now += rest;
     }
@@ -248,7 +248,7 @@ fn a_stream_that_ran_makes_the_next_rest_short() {
     player.streaming(5_000);
     assert_eq!(player.emg(5_510, 0), [deliver(0)]);
     player.follow(&[
-        (5_520, Event::Disconnected, &[Action::Lost]),
+        (5_520, Event::Disconnected, &[Action::StreamEnded]),
         (5_521, Event::Disconnected, &[]),
         (5_819, Event::Tick, &[]),
     ]);
@@ -260,9 +260,12 @@ fn a_stream_that_ran_makes_the_next_rest_short() {
 fn a_stream_that_never_came_is_lost_too_but_rests_longer() {
     let mut player = Player::new(Settings::default());
     player.streaming(0);
-    assert_eq!(player.tell(510, Event::Disconnected), [Action::Lost]);
+    assert_eq!(player.tell(510, Event::Disconnected), [Action::StreamEnded]);
     player.streaming(810);
-    assert_eq!(player.tell(1_320, Event::Disconnected), [Action::Lost]);
+    assert_eq!(
+        player.tell(1_320, Event::Disconnected),
+        [Action::StreamEnded]
+    );
     assert_eq!(player.tell(1_919, Event::Tick), []);
     assert_eq!(player.tell(1_920, Event::Tick), [Action::Scan]);
 }
@@ -460,7 +463,7 @@ fn a_write_that_is_never_answered_ends_the_stream() {
         end = player.emg(501 + 10 * number, number);
         end.retain(|action| !matches!(action, Action::Deliver(_)));
     }
-    assert_eq!(end, [Action::Disconnect, Action::Lost]);
+    assert_eq!(end, [Action::Disconnect, Action::StreamEnded]);
     assert_eq!(player.session.counters().timeouts, 1);
 }
 
@@ -474,7 +477,11 @@ fn a_silent_stream_is_stirred_once_and_then_given_up() {
         (1_010, Event::Tick, &[SET_MODE]),
         (1_011, Event::Done, &[]),
         (1_509, Event::Tick, &[]),
-        (1_510, Event::Tick, &[Action::Disconnect, Action::Lost]),
+        (
+            1_510,
+            Event::Tick,
+            &[Action::Disconnect, Action::StreamEnded],
+        ),
         (1_520, Event::Disconnected, &[]),
         (1_819, Event::Tick, &[]),
         (1_820, Event::Tick, &[Action::Scan]),
@@ -558,7 +565,10 @@ fn malformed_emg_alone_keeps_no_stream_alive() {
     let told: Vec<_> = (0..110)
         .map(|n| player.tell(501 + 10 * n, malformed))
         .collect();
-    assert_eq!(told.concat(), [SET_MODE, Action::Disconnect, Action::Lost]);
+    assert_eq!(
+        told.concat(),
+        [SET_MODE, Action::Disconnect, Action::StreamEnded]
+    );
 }
 
 #[test]
@@ -568,10 +578,10 @@ fn a_new_connection_starts_a_new_stream() {
     for number in 0..3 {
         player.emg(510 + 10 * number, number);
     }
-    assert_eq!(player.tell(540, Event::Disconnected), [Action::Lost]);
+    assert_eq!(player.tell(540, Event::Disconnected), [Action::StreamEnded]);
     assert_eq!(player.session.battery(), Some(80)); // as last told
     player.streaming(840);
-    // On whichever lane, with no gap: what is gone is told by `Lost`.
+    // On whichever lane, with no gap: what is gone is told by `StreamEnded`.
     assert_eq!(player.emg(1_350, 2), [deliver(2)]);
     assert_eq!(player.session.counters().lost, 0);
 }

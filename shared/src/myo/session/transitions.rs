@@ -43,17 +43,17 @@ impl MyoSession {
             }
             // Nobody waits for this connection any more, and it would keep the armband from
             // advertising.
-            State::Idle | State::Scanning(_) | State::Resting { .. } => act(Action::Disconnect),
-            State::SettingUp { .. } | State::Streaming(_) | State::Leaving { .. } => {}
+            State::Idle | State::Scanning(_) | State::BackingOff { .. } => act(Action::Disconnect),
+            State::SettingUp { .. } | State::Streaming(_) | State::Disconnecting { .. } => {}
         }
     }
 
     /// The connection is gone, or never came.
     pub(super) fn gone(&mut self, now: Millis, event: Event<'_>, act: &mut impl FnMut(Action)) {
         match (&self.state, event) {
-            (State::Leaving { rest, .. }, _) => {
+            (State::Disconnecting { rest, .. }, _) => {
                 let rest = *rest;
-                self.state = State::Resting { since: now, rest };
+                self.state = State::BackingOff { since: now, rest };
             }
             (State::Connecting { .. }, _) => {
                 count(&mut self.counters.failed_connects, 1);
@@ -62,7 +62,7 @@ impl MyoSession {
             (State::SettingUp { .. }, Event::Disconnected) => self.rest(now),
             (State::Streaming(_), Event::Disconnected) => {
                 self.rest(now);
-                act(Action::Lost);
+                act(Action::StreamEnded);
             }
             _ => {}
         }
@@ -70,16 +70,16 @@ impl MyoSession {
 
     fn rest(&mut self, now: Millis) {
         let rest = self.back_off.rest();
-        self.state = State::Resting { since: now, rest };
+        self.state = State::BackingOff { since: now, rest };
     }
 
     /// Closes the connection and rests once it is gone.
     fn leave(&mut self, now: Millis, rest: u32, act: &mut impl FnMut(Action)) {
         let streaming = matches!(self.state, State::Streaming(_));
-        self.state = State::Leaving { since: now, rest };
+        self.state = State::Disconnecting { since: now, rest };
         act(Action::Disconnect);
         if streaming {
-            act(Action::Lost);
+            act(Action::StreamEnded);
         }
     }
 
@@ -181,7 +181,7 @@ impl MyoSession {
     pub(super) fn keep_time(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
         match &mut self.state {
             State::Idle => self.scan(act),
-            State::Resting { since, rest } if elapsed(now, *since) >= *rest => self.scan(act),
+            State::BackingOff { since, rest } if elapsed(now, *since) >= *rest => self.scan(act),
             State::Scanning(scan) => {
                 if let Some(address) = scan.choice(now) {
                     self.connect(now, address, act);
@@ -192,10 +192,10 @@ impl MyoSession {
             {
                 self.time_out(now, act);
             }
-            State::Leaving { since, rest } if elapsed(now, *since) >= ANSWER_MS => {
+            State::Disconnecting { since, rest } if elapsed(now, *since) >= ANSWER_MS => {
                 let rest = *rest;
                 count(&mut self.counters.timeouts, 1);
-                self.state = State::Resting { since: now, rest };
+                self.state = State::BackingOff { since: now, rest };
             }
             State::Streaming(stream) => match stream.duty(now) {
                 Duty::Nothing => {}

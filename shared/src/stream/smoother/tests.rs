@@ -58,7 +58,7 @@ proptest! {
             let due = number >= settings.look_ahead && number % settings.hold == 0;
             prop_assert_eq!(decision.is_some(), due);
             let Some(decision) = decision else { continue };
-            prop_assert_eq!(decision.known, end);
+            prop_assert_eq!(decision.window_end, end);
             prop_assert_eq!(
                 end.since(decision.instant),
                 settings.look_ahead as u32 * settings.row_samples

@@ -117,7 +117,7 @@ impl Judge {
             Action::Disconnect => self.outstanding = None,
             Action::Deliver(_) => prop_assert!(self.stream),
             Action::Gap { missing } => prop_assert!(self.stream && missing > 0),
-            Action::Lost => {
+            Action::StreamEnded => {
                 prop_assert!(self.stream);
                 self.stream = false;
                 self.lost += 1;
@@ -147,10 +147,10 @@ proptest! {
             let mut value = [0; 16];
             let event = match happening {
                 Happening::Heard(last, rssi, data) => {
-                    Event::Heard { address: address(*last), rssi: *rssi, data }
+                    Event::Advertisement { address: address(*last), rssi: *rssi, data }
                 }
                 Happening::Armband(last, rssi) => {
-                    Event::Heard { address: address(*last), rssi: *rssi, data: &armband }
+                    Event::Advertisement { address: address(*last), rssi: *rssi, data: &armband }
                 }
                 Happening::Answer => judge.answer(),
                 Happening::Emg(content) => {
@@ -182,7 +182,7 @@ proptest! {
             prop_assert!(actions.len() <= 2 * 27 + 2);
             judge.event(event);
             let streams = session.phase() == Phase::Streaming;
-            if (streams || actions.contains(&Action::Lost)) && !streamed {
+            if (streams || actions.contains(&Action::StreamEnded)) && !streamed {
                 judge.stream = true;
                 judge.streams += 1;
             }
@@ -213,7 +213,7 @@ fn random_walks_do_reach_a_stream() {
         for (pause, happening) in walk {
             now = now.plus(pause);
             let event = match happening {
-                Happening::Armband(last, rssi) => Event::Heard {
+                Happening::Armband(last, rssi) => Event::Advertisement {
                     address: address(last),
                     rssi,
                     data: &armband,
