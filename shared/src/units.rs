@@ -1,4 +1,4 @@
-//! The quantities of the stream: what a sample is, how long a window is, how time is counted.
+//! Quantities of the sample stream: samples, window and patch sizes, sample positions, time.
 
 /// Electrodes of the armband, in ring order.
 pub const CHANNELS: usize = 8;
@@ -6,7 +6,7 @@ pub const CHANNELS: usize = 8;
 pub const SAMPLE_RATE_HZ: u32 = 200;
 /// Milliseconds between two samples.
 pub const SAMPLE_PERIOD_MS: u32 = 1000 / SAMPLE_RATE_HZ;
-/// Samples that the model looks at: 3 s.
+/// Samples of the model's window: 3 s.
 pub const WINDOW: usize = 600;
 /// Samples of a patch, the encoder's input: 50 ms.
 pub const PATCH: usize = 10;
@@ -22,7 +22,7 @@ pub const HOLD: usize = 20;
 const _: () = assert!(WINDOW.is_multiple_of(PATCH));
 const _: () = assert!(LOOK_AHEAD.is_multiple_of(PATCH) && HOLD.is_multiple_of(PATCH));
 
-/// One instant of raw EMG as the armband sends it, channel 1 first, -128..=127.
+/// One instant of raw EMG as the armband sends it: channel 1 first, -128..=127.
 pub type Sample = [i8; CHANNELS];
 
 /// One instant after median and rectification, 0..=128; the model's input is this over 128.
@@ -65,6 +65,18 @@ impl Millis {
     pub const fn since(self, earlier: Self) -> u32 {
         self.0.wrapping_sub(earlier.0)
     }
+
+    /// As [`Millis::since`], but 0 where the clock seems to run backwards, as it does when the time
+    /// stamp of an interrupt is handled late.
+    #[must_use]
+    pub const fn elapsed_since(self, earlier: Self) -> u32 {
+        let difference = self.since(earlier);
+        if difference > i32::MAX as u32 {
+            0
+        } else {
+            difference
+        }
+    }
 }
 
 #[cfg(test)]
@@ -77,5 +89,7 @@ mod tests {
         assert_eq!(SampleIndex(u32::MAX).plus(2), SampleIndex(1));
         assert_eq!(Millis(10).since(Millis(u32::MAX - 9)), 20);
         assert_eq!(Millis(u32::MAX).plus(1), Millis(0));
+        assert_eq!(Millis(10).elapsed_since(Millis(u32::MAX - 9)), 20);
+        assert_eq!(Millis(10).elapsed_since(Millis(11)), 0);
     }
 }
