@@ -1,17 +1,17 @@
-//! From overlapping estimates to one steady label: look-ahead and hold.
+//! From the logits of overlapping windows to one stable label: look-ahead and hold.
 //!
-//! Every window gives a row of scores for each of its newest instants. The label of an instant `t`
-//! waits until the window that ends `look_ahead` rows later has come, and rests on what all the
-//! windows between say: either every row from `t` on ([`AggregationMode::AllRowsFrom`]) or only the row of
-//! `t` itself ([`AggregationMode::SameInstant`]). A new label comes every `hold` windows.
+//! Every window gives a row of logits for each of its newest instants. The label of an instant `t` is
+//! decided with the window that ends `look_ahead` rows later, by a sum over all windows between: of
+//! every row from `t` on ([`AggregationMode::AllRowsFrom`]), or of the row of `t` alone
+//! ([`AggregationMode::SameInstant`]). There is a new label every `hold` windows.
 //!
-//! Time is counted in rows. A row is a sample where every sample has its own window, and a patch
-//! on the device. No window is kept: an instant's sum grows with each window that may speak of it,
-//! by a prefix sum of that window's rows, so a push costs `look_ahead + 1` row additions.
+//! Time is counted in rows. A row is a sample where every sample has a window of its own, and a patch
+//! on the device. Windows are not stored: each adds its part, a prefix sum of its rows, to the sums of
+//! the instants that still wait, so a push costs `look_ahead + 1` row additions.
 //!
-//! Source: ReactEMG (arXiv 2506.19815) and its public code's live aggregator, which has both
-//! readings; its labels are held to in `tests/golden`. Sums are f32, windows in time order, rows
-//! newest first: the order is part of the meaning.
+//! Source: ReactEMG (arXiv 2506.19815) and the live aggregator of its public code, which has both
+//! modes; `tests/golden` compares labels with it. Sums are f32, windows in time order, rows newest
+//! first: the order is part of the definition.
 
 mod settings;
 
@@ -19,25 +19,25 @@ use crate::units::SampleIndex;
 
 pub use settings::{AggregationMode, Settings, SettingsError};
 
-/// A label, still as a class number, with its delay in the open.
+/// A label as a class number, with its instant and its delay.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Decision {
     /// Class of the largest sum, the lowest on ties.
     pub class: usize,
-    /// Newest sample of the row that the label speaks of.
+    /// Reference time: the newest sample of the row that the label refers to.
     pub instant: SampleIndex,
-    /// Newest sample that was known when the label was made: the window's end.
+    /// The window's end: the newest sample that the label depends on.
     pub window_end: SampleIndex,
 }
 
-/// Look-ahead and hold over rows of at most `CLASSES` scores, `ROWS` of them a window.
+/// Look-ahead and hold over rows of at most `CLASSES` logits, `ROWS` of them per window.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     settings: Settings,
     classes: usize,
     /// Sums of the newest `look_ahead + 1` instants, in a ring.
     sums: [[f32; CLASSES]; ROWS],
-    /// Place of the newest instant's sum.
+    /// Index of the newest instant's sum.
     newest: usize,
     /// Windows since the restart, up to `look_ahead + 1`.
     seen: usize,
@@ -46,7 +46,7 @@ pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
 }
 
 impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
-    /// A smoother before its first window, for rows of `classes` scores.
+    /// A smoother before its first window, for rows of `classes` logits.
     ///
     /// # Errors
     /// Refuses a look-ahead of `ROWS` rows or more, a hold of 0, no or too many classes, rows of no
@@ -80,22 +80,23 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
-    /// The settings it was made with.
+    /// Its settings.
     #[must_use]
     pub const fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Forgets all windows, as after a gap; the next one counts as the first.
+    /// Forgets all windows, as after a gap: the next one is the first.
     pub fn restart(&mut self) {
         self.seen = 0;
         self.phase = 0;
     }
 
-    /// Takes the rows of the window that ends at sample `window_end`, newest first, and gives a
-    /// label when one is due: from the window `look_ahead` after the first, every `hold` windows.
+    /// Takes the rows of the window that ends at sample `window_end`, newest first. Returns a label when
+    /// one is due: at every `hold`-th window, counted from the first, once `look_ahead + 1` have been
+    /// taken.
     ///
-    /// Only the first `look_ahead + 1` rows and the live classes are read.
+    /// Only the first `look_ahead + 1` rows and `classes` columns are read.
     pub fn push(
         &mut self,
         window_end: SampleIndex,
@@ -141,7 +142,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     }
 }
 
-/// Place of the largest value, the first on ties; 0 when nothing compares.
+/// Index of the largest value, the first on ties; 0 if all comparisons fail (NaN).
 fn largest(values: &[f32]) -> usize {
     let mut best = 0;
     for (place, value) in values.iter().enumerate() {

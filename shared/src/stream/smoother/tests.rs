@@ -1,4 +1,4 @@
-//! The smoother beside a twin that keeps every window and adds up as the definition says.
+//! The smoother against a reference that stores every window and sums by definition.
 
 use super::*;
 use alloc::{vec, vec::Vec};
@@ -63,7 +63,7 @@ proptest! {
                 end.since(decision.instant),
                 settings.look_ahead as u32 * settings.row_samples
             );
-            // f32 against f64: the chosen class is the largest but for rounding.
+            // f32 against f64: the class has the largest sum, up to rounding.
             let sums = naive_sums(&settings, &windows[..=number]);
             let most = sums.iter().copied().fold(f64::MIN, f64::max);
             prop_assert!(most - sums[decision.class] < 1e-3);
@@ -71,7 +71,7 @@ proptest! {
     }
 
     #[test]
-    fn after_a_restart_nothing_of_before_is_left(
+    fn a_restart_forgets_all_windows(
         settings in any_settings(), before in any_windows(), after in any_windows(),
     ) {
         let mut fresh = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
