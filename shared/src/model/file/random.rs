@@ -1,4 +1,4 @@
-//! Models of random weights, for tests and benchmarks.
+//! Models with random weights, for tests and benchmarks.
 
 use alloc::vec::Vec;
 
