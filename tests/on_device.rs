@@ -125,10 +125,10 @@ fn counts_add_up(image: &Path) -> Result<()> {
         "{parts} of {encoder}"
     );
     // Two patches share the reading of the matrices.
-    let rebuild = sum(&["rebuild"])?;
+    let recompute = sum(&["recompute"])?;
     ensure!(
-        rebuild < encoder,
-        "from scratch {rebuild}, a step {encoder}"
+        recompute < encoder,
+        "full recompute {recompute}, a step {encoder}"
     );
     Ok(())
 }

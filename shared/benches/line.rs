@@ -4,30 +4,40 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use shared::intent::{MAX_CLASSES, Vocabulary};
-use shared::model::encoder::{Encoder, Patch};
-use shared::model::file::{
-    Dimensions, Model,
-    samples::{Noise, random_model},
-};
-use shared::pipeline::Encode as _;
+use shared::model::Encode as _;
+use shared::model::dimensions::{Dimensions, usual_span};
+use shared::model::encoder::{DeviceEncoder, Encoder, HostEncoder};
+use shared::model::file::{Model, random::random_model};
+use shared::model::noise::Noise;
 use shared::stream::preprocess::Preprocessor;
 use shared::stream::smoother::{Settings, Smoother};
-use shared::units::{LOOK_BACK, PATCH, Sample, SampleIndex};
+use shared::units::{LOOK_BACK, PATCH, Patch, Sample, SampleIndex};
 
-fn encoder<const D: usize, const L: usize, const SPAN: usize>(bench: &mut Criterion) {
-    let vocabulary = Vocabulary::Three;
-    let parts = random_model(
-        Dimensions {
-            width: D,
-            layers: L,
-            span: SPAN,
-            vocabulary,
-        },
-        1,
-    );
-    let bytes = parts.to_bytes().expect("a random model is a model");
-    let model = Model::parse(&bytes).expect("just written");
-    let encoder = Encoder::<D, L, SPAN>::new(&model).expect("of this shape");
+fn encoders(bench: &mut Criterion) {
+    for (width, layers) in [(64, 2), (96, 3)] {
+        let dimensions = Dimensions {
+            width,
+            layers,
+            span: usual_span(layers),
+            vocabulary: Vocabulary::Three,
+        };
+        let parts = random_model(dimensions, 1);
+        let bytes = parts.to_bytes().expect("a random model is a model");
+        let model = Model::parse(&bytes).expect("just written");
+        let name = format!("d {width} L {layers}, file {} bytes", bytes.len());
+        let encoder = HostEncoder::new(&model).expect("room for every model");
+        steps(bench, &name, &encoder);
+        if let Ok(encoder) = DeviceEncoder::new(&model) {
+            steps(bench, &format!("{name}, device"), &encoder);
+        }
+    }
+}
+
+fn steps<const WIDTH: usize, const SLOTS: usize>(
+    bench: &mut Criterion,
+    name: &str,
+    encoder: &Encoder<'_, WIDTH, SLOTS>,
+) {
     let mut noise = Noise(2);
     let mut patch = Patch::default();
     patch
@@ -38,7 +48,6 @@ fn encoder<const D: usize, const L: usize, const SPAN: usize>(bench: &mut Criter
     encoder.steps(&mut state, &patches, |logits| {
         black_box(logits);
     });
-    let name = format!("d {D} L {L} span {SPAN}, file {} bytes", bytes.len());
     bench.bench_function(&format!("encoder step {name}"), |bencher| {
         bencher.iter(|| encoder.step(black_box(&mut state), black_box(&patch)));
     });
@@ -83,11 +92,5 @@ fn smoother(bench: &mut Criterion) {
     });
 }
 
-criterion_group!(
-    line,
-    preprocessing,
-    encoder::<64, 2, 27>,
-    encoder::<96, 3, 18>,
-    smoother
-);
+criterion_group!(line, preprocessing, encoders, smoother);
 criterion_main!(line);

@@ -1,8 +1,9 @@
 //! Model files as they must not be: each damage, and why the device refuses it.
 
 use shared::intent::Vocabulary;
-use shared::model::encoder::any_shape::AnyShape;
-use shared::model::file::{Dimensions, Model, samples::random_model};
+use shared::model::dimensions::Dimensions;
+use shared::model::encoder::DeviceEncoder;
+use shared::model::file::{Model, random::random_model};
 
 use super::MODEL_REGION;
 
@@ -20,7 +21,7 @@ impl Damage {
     pub fn reason(&self) -> Option<String> {
         let mut region = vec![0xff; MODEL_REGION];
         region[..self.bytes.len()].copy_from_slice(&self.bytes);
-        let encoder = Model::parse(&region).and_then(|model| AnyShape::new(&model).map(drop));
+        let encoder = Model::parse(&region).and_then(|model| DeviceEncoder::new(&model).map(drop));
         encoder.err().map(|error| error.to_string())
     }
 }
@@ -37,12 +38,12 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
         Damage { name, bytes }
     };
     let shape = Dimensions {
-        width: 40,
+        width: 72,
         layers: 2,
         span: 27,
         vocabulary: Vocabulary::Three,
     };
-    let other_shape = random_model(shape, 1).to_bytes();
+    let too_wide = random_model(shape, 1).to_bytes();
     vec![
         changed("an erased region", &|bytes| bytes.fill(0xff)),
         changed("another magic", &|bytes| bytes[0] ^= 0x20),
@@ -67,8 +68,8 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
             bytes.truncate(good.len() / 2)
         }),
         Damage {
-            name: "a good model of a shape that is not compiled in",
-            bytes: other_shape.expect("a writable model"),
+            name: "a good model wider than the device has room for",
+            bytes: too_wide.expect("a writable model"),
         },
     ]
 }

@@ -115,10 +115,6 @@ pub fn stream(golden: &Path) -> Check {
     Check::Stream(recordings(golden, &RECORDINGS, "train"))
 }
 
-pub fn left_arm(golden: &Path) -> Check {
-    Check::LeftArm(recordings(golden, &SYNTHETIC, "left_hand"))
-}
-
 pub fn rectified_first(golden: &Path) -> Check {
     Check::RectifiedFirst(recordings(golden, &SYNTHETIC, "after_rec"))
 }

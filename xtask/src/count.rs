@@ -29,10 +29,10 @@ const PARTS: [(&str, f64); 8] = [
     ("smoother", 1.4),
     ("rest", 1.4),
 ];
-/// What is told besides: the line as a whole, the encoder without marks between its parts, and from scratch over a window
-/// a patch's share and what is done in one piece.
-const SUMS: [&str; 4] = ["total", "encoder", "rebuild", "slice"];
-/// Most that a slice may keep the radio's tasks waiting.
+/// Counted besides: the pipeline as a whole, the encoder without marks between its parts, and of a full recompute one
+/// patch's share and one slice.
+const SUMS: [&str; 4] = ["total", "encoder", "recompute", "slice"];
+/// Longest slice: the radio's tasks wait for it.
 const SLICE_MS: f64 = 10.0;
 /// Change of the total for the worse that has to be explained, in percent.
 const TOLERANCE: f64 = 2.0;
@@ -51,9 +51,6 @@ pub struct Arguments {
     /// A model to run; otherwise the one that the project ships, judged by its budget.
     #[arg(long, value_name = "FILE.intent")]
     model: Option<PathBuf>,
-    /// The model takes patches of 5 samples.
-    #[arg(long, requires = "model")]
-    patch_5: bool,
     /// Take these counts as the committed ones. Say in the commit why they are worse, if they are.
     #[arg(long, conflicts_with_all = ["recording", "model"])]
     accept: bool,
@@ -70,12 +67,7 @@ pub fn print(arguments: &Arguments) -> Result<()> {
     };
     let toolchain = toolchain::find(false)?;
     qemu::find()?;
-    let image = if arguments.patch_5 {
-        Image::CountOfFives
-    } else {
-        Image::Count
-    };
-    let image = device::build(&toolchain, image)?;
+    let image = device::build(&toolchain, Image::Count)?;
     let table = count(&image, &samples, arguments.model.as_deref())?;
     if arguments.recording.is_some() || arguments.model.is_some() {
         println!(
@@ -114,7 +106,7 @@ pub fn print(arguments: &Arguments) -> Result<()> {
     let slice = table.slice_ms();
     ensure!(
         slice <= SLICE_MS,
-        "a slice from scratch takes about {slice:.1} ms, over the {SLICE_MS} ms that the radio may wait"
+        "a slice of the full recompute takes about {slice:.1} ms, over the {SLICE_MS} ms that the radio may wait"
     );
     Ok(())
 }
@@ -241,11 +233,12 @@ impl fmt::Display for Comparison<'_> {
             let mean = encoder.mean;
             writeln!(f, "embed to head without marks between them: {mean}")?;
         }
-        if let [Some(rebuild), Some(slice)] = ["rebuild", "slice"].map(|name| table.part(name)) {
+        if let [Some(recompute), Some(slice)] = ["recompute", "slice"].map(|name| table.part(name))
+        {
             writeln!(
                 f,
-                "from scratch: {} a patch, {} or about {:.1} ms in one piece",
-                rebuild.mean,
+                "full recompute: {} a patch, {} or about {:.1} ms in one slice",
+                recompute.mean,
                 slice.largest,
                 table.slice_ms(),
             )?;

@@ -28,8 +28,6 @@ pub enum Image {
     Golden,
     /// Counts instructions.
     Count,
-    /// The same for models that take patches of 5 samples.
-    CountOfFives,
 }
 
 impl Image {
@@ -44,12 +42,6 @@ impl Image {
             Self::Count => &[
                 "--package=myointent-device-images",
                 "--bin=count",
-                "--release",
-            ],
-            Self::CountOfFives => &[
-                "--package=myointent-device-images",
-                "--bin=count",
-                "--features=patch-5",
                 "--release",
             ],
         }

@@ -9,7 +9,7 @@ use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Instant, Ticker};
 use shared::myo::{Action, Event, MyoSession, Phase};
-use shared::stream::link_sequence::Sender;
+use shared::stream::link_sequence::Sequencer;
 use shared::units::Millis;
 
 use super::{Conversation, Link, MOST_BYTES, OperationFailed, Radio, SUBSCRIBE, handles::Handles};
@@ -20,7 +20,7 @@ const TICK: Duration = Duration::from_millis(50);
 /// The session, and what connects it to the radio and to the inference.
 pub struct Follower<'q> {
     session: RefCell<MyoSession>,
-    sender: RefCell<Sender>,
+    sequencer: RefCell<Sequencer>,
     packets: &'q Packets,
     /// What the radio is to do next. The session has one operation under way at most, and may stop a
     /// scan before it.
@@ -45,7 +45,7 @@ impl<'q> Follower<'q> {
     pub fn new(session: MyoSession, packets: &'q Packets, watch: &'q dyn Fn(&MyoSession)) -> Self {
         Self {
             session: RefCell::new(session),
-            sender: RefCell::new(Sender::new()),
+            sequencer: RefCell::new(Sequencer::new()),
             packets,
             orders: Channel::new(),
             hang_up: Signal::new(),
@@ -92,7 +92,7 @@ impl<'q> Follower<'q> {
 
     async fn scan(&self, radio: &mut impl Radio) {
         let hear = radio.scan(|heard| {
-            self.tell(Event::Heard {
+            self.tell(Event::Advertisement {
                 address: heard.address,
                 rssi: heard.rssi,
                 data: heard.data(),
@@ -117,11 +117,11 @@ impl<'q> Follower<'q> {
     fn act(&self, action: Action) {
         match action {
             Action::Disconnect => self.hang_up.signal(()),
-            Action::Deliver(samples) => {
-                self.packets.push(self.sender.borrow_mut().samples(samples))
-            }
-            Action::Gap { missing } => self.sender.borrow_mut().gap(missing),
-            Action::Lost => self.packets.push(self.sender.borrow_mut().over()),
+            Action::Deliver(samples) => self
+                .packets
+                .push(self.sequencer.borrow_mut().samples(samples)),
+            Action::Gap { missing } => self.sequencer.borrow_mut().gap(missing),
+            Action::StreamEnded => self.packets.push(self.sequencer.borrow_mut().end()),
             // It has room: one operation is under way at a time.
             order => drop(self.orders.try_send(order)),
         }

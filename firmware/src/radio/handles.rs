@@ -13,18 +13,18 @@ pub struct Handles {
 impl Handles {
     /// Notes where a characteristic was found.
     pub fn note(&mut self, characteristic: Characteristic, value: u16, subscription: Option<u16>) {
-        self.value[characteristic.place()] = value;
-        self.subscription[characteristic.place()] = subscription.unwrap_or(0);
+        self.value[characteristic.index()] = value;
+        self.subscription[characteristic.index()] = subscription.unwrap_or(0);
     }
 
     /// Handle of the value.
     pub fn value(&self, characteristic: Characteristic) -> Option<u16> {
-        Some(self.value[characteristic.place()]).filter(|&handle| handle != 0)
+        Some(self.value[characteristic.index()]).filter(|&handle| handle != 0)
     }
 
     /// Handle of the descriptor that asks for notifications.
     pub fn subscription(&self, characteristic: Characteristic) -> Option<u16> {
-        Some(self.subscription[characteristic.place()]).filter(|&handle| handle != 0)
+        Some(self.subscription[characteristic.index()]).filter(|&handle| handle != 0)
     }
 
     /// Whose value lies at a handle.

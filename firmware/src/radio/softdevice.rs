@@ -281,7 +281,7 @@ impl<const SERVICE: usize> Client for Discovered<SERVICE> {
                 .iter()
                 .find(|descriptor| descriptor.uuid == Some(SUBSCRIPTION))
                 .map(|descriptor| descriptor.handle);
-            self.0[characteristic.place()] =
+            self.0[characteristic.index()] =
                 Some((characteristic, found.handle_value, subscription));
         }
     }

@@ -2,10 +2,10 @@
 
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
-use shared::model::encoder::any_shape::{AnyShape, AnyState};
+use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::{Model, ModelError};
-use shared::pipeline::{Encode, Pipeline, Reports};
-use shared::stream::link_sequence::Receiver;
+use shared::pipeline::{Pipeline, Reports};
+use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::{Event, SafeState, Start};
 use shared::stream::smoother::Smoother;
 use shared::uart_line::{Counters, Kind, Report};
@@ -21,7 +21,7 @@ use crate::model_region;
 use crate::radio::follow::now;
 
 /// The encoder's memory, the largest thing in RAM.
-static MEMORY: ConstStaticCell<AnyState> = ConstStaticCell::new(AnyState::EMPTY);
+static MEMORY: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::fresh());
 
 /// Rounds between two tellings of a refused model: together a second, long enough to read and
 /// short enough for whoever connects late.
@@ -39,7 +39,7 @@ pub enum Refusal {
 }
 
 /// From sample to report, for whichever model lies in flash.
-pub type Line = Pipeline<'static, AnyShape<'static>>;
+pub type Line = Pipeline<'static, DeviceEncoder<'static>>;
 
 /// The model's encoder and smoother, before the first sample. To be called once.
 ///
@@ -50,7 +50,7 @@ pub type Line = Pipeline<'static, AnyShape<'static>>;
 pub fn load(restart: Restart) -> Result<&'static mut Line, Refusal> {
     static LINE: StaticCell<Line> = StaticCell::new();
     let model = Model::parse(model_region::bytes())?;
-    let encoder = AnyShape::new(&model)?;
+    let encoder = DeviceEncoder::new(&model)?;
     let settings = model.header.smoother.in_patches();
     let smoother = Smoother::new(settings, encoder.classes())?;
     let line = || Pipeline::with_smoother(encoder, MEMORY.take(), smoother, start(restart));
@@ -69,13 +69,13 @@ fn start(restart: Restart) -> Start {
 #[embassy_executor::task]
 pub async fn run(pipeline: &'static mut Line) -> ! {
     output::say(output::Line::Report(pipeline.state_report()));
-    let mut receiver = Receiver::new();
+    let mut detector = GapDetector::new();
     loop {
         watchdog::INFERENCE.alive();
         let silence = wait_for(pipeline.deadline());
         match select(PACKETS.next(), silence).await {
             Either::First(packet) => {
-                let received = receiver.take(packet);
+                let received = detector.receive(packet);
                 let now = now();
                 if received.disconnected {
                     tell(pipeline.disconnected(now));

@@ -48,7 +48,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             "span": dimensions.span,
             "companding": format!("{:?}", header.companding),
             "aggregation": format!("{:?}", smoother.aggregation),
-            "likelihood": format!("{:?}", smoother.likelihood),
             "look_ahead": smoother.look_ahead,
             "hold": smoother.hold,
             "data_sets": sets,
@@ -74,8 +73,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     )?;
     writeln!(
         out,
-        "smoother      {:?} of {:?}, look-ahead {} samples, hold {} samples",
-        smoother.aggregation, smoother.likelihood, smoother.look_ahead, smoother.hold
+        "smoother      {:?}, look-ahead {} samples, hold {} samples",
+        smoother.aggregation, smoother.look_ahead, smoother.hold
     )?;
     writeln!(
         out,

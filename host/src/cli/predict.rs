@@ -25,7 +25,7 @@ use crate::run::context::{RunContext, load_student, load_teacher};
 use crate::student::distillation;
 use crate::teacher::window::inference_input;
 use crate::training::tensor::read_back;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// Which checkpoint of a run folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

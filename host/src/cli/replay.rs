@@ -6,15 +6,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::pipeline::{Encode, Pipeline, Reports};
+use shared::pipeline::{Pipeline, Reports};
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 use crate::dataset::LoadOptions;
 use crate::dataset::Recording;
 use crate::dataset::load;
-use crate::inference::device::{WithEncoder, with_encoder};
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
@@ -62,12 +62,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             settings: model.header.smoother.in_patches(),
             samples: &recording.samples,
             pace,
-            tell: |_: &str| {
+            emit: |_: &str| {
                 lines += 1;
                 Ok(())
             },
         };
-        with_encoder(&model, task)??;
+        task.run(&model)?;
         let taken = start.elapsed().as_secs_f64();
         writeln!(
             out,
@@ -82,12 +82,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         settings: model.header.smoother.in_patches(),
         samples: &recording.samples,
         pace,
-        tell: |line: &str| {
+        emit: |line: &str| {
             out.write_all(line.as_bytes())?;
             if pace.is_some() { out.flush() } else { Ok(()) }
         },
     };
-    with_encoder(&model, task)??;
+    task.run(&model)?;
     out.flush()?;
     Ok(())
 }
@@ -111,12 +111,12 @@ pub fn lines_of(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
         settings: model.header.smoother.in_patches(),
         samples,
         pace: None,
-        tell: |line: &str| {
+        emit: |line: &str| {
             lines.push_str(line);
             Ok(())
         },
     };
-    with_encoder(&model, task)??;
+    task.run(&model)?;
     Ok(lines)
 }
 
@@ -153,17 +153,16 @@ struct Replay<'s, T> {
     settings: shared::stream::smoother::Settings,
     samples: &'s [Sample],
     pace: Option<Instant>,
-    tell: T,
+    emit: T,
 }
 
-impl<'m, T: FnMut(&str) -> std::io::Result<()>> WithEncoder<'m> for Replay<'_, T> {
-    type Output = anyhow::Result<()>;
-
-    fn run<E: Encode<State: Send> + Send + 'm>(mut self, encoder: E) -> anyhow::Result<()> {
+impl<T: FnMut(&str) -> std::io::Result<()>> Replay<'_, T> {
+    fn run(mut self, model: &Model<'_>) -> anyhow::Result<()> {
+        let encoder = HostEncoder::new(model)?;
         let mut state = encoder.fresh();
         let mut pipeline = Pipeline::new(encoder, &mut state, self.settings, Start::Boot)?;
         let first = pipeline.state_report();
-        (self.tell)(&first.to_string())?;
+        (self.emit)(&first.to_string())?;
         for (index, pair) in self.samples.chunks(2).enumerate() {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -182,12 +181,10 @@ impl<'m, T: FnMut(&str) -> std::io::Result<()>> WithEncoder<'m> for Replay<'_, T
         }
         Ok(())
     }
-}
 
-impl<T: FnMut(&str) -> std::io::Result<()>> Replay<'_, T> {
     fn report(&mut self, reports: Reports) -> std::io::Result<()> {
         for report in reports {
-            (self.tell)(&report.to_string())?;
+            (self.emit)(&report.to_string())?;
         }
         Ok(())
     }

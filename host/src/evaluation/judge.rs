@@ -12,7 +12,7 @@ use crate::evaluation::metric::MetricError;
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::summary::{RecordingScore, Summary, summary};
 use crate::evaluation::metric::transition::Rule;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
 pub const BUFFERS: [usize; 3] = [60, 120, 200];

@@ -4,7 +4,7 @@ use shared::intent::{Intent, MAX_CLASSES};
 use shared::stream::smoother::{Settings, SettingsError, Smoother};
 use shared::units::{LOOK_BACK, PATCH, SampleIndex};
 
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// The labels of one recording, sample by sample, in two books.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub fn track(
             let instant = decision.instant.0 as usize;
             held_until = (instant + settings.hold * PATCH).min(samples);
             reference[instant.min(samples)..].fill(label);
-            emitted[(decision.known.0 as usize).min(samples)..].fill(label);
+            emitted[(decision.window_end.0 as usize).min(samples)..].fill(label);
         }
     }
     reference[held_until..].fill(None);

@@ -1,7 +1,7 @@
 //! What a model says at every patch of a recording, whichever model it is.
 //!
 //! Teacher, float student and integer student give the same: after each patch, logits for that patch
-//! and the five before it ([`LookBackLogits`](shared::pipeline::LookBackLogits), newest first, unused
+//! and the five before it ([`LookBackLogits`](shared::model::LookBackLogits), newest first, unused
 //! classes 0). Everything after this point is the same code for all.
 
 pub mod device;

@@ -7,7 +7,6 @@ use thiserror::Error;
 
 use crate::evaluation::judge::JudgeError;
 use crate::execution::run_folder::RunError;
-use crate::inference::device::AnyEncoderError;
 use crate::teacher::checkpoint::CheckpointError;
 
 /// Why a step of a run cannot be done.
@@ -46,9 +45,6 @@ pub enum StepError {
     /// A model file that is refused.
     #[error("the model file is refused: {0}")]
     Model(#[from] ModelError),
-    /// A model file that no compiled encoder can run.
-    #[error(transparent)]
-    Encoder(#[from] AnyEncoderError),
     /// A metric or the smoother refuses.
     #[error(transparent)]
     Judge(#[from] JudgeError),

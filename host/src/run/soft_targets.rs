@@ -1,6 +1,6 @@
 //! The teacher's logits over the training streams: computed once, kept in the run folder.
 
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::{CleanSample, PATCH};
 
 use super::context::RunContext;

@@ -18,7 +18,7 @@ use crate::training::fit::{Learner, SHARDS, TrainConfig, WeightedMetric, fit};
 use crate::training::loss::cross_entropy;
 use crate::training::schedule::LrSchedule;
 use crate::training::tensor::read_back;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.
 pub const NAME: &str = "student";

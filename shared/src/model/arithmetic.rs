@@ -119,7 +119,7 @@ pub fn absmax(values: &[f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::file::samples::Noise;
+    use crate::model::noise::Noise;
 
     fn worst_error_of_exp(limit: f32) -> f64 {
         let mut worst = 0.0_f64;

@@ -1,17 +1,17 @@
-//! The four characteristics that carry EMG in turn.
+//! The four EMG characteristics, which notify in turn.
 
-/// Characteristics that carry EMG.
+/// Number of EMG characteristics.
 pub const LANES: u8 = 4;
 /// Milliseconds between two notifications, whatever their lanes.
 pub const NOTIFICATION_PERIOD_MS: u32 = 10;
 
-/// One of the four EMG characteristics, 0..=3. They take turns, 0 -> 1 -> 2 -> 3 -> 0, a
-/// notification every 10 ms: that is the only trace of order, for a notification has no counter.
+/// One of the four EMG characteristics, 0..=3. They notify in turn, 0 -> 1 -> 2 -> 3 -> 0, one every
+/// 10 ms. Notifications carry no counter, so lane and arrival time are all that shows their order.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Lane(u8);
 
 impl Lane {
-    /// Every lane, in their order.
+    /// All lanes, in order.
     pub const ALL: [Self; LANES as usize] = [Self(0), Self(1), Self(2), Self(3)];
 
     /// The lane of a number; none from 4 on.
@@ -30,14 +30,14 @@ impl Lane {
         self.0
     }
 
-    /// The lane whose turn is next.
+    /// The lane that notifies next.
     #[must_use]
     pub const fn next(self) -> Self {
         Self((self.0 + 1) % LANES)
     }
 
-    /// Fewest notifications that must be missing when this lane comes and `expected` was due, 0..=3.
-    /// Any multiple of four more may be.
+    /// Least number of missing notifications when this lane arrives and `expected` was due, 0..=3. Any
+    /// multiple of four more may be missing.
     #[must_use]
     pub const fn missing_since(self, expected: Self) -> u32 {
         ((self.0 + LANES - expected.0) % LANES) as u32

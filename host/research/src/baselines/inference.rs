@@ -19,7 +19,7 @@ use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::context::RunContext;
 use myointent::training::dropout::Dropout;
 use myointent::training::tensor::read_back;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// What steps.
 trait Predict: Send + Sync {

@@ -3,7 +3,7 @@
 //!
 //! [`FeatureExtraction`](feature_extraction::FeatureExtraction) makes features of one window, the network
 //! makes logits of them, and the logits of its [`OutputSteps`](output_steps::OutputSteps) become
-//! [`LookBackLogits`](shared::pipeline::LookBackLogits). Dimensions are those of the reference's code,
+//! [`LookBackLogits`](shared::model::LookBackLogits). Dimensions are those of the reference's code,
 //! which differs from the paper's text here and there.
 
 pub mod butterworth;

@@ -4,7 +4,7 @@ use shared::intent::Intent;
 use shared::units::{LOOK_BACK, PATCH, WINDOW};
 
 use super::Baseline;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 /// The steps that a baseline gives about one window, oldest first.
 ///

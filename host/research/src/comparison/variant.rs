@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use shared::model::encoder::usual_span;
+use shared::model::dimensions::usual_span;
 use shared::units::WINDOW_PATCHES;
 
 use myointent::dataset::DataSet;

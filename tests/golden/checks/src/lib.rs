@@ -25,8 +25,6 @@ pub enum Check {
     WholeRecordings(Vec<Recording>),
     /// [`preprocess::stream`].
     Stream(Vec<Recording>),
-    /// [`preprocess::left_arm`].
-    LeftArm(Vec<Recording>),
     /// [`preprocess::rectified_first`].
     RectifiedFirst(Vec<Recording>),
     /// [`preprocess::live_edges`].
@@ -44,7 +42,6 @@ impl Check {
         let count = match self {
             Self::WholeRecordings(recordings) => each(recordings, preprocess::whole),
             Self::Stream(recordings) => each(recordings, preprocess::stream),
-            Self::LeftArm(recordings) => each(recordings, preprocess::left_arm),
             Self::RectifiedFirst(recordings) => each(recordings, preprocess::rectified_first),
             Self::LiveEdges(recordings) => each(recordings, preprocess::live_edges),
             Self::LiveLabels(sets) => each(sets, smoother::live),

@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::stream::preprocess::{ArmSide, DIVISOR, Preprocessor, clean};
+use shared::stream::preprocess::{DIVISOR, Preprocessor, clean};
 use shared::units::{CHANNELS, CleanSample, Sample, WINDOW};
 
 /// The model's input at one instant, 0 ... 1.
@@ -51,16 +51,6 @@ pub fn stream(recording: &Recording) {
         assert_eq!(given, before, "{name}, sample {index}");
     }
     assert_eq!(preprocessor.finish().map(scaled), expected.last().copied());
-}
-
-/// A left arm is reordered before it is cleaned.
-pub fn left_arm(recording: &Recording) {
-    let mirrored = recording
-        .raw
-        .iter()
-        .map(|sample| ArmSide::Left.reorder(*sample));
-    let output = cleaned(mirrored);
-    assert!(output == recording.expected, "{} differs", recording.name);
 }
 
 /// The reference can also rectify before the median. It is no option here: the check shows that

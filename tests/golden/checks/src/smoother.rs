@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::stream::smoother::{AggregationMode, Likelihood, Settings, Smoother, Weighting};
+use shared::stream::smoother::{AggregationMode, Settings, Smoother};
 use shared::units::SampleIndex;
 
 /// The three classes and MASK, which the reference lets win.
@@ -27,12 +27,6 @@ pub struct Set {
 pub struct Case {
     /// [`AggregationMode::SameInstant`], or else [`AggregationMode::AllRowsFrom`].
     pub same_instant: bool,
-    /// [`Likelihood::Probabilities`], or else [`Likelihood::Logits`].
-    pub probabilities: bool,
-    /// [`Weighting::Progressive`], or else [`Weighting::Equal`].
-    pub progressive: bool,
-    /// Of either weighting.
-    pub max_factor: f32,
     /// In rows, here samples.
     pub look_ahead: u32,
     /// In windows.
@@ -43,19 +37,10 @@ pub struct Case {
 
 impl Case {
     fn settings(&self) -> Settings {
-        let max_factor = self.max_factor;
         Settings {
             aggregation: match self.same_instant {
                 true => AggregationMode::SameInstant,
                 false => AggregationMode::AllRowsFrom,
-            },
-            likelihood: match self.probabilities {
-                true => Likelihood::Probabilities,
-                false => Likelihood::Logits,
-            },
-            weighting: match self.progressive {
-                true => Weighting::Progressive { max_factor },
-                false => Weighting::Equal { max_factor },
             },
             look_ahead: self.look_ahead as usize,
             hold: self.hold as usize,

@@ -8,16 +8,17 @@ use core::hint::black_box;
 
 use shared::intent::MAX_CLASSES;
 use shared::model::encoder::{
-    Encoder, EncoderState, Logits, Patch,
-    rebuild::{Rebuild, TILE},
+    Encoder, EncoderState,
+    recompute::{Recompute, TILE},
 };
 use shared::model::file::Model;
-use shared::pipeline::{Encode, Pipeline};
+use shared::model::{Encode, LookBackLogits};
+use shared::pipeline::Pipeline;
 use shared::stream::preprocess::Preprocessor;
 use shared::stream::ring::SampleRing;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Smoother;
-use shared::units::{LOOK_BACK, Millis, PATCH, SAMPLE_PERIOD_MS, Sample, SampleIndex};
+use shared::units::{LOOK_BACK, Millis, PATCH, Patch, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
 use crate::spans::{Clock, Spans};
 
@@ -34,14 +35,14 @@ pub struct Counts {
     pub total: Spans,
     /// The encoder without a probe: what its parts have to add up to.
     encoder: Spans,
-    /// From scratch over the window: a patch's share of it.
-    rebuild: Spans,
-    /// What it does in one piece.
+    /// A full recompute from the ring: one patch's share of it.
+    recompute: Spans,
+    /// One slice of the recompute.
     slice: Spans,
 }
 
 impl Counts {
-    /// Parts with their names, the line's order; the two sums; then what the way from scratch takes.
+    /// Parts with their names, in the pipeline's order; the two sums; then the full recompute.
     pub fn named(&self) -> [(&'static str, Spans); 12] {
         let [embed, attention, feed_forward, head] = self.encoder_parts;
         [
@@ -55,18 +56,18 @@ impl Counts {
             ("rest", self.rest),
             ("total", self.total),
             ("encoder", self.encoder),
-            ("rebuild", self.rebuild),
+            ("recompute", self.recompute),
             ("slice", self.slice),
         ]
     }
 }
 
-/// The encoder compiled by itself, alike in the line and apart from it.
+/// The encoder behind a call, so that it is compiled once for the pipeline and for the parts.
 #[derive(Clone, Copy, Debug)]
-struct Apart<'m, const D: usize, const L: usize, const SPAN: usize>(Encoder<'m, D, L, SPAN>);
+struct Apart<'m, const WIDTH: usize, const SLOTS: usize>(Encoder<'m, WIDTH, SLOTS>);
 
-impl<const D: usize, const L: usize, const SPAN: usize> Encode for Apart<'_, D, L, SPAN> {
-    type State = EncoderState<D, L, SPAN>;
+impl<const WIDTH: usize, const SLOTS: usize> Encode for Apart<'_, WIDTH, SLOTS> {
+    type State = EncoderState<WIDTH, SLOTS>;
 
     fn classes(&self) -> usize {
         self.0.classes()
@@ -81,23 +82,22 @@ impl<const D: usize, const L: usize, const SPAN: usize> Encode for Apart<'_, D, 
     }
 
     #[inline(never)]
-    fn step(&self, state: &mut Self::State, patch: &Patch) -> Logits {
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits {
         self.0.step(state, patch)
     }
 }
 
 /// Counts over all the samples.
 ///
-/// A device has to look up first which of several shapes its model has: some ten instructions more.
-///
 /// # Panics
-/// If the model has another shape, or patches at once give other outputs than one by one.
-pub fn count<const D: usize, const L: usize, const SPAN: usize>(
+/// If the full recompute gives other logits than streaming.
+pub fn count<const WIDTH: usize, const SLOTS: usize>(
+    encoder: Encoder<'_, WIDTH, SLOTS>,
     model: &Model<'_>,
     samples: &[Sample],
 ) -> Counts {
     let settings = model.header.smoother.in_patches();
-    let encoder = Apart(Encoder::<D, L, SPAN>::new(model).expect("the model's shape"));
+    let encoder = Apart(encoder);
     let mut memory = encoder.fresh();
     let mut line =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
@@ -160,23 +160,23 @@ pub fn count<const D: usize, const L: usize, const SPAN: usize>(
         counts.rest.push(total.saturating_sub(parts));
     }
 
-    let mut rebuilt = encoder.fresh();
-    let mut rebuild = Rebuild::begin(&mut rebuilt, &ring);
+    let mut recomputed = encoder.fresh();
+    let mut recompute = Recompute::start(&mut recomputed, &ring);
     let mut of_two = 0;
-    while !rebuild.is_done() {
-        let (outputs, slice) = clock.span(|| rebuild.slice(&encoder.0, &mut rebuilt, &ring));
+    while !recompute.is_done() {
+        let (outputs, slice) = clock.span(|| recompute.slice(&encoder.0, &mut recomputed, &ring));
         counts.slice.push(slice);
         of_two += slice;
         if outputs.is_some() {
-            counts.rebuild.push(of_two / TILE as u32);
+            counts.recompute.push(of_two / TILE as u32);
             of_two = 0;
         }
     }
     let next = Patch::default();
-    let outputs = [&mut state, &mut rebuilt].map(|state| encoder.step(state, &next));
+    let outputs = [&mut state, &mut recomputed].map(|state| encoder.step(state, &next));
     assert!(
         outputs[0] == outputs[1],
-        "from scratch it comes out another"
+        "the recomputed state gives other logits"
     );
     counts
 }

@@ -20,7 +20,7 @@ mod image {
     use alloc::vec::Vec;
 
     use device::{arguments, files, println, timer};
-    use shared::model::encoder::{EncoderState, usual_span};
+    use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
     use shared::model::file::Model;
     use shared::model::kernels::Aligned;
     use shared::units::{CHANNELS, Sample};
@@ -30,19 +30,6 @@ mod image {
     /// The model that the project ships, where flash has it: at a multiple of four.
     static MODEL: &Aligned<[u8]> =
         &Aligned(*include_bytes!("../../../../../models/three-class.intent"));
-
-    /// Counts with the encoder of a shape; gives the bytes of its state too.
-    macro_rules! count {
-        ($model:expr, $samples:expr, $(($width:literal, $layers:literal))*) => {
-            match ($model.header.dimensions.width, $model.header.dimensions.layers) {
-                $(($width, $layers) => (
-                    line::count::<$width, $layers, { usual_span($layers) }>($model, $samples),
-                    size_of::<EncoderState<$width, $layers, { usual_span($layers) }>>(),
-                ),)*
-                shape => panic!("no encoder {shape:?} is compiled"),
-            }
-        };
-    }
 
     fn main() {
         let mut paths = arguments().into_iter();
@@ -65,11 +52,18 @@ mod image {
         let model = Model::parse(file.as_deref().unwrap_or(&MODEL.0)).expect("a model");
 
         timer::start();
-        let (counts, state) = count!(
-            &model,
-            &samples,
-            (48, 2)(64, 2)(96, 2)(128, 2)(48, 3)(64, 3)(96, 3)(128, 3)
-        );
+        // Wider models than a device holds are counted with the host's capacity.
+        let (counts, state) = match DeviceEncoder::new(&model) {
+            Ok(encoder) => (
+                line::count(encoder, &model, &samples),
+                size_of::<DeviceState>(),
+            ),
+            Err(_) => {
+                let encoder = HostEncoder::new(&model).expect("room for every model");
+                let counts = line::count(encoder, &model, &samples);
+                (counts, size_of_val(&encoder.fresh()))
+            }
+        };
         println!("patches {}", counts.total.count());
         println!("state {state}");
         for (part, spans) in counts.named() {

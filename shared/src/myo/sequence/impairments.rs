@@ -1,102 +1,104 @@
-//! Streams of which the truth is known: numbered packets that are lost, doubled, swapped, delayed.
+//! Impaired streams with known content: numbered notifications that are lost, duplicated, swapped,
+//! delayed.
 //!
-//! The generator is held back only where lanes and times do not contain the answer:
+//! The generator is restricted only where lanes and arrival times do not determine the answer:
 //!
-//! * the first packets come quietly: before a quick one has set the pace, a loss of four is unseen;
-//! * one packet in five comes without delay, so the pace stays known to a millisecond or two;
-//! * jitter stays below what a loss of four makes, and so does the stream's deviation from 100/s;
-//! * what a stall held back comes at once when it ends, not in trickles with pauses between;
-//! * packets keep their order but for swaps, and the two places before and behind a swap hold no
-//!   loss and no other swap: `p + 2` and then `p + 1` after a lost `p` are the lanes of a loss of
-//!   two and another of two;
-//! * duplicates come right behind.
+//! * the first notifications are unimpaired: before one without delay has set the due times, a loss of
+//!   four is not detectable;
+//! * one notification in five has no delay, so the due times are known to a millisecond or two;
+//! * jitter stays below the delay of a loss of four, and so does the stream's deviation from 100/s;
+//! * what a stall delays arrives in one burst at its end, not in several with pauses between;
+//! * only swaps change the order, and the two positions before and after a swap have no loss and no
+//!   other swap: `p + 2` and then `p + 1` after a lost `p` are the lanes of a loss of two and another
+//!   of two;
+//! * duplicates follow immediately.
 
 use super::tests::{Out, arrival, out};
 use super::*;
 use alloc::vec::Vec;
 use proptest::prelude::*;
 
-/// What befalls the stream next.
+/// The next section of a stream.
 #[derive(Clone, Copy, Debug)]
-enum Mischief {
-    /// So many packets come.
-    Quiet(u32),
+enum Impairment {
+    /// So many notifications without impairment.
+    Clean(u32),
     /// So many are lost.
     Lose(u32),
-    /// The next one comes twice.
-    Double,
-    /// The next two swap places.
+    /// The next one is duplicated.
+    Duplicate,
+    /// The next two are swapped.
     Swap,
-    /// The radio holds everything back for so many milliseconds.
+    /// The radio delays everything for so many milliseconds.
     Stall(u32),
 }
-use Mischief::{Double, Lose, Quiet, Stall, Swap};
+use Impairment::{Clean, Duplicate, Lose, Stall, Swap};
 
-/// Every so many packets one comes without delay.
-const QUICK: u32 = 5;
-/// Packets that set the pace.
+/// Every so many notifications one has no delay.
+const PROMPT_EVERY: u32 = 5;
+/// Notifications that set the due times.
 const LEAD: u32 = 20;
 
-fn mischief() -> impl Strategy<Value = Mischief> {
+fn impairment() -> impl Strategy<Value = Impairment> {
     prop_oneof![
-        2 => (1..4u32).prop_map(Quiet),
-        2 => (4..60u32).prop_map(Quiet),
+        2 => (1..4u32).prop_map(Clean),
+        2 => (4..60u32).prop_map(Clean),
         3 => (1..=13u32).prop_map(Lose),
-        1 => Just(Double),
+        1 => Just(Duplicate),
         1 => Just(Swap),
         1 => (10..=260u32).prop_map(Stall),
     ]
 }
 
-/// Mischief that loses nothing. A stall of more than 200 ms is silence, and may be told as a loss:
-/// so are two that join, and quiet keeps them apart.
-fn harmless() -> impl Strategy<Value = Vec<Mischief>> {
+/// Impairments without loss. A stall of more than 200 ms is silence, and may be reported as a loss; so
+/// may two stalls without a pause between.
+fn harmless() -> impl Strategy<Value = Vec<Impairment>> {
     prop_oneof![
-        3 => (1..60u32).prop_map(|count| Vec::from([Quiet(count)])),
-        1 => Just(Vec::from([Double])),
+        3 => (1..60u32).prop_map(|count| Vec::from([Clean(count)])),
+        1 => Just(Vec::from([Duplicate])),
         1 => Just(Vec::from([Swap])),
-        1 => (10..=200u32).prop_map(|milliseconds| Vec::from([Stall(milliseconds), Quiet(30)])),
+        1 => (10..=200u32).prop_map(|milliseconds| Vec::from([Stall(milliseconds), Clean(30)])),
     ]
 }
 
-/// What came of a stream.
-struct Lived {
+/// Result of a simulated stream.
+struct Simulated {
     outs: Vec<Out>,
     counters: Counters,
-    /// The number of the last packet that was sent and not lost.
+    /// The number of the last notification that was not lost.
     last: u32,
 }
 
-/// Plays the stream into a sequence: packet `n` leaves at 10 n ms, stretched by `drift`, and comes
-/// when `jitter` and the stalls let it, never before the one before it.
-fn live(script: &[Mischief], jitter: &[u32], drift_per_mille: i32) -> Lived {
+/// Pushes the stream into a sequence: notification `n` is sent at 10 n ms, stretched by `drift`, and
+/// arrives after `jitter` and stalls, never before the one before it.
+fn simulate(script: &[Impairment], jitter: &[u32], drift_per_mille: i32) -> Simulated {
     let mut sent = Vec::new(); // (number, copies), in the order of arrival
     let mut stalls = Vec::new(); // (number at which it begins, milliseconds)
     let mut number = 0;
-    let quiet = |count: u32, number: &mut u32, sent: &mut Vec<(u32, u32)>| {
+    let clean = |count: u32, number: &mut u32, sent: &mut Vec<(u32, u32)>| {
         sent.extend((*number..*number + count).map(|number| (number, 1)));
         *number += count;
     };
-    quiet(LEAD, &mut number, &mut sent);
+    clean(LEAD, &mut number, &mut sent);
     for one in script {
         match *one {
-            Quiet(count) => quiet(count, &mut number, &mut sent),
+            Clean(count) => clean(count, &mut number, &mut sent),
             Lose(count) => number += count,
-            Double => {
+            Duplicate => {
                 sent.push((number, 2));
                 number += 1;
             }
             Swap => {
-                quiet(2, &mut number, &mut sent);
+                clean(2, &mut number, &mut sent);
                 sent.extend([(number + 1, 1), (number, 1)]);
                 number += 2;
-                quiet(2, &mut number, &mut sent);
+                clean(2, &mut number, &mut sent);
             }
             Stall(milliseconds) => stalls.push((number, milliseconds)),
         }
     }
-    // Enough in time for every question to be settled.
-    quiet(80, &mut number, &mut sent);
+    // Enough in time to decide everything.
+    clean(80, &mut number, &mut sent);
 
     let period_us = 10_000u32.saturating_add_signed(10 * drift_per_mille);
     let leaves = |number: u32| number * period_us / 1000;
@@ -106,13 +108,15 @@ fn live(script: &[Mischief], jitter: &[u32], drift_per_mille: i32) -> Lived {
     let mut outs = Vec::new();
     for (number, copies) in sent {
         newest = newest.max(number);
-        // Nor does a packet before the quick one delay that.
-        let delay = match (number % QUICK, jitter) {
+        // Nor does the jitter of an earlier one delay the one without delay.
+        let delay = match (number % PROMPT_EVERY, jitter) {
             (0, _) | (_, []) => 0,
-            (since, jitter) => jitter[number as usize % jitter.len()].min(9 * (QUICK - since)),
+            (since, jitter) => {
+                jitter[number as usize % jitter.len()].min(9 * (PROMPT_EVERY - since))
+            }
         };
         let mut at = free.max(leaves(newest) + delay);
-        // In order of their beginning, so that stalls that join are one.
+        // In order of their beginning, so that adjoining stalls become one.
         for (begin, milliseconds) in &stalls {
             let stall = leaves(*begin)..leaves(*begin) + milliseconds;
             if stall.contains(&at) {
@@ -127,7 +131,7 @@ fn live(script: &[Mischief], jitter: &[u32], drift_per_mille: i32) -> Lived {
         }
     }
     let last = number - 1;
-    Lived {
+    Simulated {
         outs,
         counters,
         last,
@@ -138,12 +142,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
-    fn nothing_comes_twice_and_no_loss_is_passed_over(
-        script in prop::collection::vec(mischief(), 0..40),
+    fn nothing_is_delivered_twice_and_no_loss_is_ignored(
+        script in prop::collection::vec(impairment(), 0..40),
         jitter in prop::collection::vec(0..=30u32, 0..50),
         drift in -3..=3i32,
     ) {
-        let Lived { outs, counters, last } = live(&script, &jitter, drift);
+        let Simulated { outs, counters, last } = simulate(&script, &jitter, drift);
         let (mut previous, mut gap, mut missing) = (None, false, 0);
         for one in &outs {
             match *one {
@@ -161,22 +165,22 @@ proptest! {
                 }
             }
         }
-        // At the end all has been quiet for 0.8 s: at most a few late ones still wait.
+        // The end is clean for 0.8 s: at most a few late ones are still held.
         prop_assert!(previous.is_some_and(|previous| last - previous < 10));
         prop_assert_eq!(counters.lost, missing);
     }
 
     #[test]
-    fn nothing_lost_is_nothing_told(
+    fn without_loss_there_is_no_gap(
         script in prop::collection::vec(harmless(), 0..40).prop_map(|script| script.concat()),
         jitter in prop::collection::vec(0..=30u32, 0..50),
         drift in -3..=3i32,
     ) {
-        let Lived { outs, counters, last } = live(&script, &jitter, drift);
+        let Simulated { outs, counters, last } = simulate(&script, &jitter, drift);
         prop_assert!(outs.into_iter().eq((0..=last).map(Out::Packet)));
-        let doubles = script.iter().filter(|one| matches!(one, Double)).count();
+        let duplicates = script.iter().filter(|one| matches!(one, Duplicate)).count();
         let swaps = script.iter().filter(|one| matches!(one, Swap)).count();
-        prop_assert_eq!(counters.duplicates, doubles as u32);
+        prop_assert_eq!(counters.duplicates, duplicates as u32);
         prop_assert_eq!(counters.reordered, swaps as u32);
         prop_assert_eq!(counters.given_up, 0);
     }
@@ -186,8 +190,8 @@ proptest! {
         losses in prop::collection::vec((1..=3u32, 10..30u32), 1..10),
         jitter in prop::collection::vec(0..=30u32, 0..50),
     ) {
-        let script: Vec<_> = losses.iter().flat_map(|(lost, quiet)| [Lose(*lost), Quiet(*quiet)]).collect();
-        let Lived { outs, counters, .. } = live(&script, &jitter, 0);
+        let script: Vec<_> = losses.iter().flat_map(|(lost, clean)| [Lose(*lost), Clean(*clean)]).collect();
+        let Simulated { outs, counters, .. } = simulate(&script, &jitter, 0);
         let gaps = outs.into_iter().filter_map(|one| match one {
             Out::Gap(samples) => Some(samples),
             Out::Packet(_) => None,
@@ -201,8 +205,8 @@ proptest! {
         losses in prop::collection::vec((1..=13u32, 30..40u32), 1..10),
         jitter in prop::collection::vec(0..=15u32, 0..50),
     ) {
-        let script: Vec<_> = losses.iter().flat_map(|(lost, quiet)| [Lose(*lost), Quiet(*quiet)]).collect();
-        let Lived { outs, last, .. } = live(&script, &jitter, 0);
+        let script: Vec<_> = losses.iter().flat_map(|(lost, clean)| [Lose(*lost), Clean(*clean)]).collect();
+        let Simulated { outs, last, .. } = simulate(&script, &jitter, 0);
         let samples: u32 = outs.into_iter().map(|one| match one {
             Out::Gap(samples) => samples,
             Out::Packet(_) => 2,

@@ -1,41 +1,27 @@
-//! Models of random weights, for tests and benchmarks.
+//! Models with random weights, for tests and benchmarks.
 
 use alloc::vec::Vec;
 
-use super::{
-    Companding, Dimensions, LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts,
-    SmootherDefaults,
-};
-use crate::model::encoder::HEADS;
-use crate::stream::smoother::{AggregationMode, Likelihood};
+use super::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, SmootherDefaults};
+use crate::model::arithmetic::inverse_square_root;
+use crate::model::dimensions::{Companding, Dimensions, HEADS};
+use crate::model::noise::Noise;
+use crate::stream::smoother::AggregationMode;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
-/// A splitmix64 stream: small, seeded, the same everywhere.
-#[derive(Clone, Debug)]
-pub struct Noise(pub u64);
+/// Draws tensors.
+struct Draw(Noise);
 
-impl Noise {
-    /// The next 64 bits.
-    pub const fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// Uniform in -1..1.
-    pub fn signed(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1 << 23) as f32 - 1.0
-    }
-
+impl Draw {
     fn vector(&mut self, length: usize, size: f32, about: f32) -> Vec<f32> {
-        (0..length).map(|_| about + size * self.signed()).collect()
+        (0..length)
+            .map(|_| about + size * self.0.signed())
+            .collect()
     }
 
     /// Rows of about unit gain.
     fn linear(&mut self, outputs: usize, inputs: usize) -> LinearParts {
-        let size = 2.0 * crate::model::arithmetic::inverse_square_root(inputs as f32);
+        let size = 2.0 * inverse_square_root(inputs as f32);
         LinearParts::quantized(
             &self.vector(outputs * inputs, size, 0.0),
             self.vector(outputs, 0.3, 0.0),
@@ -50,10 +36,10 @@ impl Noise {
     }
 }
 
-/// A model of these dimensions whose weights are noise of a seed.
+/// A model of these dimensions whose weights are pseudo-random numbers from a seed.
 #[must_use]
 pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
-    let mut noise = Noise(seed);
+    let mut noise = Draw(Noise(seed));
     let Dimensions {
         width,
         layers,
@@ -65,7 +51,6 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
         companding: Companding::SquareRoot,
         smoother: SmootherDefaults {
             aggregation: AggregationMode::AllRowsFrom,
-            likelihood: Likelihood::Logits,
             look_ahead: 50,
             hold: 20,
         },
