@@ -55,7 +55,7 @@ impl Counts {
             ("rest", self.rest),
             ("total", self.total),
             ("encoder", self.encoder),
-            ("rebuild", self.rebuild),
+            ("recompute", self.rebuild),
             ("slice", self.slice),
         ]
     }
