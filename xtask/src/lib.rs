@@ -10,6 +10,7 @@ mod debian;
 pub mod device;
 pub mod emulator;
 pub mod firmware;
+pub mod modules;
 pub mod qemu;
 pub mod size;
 pub mod stack;

@@ -1,0 +1,170 @@
+//! All modules of a crate, read from its root file on.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context as _, Result, bail};
+
+use super::parse::{self, Source};
+
+/// Where a module is, from the crate's root, which has the empty path.
+pub type ModulePath = Vec<String>;
+
+/// One module.
+pub struct Module {
+    /// The file that it is written in.
+    pub file: PathBuf,
+    /// What it says, but for the modules inside it.
+    pub source: Source,
+}
+
+/// The modules of a crate.
+#[derive(Default)]
+pub struct Tree {
+    modules: BTreeMap<ModulePath, Module>,
+}
+
+impl Tree {
+    /// Reads a crate.
+    ///
+    /// # Errors
+    /// When a file is missing or no Rust.
+    pub fn load(root: &Path) -> Result<Self> {
+        let mut tree = Self::default();
+        let folder = root.parent().unwrap_or(root);
+        tree.read(Vec::new(), root, folder)?;
+        Ok(tree)
+    }
+
+    /// All modules with their paths, parents before children.
+    pub fn modules(&self) -> impl Iterator<Item = (&ModulePath, &Module)> {
+        self.modules.iter()
+    }
+
+    /// The module at a path.
+    pub fn get(&self, path: &[String]) -> Option<&Module> {
+        self.modules.get(path)
+    }
+
+    /// Reads a file; `folder` is where the files of its own modules are.
+    fn read(&mut self, path: ModulePath, file: &Path, folder: &Path) -> Result<()> {
+        let text = fs::read_to_string(file)
+            .with_context(|| format!("{} cannot be read", file.display()))?;
+        let source = parse::parse(&text).map_err(|error| {
+            let line = error.span().start().line;
+            anyhow::anyhow!("{}:{line}: {error}", file.display())
+        })?;
+        self.add(path, source, file, folder)
+    }
+
+    fn add(
+        &mut self,
+        path: ModulePath,
+        mut source: Source,
+        file: &Path,
+        folder: &Path,
+    ) -> Result<()> {
+        for (name, inner) in std::mem::take(&mut source.inline) {
+            let folder = folder.join(&name);
+            self.add(child(&path, name), inner, file, &folder)?;
+        }
+        for declared in &source.files {
+            let child = child(&path, declared.name.clone());
+            match &declared.path {
+                Some(name) => {
+                    let found = file.parent().unwrap_or(folder).join(name);
+                    let folder = found.parent().unwrap_or(folder).to_owned();
+                    self.read(child, &found, &folder)?;
+                }
+                None => {
+                    let own = folder.join(&declared.name);
+                    let found = [
+                        folder.join(format!("{}.rs", declared.name)),
+                        own.join("mod.rs"),
+                    ];
+                    let Some(found) = found.iter().find(|candidate| candidate.is_file()) else {
+                        let (file, line) = (file.display(), declared.line);
+                        bail!("{file}:{line}: no file of the module {}", declared.name);
+                    };
+                    self.read(child, found, &own)?;
+                }
+            }
+        }
+        // Two of a name exist under opposite `cfg`s: both count.
+        let module = self.modules.entry(path).or_insert_with(|| Module {
+            file: file.to_owned(),
+            source: Source::default(),
+        });
+        module.source.items.append(&mut source.items);
+        module.source.imports.append(&mut source.imports);
+        module.source.globs.append(&mut source.globs);
+        module.source.references.append(&mut source.references);
+        Ok(())
+    }
+}
+
+fn child(parent: &ModulePath, name: String) -> ModulePath {
+    let mut path = parent.clone();
+    path.push(name);
+    path
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// A crate of these modules: paths such as `a::b`, the root's empty, and their text.
+    pub fn tree(modules: &[(&str, &str)]) -> Tree {
+        let mut tree = Tree::default();
+        for (path, text) in modules {
+            let path: ModulePath = path.split("::").map(str::to_owned).collect();
+            let path = if path == [""] { Vec::new() } else { path };
+            let file = PathBuf::from(format!("{}.rs", path.join("/")));
+            let mut source = parse::parse(text).unwrap();
+            source.files.clear();
+            tree.add(path, source, &file, Path::new("")).unwrap();
+        }
+        tree
+    }
+
+    #[test]
+    fn a_crate_is_read_file_by_file() -> Result<()> {
+        let folder = std::env::temp_dir().join(format!("xtask-tree-{}", std::process::id()));
+        let write = |name: &str, text: &str| {
+            let file = folder.join(name);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, text).unwrap();
+        };
+        write("lib.rs", "mod a; mod b; #[path = \"odd/name.rs\"] mod c;");
+        write("a.rs", "mod inner { mod deep; }");
+        write("a/inner/deep.rs", "");
+        write("b/mod.rs", "mod leaf;");
+        write("b/leaf.rs", "");
+        write("odd/name.rs", "");
+        let tree = Tree::load(&folder.join("lib.rs"))?;
+        let paths: Vec<_> = tree.modules().map(|(path, _)| path.join("::")).collect();
+        let expected = ["", "a", "a::inner", "a::inner::deep", "b", "b::leaf", "c"];
+        assert_eq!(paths, expected);
+
+        write("b/mod.rs", "\nmod leaf; mod missing;");
+        let error = Tree::load(&folder.join("lib.rs"))
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(
+            error.ends_with("b/mod.rs:2: no file of the module missing"),
+            "{error}"
+        );
+        write("b/mod.rs", "\n\nmod }");
+        let error = Tree::load(&folder.join("lib.rs"))
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(error.contains("b/mod.rs:3: "), "{error}");
+        fs::remove_dir_all(&folder)?;
+        Ok(())
+    }
+}
