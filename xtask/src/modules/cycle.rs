@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, fmt, path::Path};
 
-use super::graph::{Level, Site};
+use super::graph::Level;
 
 /// Sites of an edge that are printed; of the others their number.
 const MAX_SITES: usize = 3;
@@ -53,7 +53,7 @@ impl Cycle {
         for ((from, to), sites) in &level.edges {
             if self.modules.contains(from) && self.modules.contains(to) {
                 let shown: Vec<_> = sites.iter().take(MAX_SITES).collect();
-                let places: Vec<_> = shown.iter().map(|site| place(site, root)).collect();
+                let places: Vec<_> = shown.iter().map(|site| site.below(root)).collect();
                 text += &format!("\n  {from} -> {to}: {}", places.join(", "));
                 if sites.len() > shown.len() {
                     text += &format!(" and {} more", sites.len() - shown.len());
@@ -62,11 +62,6 @@ impl Cycle {
         }
         text
     }
-}
-
-fn place(site: &Site, root: &Path) -> String {
-    let file = site.file.strip_prefix(root).unwrap_or(&site.file);
-    format!("{}:{}", file.display(), site.line)
 }
 
 #[cfg(test)]

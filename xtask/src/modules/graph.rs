@@ -3,20 +3,10 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt,
-    path::PathBuf,
 };
 
 use super::resolve::resolve;
-use super::tree::{ModulePath, Tree};
-
-/// Where an import is written.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct Site {
-    /// The file.
-    pub file: PathBuf,
-    /// The line in it.
-    pub line: usize,
-}
+use super::tree::{ModulePath, Site, Tree};
 
 /// The modules with one parent, and the imports between them.
 #[derive(Default)]

@@ -40,14 +40,18 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         None => crate::workspace(),
     };
     let root = env::current_dir()?.join(root).canonicalize()?;
-    let mut cycles = 0;
+    let (mut cycles, mut missing) = (0, 0);
     for target in workspace::targets(&root)? {
         let tree = Tree::load(&target.root)?;
         let levels = Level::all(&tree);
-        if levels.is_empty() {
-            continue;
+        if !levels.is_empty() {
+            println!("{}", target.name);
         }
-        println!("{}", target.name);
+        for module in tree.missing() {
+            missing += 1;
+            let site = module.site.below(&root);
+            println!("NO FILE of the module {}: {site}", module.name);
+        }
         for level in &levels {
             println!("{level}");
             for cycle in cycle::find(level) {
@@ -60,8 +64,8 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     println!("{lengths}");
     let faults = lengths.faults();
     ensure!(
-        cycles == 0 && faults == 0,
-        "{cycles} import cycles, {faults} faults of file length"
+        cycles == 0 && missing == 0 && faults == 0,
+        "{cycles} import cycles, {missing} modules without a file, {faults} faults of file length"
     );
     println!("no import cycle, no file over {} lines", length::LIMIT);
     Ok(())

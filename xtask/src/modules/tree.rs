@@ -6,9 +6,26 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result};
 
 use super::parse::{self, Source};
+
+/// A line of a file.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Site {
+    /// The file.
+    pub file: PathBuf,
+    /// The line in it.
+    pub line: usize,
+}
+
+impl Site {
+    /// As `file:line`, the file relative to `root`.
+    pub fn below(&self, root: &Path) -> String {
+        let file = self.file.strip_prefix(root).unwrap_or(&self.file);
+        format!("{}:{}", file.display(), self.line)
+    }
+}
 
 /// Where a module is, from the crate's root, which has the empty path.
 pub type ModulePath = Vec<String>;
@@ -25,13 +42,23 @@ pub struct Module {
 #[derive(Default)]
 pub struct Tree {
     modules: BTreeMap<ModulePath, Module>,
+    /// Modules that are declared and have no file.
+    missing: Vec<Missing>,
+}
+
+/// A module without a file.
+pub struct Missing {
+    /// Its name.
+    pub name: String,
+    /// Where it is declared.
+    pub site: Site,
 }
 
 impl Tree {
     /// Reads a crate.
     ///
     /// # Errors
-    /// When a file is missing or no Rust.
+    /// When a file cannot be read or is no Rust.
     pub fn load(root: &Path) -> Result<Self> {
         let mut tree = Self::default();
         let folder = root.parent().unwrap_or(root);
@@ -47,6 +74,11 @@ impl Tree {
     /// The module at a path.
     pub fn get(&self, path: &[String]) -> Option<&Module> {
         self.modules.get(path)
+    }
+
+    /// Modules that are declared and have no file.
+    pub fn missing(&self) -> &[Missing] {
+        &self.missing
     }
 
     /// Reads a file; `folder` is where the files of its own modules are.
@@ -85,11 +117,16 @@ impl Tree {
                         folder.join(format!("{}.rs", declared.name)),
                         own.join("mod.rs"),
                     ];
-                    let Some(found) = found.iter().find(|candidate| candidate.is_file()) else {
-                        let (file, line) = (file.display(), declared.line);
-                        bail!("{file}:{line}: no file of the module {}", declared.name);
-                    };
-                    self.read(child, found, &own)?;
+                    match found.iter().find(|candidate| candidate.is_file()) {
+                        Some(found) => self.read(child, found, &own)?,
+                        None => self.missing.push(Missing {
+                            name: declared.name.clone(),
+                            site: Site {
+                                file: file.to_owned(),
+                                line: declared.line,
+                            },
+                        }),
+                    }
                 }
             }
         }
@@ -150,14 +187,15 @@ pub mod tests {
         assert_eq!(paths, expected);
 
         write("b/mod.rs", "\nmod leaf; mod missing;");
-        let error = Tree::load(&folder.join("lib.rs"))
-            .err()
-            .unwrap()
-            .to_string();
-        assert!(
-            error.ends_with("b/mod.rs:2: no file of the module missing"),
-            "{error}"
+        let tree = Tree::load(&folder.join("lib.rs"))?;
+        let missing = tree.missing();
+        assert_eq!(missing.len(), 1);
+        assert_eq!(
+            (missing[0].name.as_str(), missing[0].site.line),
+            ("missing", 2)
         );
+        assert!(missing[0].site.file.ends_with("b/mod.rs"));
+
         write("b/mod.rs", "\n\nmod }");
         let error = Tree::load(&folder.join("lib.rs"))
             .err()
