@@ -1,7 +1,7 @@
-//! The tests of `shared` on the emulated Cortex-M4F, each a test of its own here.
+//! The tests of `shared` on the emulated Cortex-M4F, each as a test of its own.
 //!
-//! Unit tests and golden checks are those of the host, one source. Every test has an emulator to
-//! itself, so that a panic or an endless loop takes no other test with it. Without a cross
+//! Unit tests and golden checks are compiled from the same sources as on the host. Each test runs in
+//! an emulator of its own, so that a panic or an endless loop ends no other test. Without a cross
 //! compiler or an emulator there are no tests, and one line says so.
 
 #[path = "golden/cases.rs"]
@@ -25,8 +25,8 @@ use xtask::{
     toolchain::{self, Toolchain},
 };
 
-/// The slowest test takes 8 s on a core of its own.
-const LIMIT: Duration = Duration::from_secs(120);
+/// The slowest test takes 8 s on an idle core.
+const TIMEOUT: Duration = Duration::from_secs(120);
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -74,7 +74,7 @@ fn trial(name: &str, run: impl FnOnce() -> Result<()> + Send + 'static) -> Trial
 }
 
 fn names(unit_tests: &Path) -> Result<Vec<String>> {
-    let listed = device::run(unit_tests, &[""; 0], Clock::Free, LIMIT)?;
+    let listed = device::run(unit_tests, &[""; 0], Clock::Free, TIMEOUT)?;
     ensure!(listed.success, "no list of tests: {}", listed.output);
     let names: Vec<_> = listed.output.lines().map(String::from).collect();
     ensure!(!names.is_empty(), "the list of tests is empty");
@@ -83,7 +83,7 @@ fn names(unit_tests: &Path) -> Result<Vec<String>> {
 
 /// Runs an image with one argument, to the exit code 0.
 fn pass(image: &Path, argument: &str) -> Result<()> {
-    let outcome = device::run(image, &[argument], Clock::Free, LIMIT)?;
+    let outcome = device::run(image, &[argument], Clock::Free, TIMEOUT)?;
     ensure!(outcome.success, "{}", outcome.output);
     Ok(())
 }

@@ -1,7 +1,7 @@
-//! Model files as they must not be: each damage, and why the device refuses it.
+//! Damaged model files, and why the device refuses each.
 
-use shared::model::encoder::any_shape::AnyShape;
 use shared::intent::Vocabulary;
+use shared::model::encoder::any_shape::AnyShape;
 use shared::model::file::{Dimensions, Model, samples::random_model};
 
 use super::MODEL_REGION;
@@ -10,12 +10,12 @@ use super::MODEL_REGION;
 pub struct Damage {
     /// What was done to it.
     pub name: &'static str,
-    /// The bytes of the model's region; what is missing is erased flash.
+    /// The model's region from its start; the rest is erased flash.
     pub bytes: Vec<u8>,
 }
 
 impl Damage {
-    /// Why the whole region is refused, in the words of the error; none if it is no damage.
+    /// The error that the region is refused with; none if it is accepted.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
         let mut region = vec![0xff; MODEL_REGION];
@@ -25,10 +25,10 @@ impl Damage {
     }
 }
 
-/// Every kind of damage to a good model.
+/// Every kind of damage, done to a good model.
 ///
 /// # Panics
-/// If the good model is too short to be one.
+/// If `good` is too short for a model.
 #[must_use]
 pub fn damages(good: &[u8]) -> Vec<Damage> {
     let changed = |name, change: &dyn Fn(&mut Vec<u8>)| {
@@ -89,7 +89,7 @@ mod tests {
         let good = random_model(shape, 1).to_bytes().unwrap();
         let damages = damages(&good);
         let kinds: BTreeSet<_> = damages.iter().map(|d| d.reason().expect(d.name)).collect();
-        // The two ends that are missing are both noticed by the checksum, with different sums.
+        // Both kinds of truncation are found by the checksum, with different sums.
         assert_eq!(kinds.len(), damages.len());
         let whole = Damage {
             name: "none",

@@ -25,7 +25,7 @@ pub async fn inject(line: &[u8]) {
     }
     match fault {
         Fault::TaskStops => future::pending().await,
-        Fault::Panic => panic!("a panic on demand"),
+        Fault::Panic => panic!("injected panic"),
         Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }
 }
