@@ -51,7 +51,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     SCB::sys_reset()
 }
 
-/// A fault is handled as a panic: the default handler would loop and hold the last label for ever.
+/// A fault is handled as a panic: the default handler would loop and hold the last label forever.
 #[allow(
     unsafe_code,
     reason = "cortex-m-rt requires the handler to be an unsafe fn"

@@ -24,7 +24,7 @@ pub const PINS: &str = "uart2";
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u32)]
 pub enum Fault {
-    /// The task that writes lines waits for ever.
+    /// The task that writes lines waits forever.
     TaskStops = 1,
     /// A panic.
     Panic = 2,

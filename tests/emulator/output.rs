@@ -1,4 +1,4 @@
-//! What a run has written: files of its folder, read anew by every call.
+//! What a run has written: files of its folder, which every call reads again.
 
 use std::fmt::Write as _;
 

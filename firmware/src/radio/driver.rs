@@ -57,7 +57,7 @@ impl<'q> SessionDriver<'q> {
         }
     }
 
-    /// Runs the session for ever, from one connection to the next.
+    /// Runs the session forever, from one connection to the next.
     pub async fn run(&self, radio: &mut impl Radio) {
         select(self.tick(), async {
             loop {

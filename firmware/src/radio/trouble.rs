@@ -163,7 +163,7 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
             connect_params: LINK,
         };
         // If the armband drops the link at once, both events are handled before this task runs: the
-        // host has removed the connection, and `connect` would wait for ever. The host also counts
+        // host has removed the connection, and `connect` would wait forever. The host also counts
         // connections. `connect` is polled first, so a connection that was counted and that
         // `connect` did not return has ended.
         let established = || self.stack.metrics(|host| host.connect_events);

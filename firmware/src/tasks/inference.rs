@@ -29,8 +29,8 @@ static STATE: ConstStaticCell<AnyState> = ConstStaticCell::new(AnyState::EMPTY);
 /// read and short enough for a terminal that is connected late.
 const REPEAT: u32 = 2;
 
-/// From sample to report, for whichever model lies in flash.
-pub type FlashPipeline = Pipeline<'static, AnyShape<'static>>;
+/// From sample to report, with an encoder of any shape that is compiled in.
+pub type DevicePipeline = Pipeline<'static, AnyShape<'static>>;
 
 /// The pipeline of the model in flash, before the first sample. To be called once.
 ///
@@ -38,8 +38,8 @@ pub type FlashPipeline = Pipeline<'static, AnyShape<'static>>;
 /// Says why the model cannot be run.
 // Not inlined: its stack frame is released before anything else runs.
 #[inline(never)]
-pub fn load(reason: ResetReason) -> Result<&'static mut FlashPipeline, ModelRefused> {
-    static PIPELINE: StaticCell<FlashPipeline> = StaticCell::new();
+pub fn load(reason: ResetReason) -> Result<&'static mut DevicePipeline, ModelRefused> {
+    static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
     let model = Model::parse(model_region::bytes())?;
     let encoder = AnyShape::new(&model)?;
     let settings = model.header.smoother.in_patches();
@@ -56,9 +56,9 @@ fn start(reason: ResetReason) -> Start {
     }
 }
 
-/// Runs the model for ever.
+/// Runs the model forever.
 #[embassy_executor::task]
-pub async fn run(pipeline: &'static mut FlashPipeline) -> ! {
+pub async fn run(pipeline: &'static mut DevicePipeline) -> ! {
     uart::enqueue(UartMessage::Report(pipeline.state_report()));
     let mut receiver = Receiver::new();
     loop {
@@ -101,7 +101,7 @@ fn timer_until(deadline: Option<Millis>) -> Timer {
     Timer::at(Instant::now() + wait)
 }
 
-/// In place of [`run`] where the model cannot be run: reports the reason for ever.
+/// In place of [`run`] where the model cannot be run: reports the reason forever.
 #[embassy_executor::task]
 pub async fn report_refused(error: ModelRefused, reason: ResetReason) -> ! {
     let mut guard = SafeState::new(start(reason));

@@ -11,7 +11,7 @@ use crate::messages::{
     uart::{self, UartMessage},
 };
 
-/// Runs for ever.
+/// Runs forever.
 #[embassy_executor::task]
 pub async fn run(mut port: LabelPort, mut pins: Pins) {
     join(set_pins(&mut pins), write_messages(&mut port)).await;

@@ -14,7 +14,7 @@ use crate::messages::{
 use crate::radio::driver::SessionDriver;
 use crate::settings;
 
-/// Runs for ever; a Bluetooth stack that stops ends in a panic, and so in a restart.
+/// Runs forever; a Bluetooth stack that stops ends in a panic, and so in a restart.
 #[embassy_executor::task]
 pub async fn run(spawner: Spawner, parts: RadioParts) {
     let reporter = Reporter::default();

@@ -1,4 +1,4 @@
-//! What one source file says: its modules, what they define, import and refer to.
+//! Parses one source file: its modules, and what they define, import and refer to.
 //!
 //! Code that is compiled for tests alone is left out.
 

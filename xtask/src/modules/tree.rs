@@ -34,7 +34,7 @@ pub type ModulePath = Vec<String>;
 pub struct Module {
     /// The file that it is written in.
     pub file: PathBuf,
-    /// What it says, but for the modules inside it.
+    /// Its contents, without the modules inside it.
     pub source: Source,
 }
 

@@ -79,7 +79,7 @@ pub fn start() -> Board {
     }
 }
 
-/// Runs the Myo session for ever.
+/// Runs the Myo session forever.
 pub async fn run_radio(_: Spawner, mut parts: RadioParts, driver: &SessionDriver<'_>) {
     hci::synchronize(&mut parts.from, &mut parts.to).await;
     let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);

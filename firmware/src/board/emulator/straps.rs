@@ -3,7 +3,7 @@
 /// A fault to inject.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// A task waits for ever.
+    /// A task waits forever.
     TaskStops,
     /// A panic.
     Panic,

@@ -32,7 +32,7 @@ pub struct RadioParts {
     pub(super) random: Peri<'static, RNG>,
 }
 
-/// Runs the Myo session for ever.
+/// Runs the Myo session forever.
 ///
 /// # Panics
 ///

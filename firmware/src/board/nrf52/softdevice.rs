@@ -8,7 +8,7 @@ use crate::radio::{self, driver::SessionDriver};
 /// The SoftDevice needs none of the program's peripherals.
 pub struct RadioParts {}
 
-/// Runs the Myo session for ever.
+/// Runs the Myo session forever.
 ///
 /// # Panics
 ///

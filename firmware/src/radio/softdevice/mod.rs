@@ -13,7 +13,7 @@ use shared::myo::{self, AddressKind};
 use super::{Advertisement, ConnectFailed, ConnectionHandler, Radio, driver::SessionDriver};
 use link::SoftdeviceLink;
 
-/// Runs the session for ever.
+/// Runs the session forever.
 pub async fn run(softdevice: &Softdevice, driver: &SessionDriver<'_>) {
     driver.run(&mut SoftdeviceRadio { softdevice }).await;
 }
