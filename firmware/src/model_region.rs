@@ -2,6 +2,8 @@
 //!
 //! It is flashed apart from the program, so it may be erased, or hold an old model or noise.
 
+use core::{ptr, slice};
+
 use shared::model::file::ModelError;
 use shared::stream::smoother::SettingsError;
 
@@ -23,16 +25,17 @@ pub enum ModelRefused {
 )]
 pub fn bytes() -> &'static [u8] {
     // SAFETY: memory.x defines both symbols, as the two ends of its region MODEL. Only their
-    // addresses are taken here; nothing is read through them as `u8`.
+    // addresses are used; nothing is read through them.
     unsafe extern "C" {
         static _model_start: u8;
         static _model_end: u8;
     }
-    let start = &raw const _model_start;
-    let length = (&raw const _model_end).addr() - start.addr();
+    let start = (&raw const _model_start).addr();
+    let length = (&raw const _model_end).addr() - start;
+    let start = ptr::with_exposed_provenance(start);
     // SAFETY: the addresses from `start` on, `length` of them, are flash that every board has and
     // that no section of the program is placed in, so no other Rust object overlaps them. Any byte
     // is a valid `u8`, and alignment is 1. This program never writes flash, so the bytes stay
     // constant for `'static`. The region is 160 KiB, far below `isize::MAX`.
-    unsafe { core::slice::from_raw_parts(start, length) }
+    unsafe { slice::from_raw_parts(start, length) }
 }

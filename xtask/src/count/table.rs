@@ -40,7 +40,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// A part, or one of [`MORE`].
+    /// The counts of a part, by its name.
     pub fn part(&self, name: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.name == name)
     }

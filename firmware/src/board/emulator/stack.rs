@@ -2,6 +2,7 @@
 
 use core::{
     fmt::Write as _,
+    ptr,
     sync::atomic::{AtomicU32, Ordering},
 };
 
@@ -25,17 +26,17 @@ pub fn report(mut uart: Uart) {
 )]
 fn used() -> u32 {
     // SAFETY: link.x of cortex-m-rt defines both symbols, as the ends of the stack. Only their
-    // addresses are taken here.
+    // addresses are used.
     unsafe extern "C" {
         static _stack_start: u32;
         static _stack_end: u32;
     }
     let top = (&raw const _stack_start).addr();
-    let mut word = &raw const _stack_end;
+    let mut word = ptr::with_exposed_provenance::<u32>((&raw const _stack_end).addr());
     // SAFETY: both symbols are word-aligned ends of one region of RAM, and `word` stays inside it.
-    // The part below the stack pointer belongs to no Rust object. The loop stops at the first word
-    // without the pattern, which is at or below the stack pointer, unless a function's frame holds
-    // nothing but the pattern; the volatile read of an initialised word is harmless even then.
+    // Every word of it was initialised by the start-up code. Below the stack pointer it belongs to
+    // no Rust object, and the loop ends at the first word that was ever used; a frame that holds
+    // nothing but the pattern is only read, and volatile.
     while word.addr() < top && unsafe { word.read_volatile() } == PAINT {
         word = word.wrapping_add(1);
     }

@@ -38,10 +38,10 @@ macro_rules! entry {
 pub fn start(main: fn()) -> ! {
     #[expect(
         unsafe_code,
-        reason = "the allocator cannot check that it is initialised once"
+        reason = "the allocator gets its memory by address"
     )]
-    // SAFETY: `init!` has to run once, before the first allocation. This is the first statement of
-    // the program, and `start` is called by `entry!` alone, which runs once per reset.
+    // SAFETY: `init!` defines the memory that it passes to the allocator, so nothing else uses it;
+    // it panics if it runs a second time.
     unsafe {
         embedded_alloc::init!(HEAP, HEAP_BYTES);
     }
