@@ -1,7 +1,7 @@
 //! How long the source files are.
 //!
-//! Tests do not count: neither files named `tests.rs` or under a folder `tests`, nor a module of
-//! tests inside a file.
+//! Tests do not count: neither files named `tests.rs`, under a folder `tests` or of a module that is
+//! compiled for tests alone, nor such a module inside a file.
 
 use std::{
     fmt, fs,
@@ -11,7 +11,7 @@ use std::{
 use anyhow::{Context as _, Result};
 use syn::Item;
 
-use super::parse::is_test;
+use super::cfg::is_test;
 
 /// Most lines of a file.
 pub const LIMIT: usize = 300;
@@ -30,13 +30,14 @@ pub struct Lengths {
     needless: Vec<&'static str>,
 }
 
-/// Measures every source file of a workspace.
+/// Measures every source file of a workspace but those of `tests`, files or folders.
 ///
 /// # Errors
 /// When one cannot be read or parsed.
-pub fn check(root: &Path) -> Result<Lengths> {
+pub fn check(root: &Path, tests: &[PathBuf]) -> Result<Lengths> {
     let mut files = Vec::new();
     collect(root, &mut files)?;
+    files.retain(|file| !tests.iter().any(|test| file.starts_with(test)));
     let mut long = Vec::new();
     for file in files {
         let text = fs::read_to_string(&file)
@@ -151,6 +152,7 @@ mod tests {
             ("src/short.rs", LIMIT),
             ("src/long.rs", LIMIT + 1),
             ("src/long/tests.rs", LIMIT + 1),
+            ("src/checks.rs", LIMIT + 1),
             ("tests/long.rs", LIMIT + 1),
             ("target/long.rs", LIMIT + 1),
             (".hidden/long.rs", LIMIT + 1),
@@ -160,7 +162,7 @@ mod tests {
             fs::create_dir_all(file.parent().unwrap())?;
             fs::write(file, line.repeat(lines))?;
         }
-        let lengths = check(&root)?;
+        let lengths = check(&root, &[root.join("src/checks.rs")])?;
         assert_eq!(lengths.too_long, [("src/long.rs".to_owned(), LIMIT + 1)]);
         fs::remove_dir_all(&root)?;
         Ok(())

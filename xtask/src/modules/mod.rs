@@ -6,6 +6,7 @@
 //! is an edge from `b` to `c` inside `a`. Imports between a module and its own parent are no edge.
 //! The sources are parsed and not compiled, so features, targets and unfinished work do not matter.
 
+mod cfg;
 mod cycle;
 mod graph;
 mod length;
@@ -40,13 +41,14 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         None => crate::workspace(),
     };
     let root = env::current_dir()?.join(root).canonicalize()?;
-    let (mut cycles, mut missing) = (0, 0);
+    let (mut cycles, mut missing, mut tests) = (0, 0, Vec::new());
     for target in workspace::targets(&root)? {
         let tree = Tree::load(&target.root)?;
         let levels = Level::all(&tree);
         if !levels.is_empty() {
             println!("{}", target.name);
         }
+        tests.extend_from_slice(tree.tests());
         for module in tree.missing() {
             missing += 1;
             let site = module.site.below(&root);
@@ -60,7 +62,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             }
         }
     }
-    let lengths = length::check(&root)?;
+    let lengths = length::check(&root, &tests)?;
     println!("{lengths}");
     let faults = lengths.faults();
     ensure!(

@@ -4,7 +4,9 @@
 
 use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
-use syn::{Attribute, Expr, ImplItem, Item, ItemMod, Lit, Meta, UseTree, punctuated::Punctuated};
+use syn::{Attribute, Expr, ImplItem, Item, ItemMod, Lit, Meta, UseTree};
+
+use super::cfg::is_test;
 
 /// A path as it is written: `crate`, `super` and `self` included.
 pub type Path = Vec<String>;
@@ -24,6 +26,8 @@ pub struct Source {
     pub inline: Vec<(String, Source)>,
     /// Modules in files of their own.
     pub files: Vec<File>,
+    /// Those of them that are compiled for tests alone: nothing else of them is known.
+    pub test_files: Vec<File>,
     /// How many items are around what is being visited: 0 at the module's top.
     depth: usize,
 }
@@ -36,6 +40,16 @@ pub struct File {
     pub path: Option<String>,
     /// The line of the declaration.
     pub line: usize,
+}
+
+impl File {
+    fn new(module: &ItemMod) -> Self {
+        Self {
+            name: module.ident.to_string(),
+            path: module.attrs.iter().find_map(path_attribute),
+            line: module.ident.span().start().line,
+        }
+    }
 }
 
 /// Parses a file.
@@ -60,11 +74,7 @@ impl Source {
             }
             self.inline.push((name, inner));
         } else {
-            self.files.push(File {
-                name,
-                path: module.attrs.iter().find_map(path_attribute),
-                line: module.ident.span().start().line,
-            });
+            self.files.push(File::new(module));
         }
     }
 
@@ -151,6 +161,11 @@ impl<'ast> Visit<'ast> for Source {
     fn visit_item(&mut self, item: &'ast Item) {
         let (attributes, name) = describe(item);
         if attributes.iter().any(is_test) {
+            if let Item::Mod(module) = item
+                && module.content.is_none()
+            {
+                self.test_files.push(File::new(module));
+            }
             return;
         }
         self.items.extend(name.filter(|_| self.depth == 0));
@@ -231,40 +246,6 @@ fn path_attribute(attribute: &Attribute) -> Option<String> {
     }
 }
 
-/// Whether an item with this attribute is compiled for tests alone.
-pub fn is_test(attribute: &Attribute) -> bool {
-    if attribute.path().is_ident("test") {
-        return true;
-    }
-    attribute.path().is_ident("cfg")
-        && attribute
-            .parse_args::<Meta>()
-            .is_ok_and(|predicate| without_test(&predicate) == Some(false))
-}
-
-/// What a `cfg` predicate is where `test` is not set; none where other settings decide.
-fn without_test(predicate: &Meta) -> Option<bool> {
-    let inner = |list: &syn::MetaList| -> Vec<Option<bool>> {
-        let parsed = list.parse_args_with(Punctuated::<Meta, syn::Token![,]>::parse_terminated);
-        let predicates = parsed.into_iter().flatten();
-        predicates.map(|inner| without_test(&inner)).collect()
-    };
-    match predicate {
-        Meta::Path(path) => path.is_ident("test").then_some(false),
-        Meta::List(list) if list.path.is_ident("all") => {
-            inner(list).contains(&Some(false)).then_some(false)
-        }
-        Meta::List(list) if list.path.is_ident("any") => {
-            let all_false = inner(list).iter().all(|value| *value == Some(false));
-            all_false.then_some(false)
-        }
-        Meta::List(list) if list.path.is_ident("not") => {
-            inner(list).first().copied().flatten().map(|value| !value)
-        }
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -318,26 +299,15 @@ mod tests {
 
     #[test]
     fn code_for_tests_is_left_out() {
-        for attribute in [
-            "cfg(test)",
-            "test",
-            "cfg(all(test, unix))",
-            "cfg(not(not(test)))",
+        for text in [
+            "#[cfg(test)] fn f() { crate::a::b() }",
+            "#[cfg(test)] use crate::a::b;",
+            "impl T { #[cfg(test)] fn f() { crate::a::b() } }",
         ] {
-            let text = format!("#[{attribute}] fn f() {{ crate::a::b() }}");
-            assert!(names(&text).is_empty(), "{attribute}");
+            assert!(names(text).is_empty(), "{text}");
         }
-        for attribute in [
-            "cfg(any(test, unix))",
-            "cfg(not(test))",
-            "cfg(unix)",
-            "inline",
-        ] {
-            let text = format!("#[{attribute}] fn f() {{ crate::a::b() }}");
-            assert_eq!(names(&text), ["crate::a::b"], "{attribute}");
-        }
-        let method = "impl T { #[cfg(test)] fn f() { crate::a::b() } }";
-        assert!(names(method).is_empty());
+        let text = "#[cfg(unix)] fn f() { crate::a::b() }";
+        assert_eq!(names(text), ["crate::a::b"]);
     }
 
     #[test]
@@ -351,6 +321,8 @@ mod tests {
         };
         assert_eq!((file.name.as_str(), file.line), ("c", 2));
         assert_eq!(file.path.as_deref(), Some("x/y.rs"));
+        let tests: Vec<_> = source.test_files.iter().map(|file| &file.name).collect();
+        assert_eq!(tests, ["tests"]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::{Context as _, Result};
 
-use super::parse::{self, Source};
+use super::parse::{self, File, Source};
 
 /// A line of a file.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -44,6 +44,8 @@ pub struct Tree {
     modules: BTreeMap<ModulePath, Module>,
     /// Modules that are declared and have no file.
     missing: Vec<Missing>,
+    /// Files, and folders of files, that are compiled for tests alone.
+    tests: Vec<PathBuf>,
 }
 
 /// A module without a file.
@@ -81,6 +83,11 @@ impl Tree {
         &self.missing
     }
 
+    /// Files, and folders of files, that are compiled for tests alone.
+    pub fn tests(&self) -> &[PathBuf] {
+        &self.tests
+    }
+
     /// Reads a file; `folder` is where the files of its own modules are.
     fn read(&mut self, path: ModulePath, file: &Path, folder: &Path) -> Result<()> {
         let text = fs::read_to_string(file)
@@ -105,29 +112,23 @@ impl Tree {
         }
         for declared in &source.files {
             let child = child(&path, declared.name.clone());
-            match &declared.path {
-                Some(name) => {
-                    let found = file.parent().unwrap_or(folder).join(name);
-                    let folder = found.parent().unwrap_or(folder).to_owned();
-                    self.read(child, &found, &folder)?;
-                }
-                None => {
-                    let own = folder.join(&declared.name);
-                    let found = [
-                        folder.join(format!("{}.rs", declared.name)),
-                        own.join("mod.rs"),
-                    ];
-                    match found.iter().find(|candidate| candidate.is_file()) {
-                        Some(found) => self.read(child, found, &own)?,
-                        None => self.missing.push(Missing {
-                            name: declared.name.clone(),
-                            site: Site {
-                                file: file.to_owned(),
-                                line: declared.line,
-                            },
-                        }),
-                    }
-                }
+            match find(declared, file, folder) {
+                Some((found, own)) => self.read(child, &found, &own)?,
+                None => self.missing.push(Missing {
+                    name: declared.name.clone(),
+                    site: Site {
+                        file: file.to_owned(),
+                        line: declared.line,
+                    },
+                }),
+            }
+        }
+        for declared in &source.test_files {
+            if let Some((found, own)) = find(declared, file, folder) {
+                self.tests.push(found);
+                // With `#[path]` the folder is that of other files, too.
+                self.tests
+                    .extend(Some(own).filter(|_| declared.path.is_none()));
             }
         }
         // Two of a name exist under opposite `cfg`s: both count.
@@ -141,6 +142,21 @@ impl Tree {
         module.source.references.append(&mut source.references);
         Ok(())
     }
+}
+
+/// The file of a module that is declared in `file`, and the folder of the module's own files.
+fn find(declared: &File, file: &Path, folder: &Path) -> Option<(PathBuf, PathBuf)> {
+    if let Some(name) = &declared.path {
+        let found = file.parent()?.join(name);
+        let own = found.parent()?.to_owned();
+        return Some((found, own)).filter(|(found, _)| found.is_file());
+    }
+    let own = folder.join(&declared.name);
+    let candidates = [own.with_extension("rs"), own.join("mod.rs")];
+    let found = candidates
+        .into_iter()
+        .find(|candidate| candidate.is_file())?;
+    Some((found, own))
 }
 
 fn child(parent: &ModulePath, name: String) -> ModulePath {
@@ -176,7 +192,8 @@ pub mod tests {
             fs::write(file, text).unwrap();
         };
         write("lib.rs", "mod a; mod b; #[path = \"odd/name.rs\"] mod c;");
-        write("a.rs", "mod inner { mod deep; }");
+        write("a.rs", "mod inner { mod deep; } #[cfg(test)] mod checks;");
+        write("a/checks.rs", "");
         write("a/inner/deep.rs", "");
         write("b/mod.rs", "mod leaf;");
         write("b/leaf.rs", "");
@@ -185,6 +202,10 @@ pub mod tests {
         let paths: Vec<_> = tree.modules().map(|(path, _)| path.join("::")).collect();
         let expected = ["", "a", "a::inner", "a::inner::deep", "b", "b::leaf", "c"];
         assert_eq!(paths, expected);
+        assert_eq!(
+            tree.tests(),
+            [folder.join("a/checks.rs"), folder.join("a/checks")]
+        );
 
         write("b/mod.rs", "\nmod leaf; mod missing;");
         let tree = Tree::load(&folder.join("lib.rs"))?;
