@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_predicate_that_needs_test_is_told_from_one_that_does_not() {
+    fn predicates_that_need_test_are_recognised() {
         let is_test = |attribute: &str| {
             let text = format!("#[{attribute}] fn f() {{}}");
             let syn::Item::Fn(item) = syn::parse_str(&text).unwrap() else {
