@@ -1,4 +1,4 @@
-//! Model files as they must not be: each damage, and why the device refuses it.
+//! Damaged model files, and why the device refuses each.
 
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
@@ -11,12 +11,12 @@ use super::MODEL_REGION;
 pub struct Damage {
     /// What was done to it.
     pub name: &'static str,
-    /// The bytes of the model's region; what is missing is erased flash.
+    /// The model's region from its start; the rest is erased flash.
     pub bytes: Vec<u8>,
 }
 
 impl Damage {
-    /// Why the whole region is refused, in the words of the error; none if it is no damage.
+    /// The error that the region is refused with; none if it is accepted.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
         let mut region = vec![0xff; MODEL_REGION];
@@ -26,10 +26,10 @@ impl Damage {
     }
 }
 
-/// Every kind of damage to a good model.
+/// Every kind of damage, done to a good model.
 ///
 /// # Panics
-/// If the good model is too short to be one.
+/// If `good` is too short for a model.
 #[must_use]
 pub fn damages(good: &[u8]) -> Vec<Damage> {
     let changed = |name, change: &dyn Fn(&mut Vec<u8>)| {
@@ -68,7 +68,7 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
             bytes.truncate(good.len() / 2)
         }),
         Damage {
-            name: "a good model wider than the device has room for",
+            name: "a good model of a shape that is not compiled in",
             bytes: too_wide.expect("a writable model"),
         },
     ]
@@ -90,7 +90,7 @@ mod tests {
         let good = random_model(shape, 1).to_bytes().unwrap();
         let damages = damages(&good);
         let kinds: BTreeSet<_> = damages.iter().map(|d| d.reason().expect(d.name)).collect();
-        // The two ends that are missing are both noticed by the checksum, with different sums.
+        // Both kinds of truncation are found by the checksum, with different sums.
         assert_eq!(kinds.len(), damages.len());
         let whole = Damage {
             name: "none",

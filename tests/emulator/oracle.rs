@@ -1,4 +1,4 @@
-//! The lines that a device must write: the shared pipeline, told on the PC what the armband did.
+//! The lines that a device must write: the shared pipeline, run on the PC with what the armband did.
 
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
@@ -11,11 +11,11 @@ use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 pub enum Input<'s> {
     /// Samples, one after the other.
     Samples(&'s [Sample]),
-    /// So many are missing.
+    /// So many samples are missing.
     Gap(u32),
-    /// The armband is gone.
+    /// The connection has ended.
     Disconnected,
-    /// Nothing for so long.
+    /// Nothing arrives for so long.
     Silence(Millis),
 }
 

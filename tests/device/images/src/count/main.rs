@@ -20,9 +20,9 @@ mod image {
     use alloc::vec::Vec;
 
     use device::{arguments, files, println, timer};
+    use shared::model::Aligned;
     use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
     use shared::model::file::Model;
-    use shared::model::kernels::Aligned;
     use shared::units::{CHANNELS, Sample};
 
     use crate::line;

@@ -7,7 +7,7 @@ use embassy_sync::{
     channel::{Channel, TrySendError},
 };
 
-/// Holds `N` entries; one more pushes out the oldest, which is counted.
+/// Holds `N` entries; one more drops the oldest, which is counted.
 pub struct Queue<T, const N: usize> {
     entries: Channel<CriticalSectionRawMutex, T, N>,
     dropped: AtomicU32,
@@ -25,8 +25,8 @@ impl<T, const N: usize> Queue<T, N> {
     /// Adds an entry.
     pub fn push(&self, entry: T) {
         let mut entry = entry;
-        while let Err(TrySendError::Full(back)) = self.entries.try_send(entry) {
-            entry = back;
+        while let Err(TrySendError::Full(rejected)) = self.entries.try_send(entry) {
+            entry = rejected;
             if self.entries.try_receive().is_ok() {
                 self.dropped.fetch_add(1, Ordering::Relaxed);
             }
@@ -34,7 +34,7 @@ impl<T, const N: usize> Queue<T, N> {
     }
 
     /// Waits for the oldest entry.
-    pub async fn next(&self) -> T {
+    pub async fn receive(&self) -> T {
         self.entries.receive().await
     }
 
