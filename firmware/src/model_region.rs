@@ -15,7 +15,7 @@ pub fn bytes() -> &'static [u8] {
 
 #[cfg(feature = "model-in-ram")]
 fn in_ram(region: &[u8]) -> &'static [u8] {
-    use shared::model::kernels::Aligned;
+    use shared::model::Aligned;
     use static_cell::ConstStaticCell;
 
     /// As long as the region is in `memory.x`.

@@ -293,9 +293,9 @@ impl<const SERVICE: usize> Client for Discovered<SERVICE> {
 
 /// The SoftDevice's own form; the vendor's family is registered with it by the first use, and
 /// found again by all others.
-fn uuid(uuid: myo::uuid::Uuid) -> Uuid {
+fn uuid(uuid: myo::Uuid) -> Uuid {
     match uuid {
-        myo::uuid::Uuid::Sig(short) => Uuid::new_16(short),
-        myo::uuid::Uuid::Vendor(_) => Uuid::new_128(&uuid.to_le_bytes()),
+        myo::Uuid::Sig(short) => Uuid::new_16(short),
+        myo::Uuid::Vendor(_) => Uuid::new_128(&uuid.to_le_bytes()),
     }
 }

@@ -204,7 +204,7 @@ impl<C: Capable> Link for TroubleLink<'_, C> {
                     .characteristics::<MOST_CHARACTERISTICS>(&service)
                     .await;
                 for found in characteristics.map_err(|_| OperationFailed)? {
-                    let known = myo::uuid::Uuid::from_le_bytes(found.uuid.as_raw())
+                    let known = myo::Uuid::from_le_bytes(found.uuid.as_raw())
                         .and_then(Characteristic::from_uuid);
                     if let Some(characteristic) = known {
                         handles.note(characteristic, found.handle, found.cccd_handle);
@@ -234,9 +234,9 @@ impl<C: Capable> Link for TroubleLink<'_, C> {
     }
 }
 
-fn uuid(uuid: myo::uuid::Uuid) -> Uuid {
+fn uuid(uuid: myo::Uuid) -> Uuid {
     match uuid {
-        myo::uuid::Uuid::Sig(short) => Uuid::new_short(short),
-        myo::uuid::Uuid::Vendor(_) => Uuid::new_long(uuid.to_le_bytes()),
+        myo::Uuid::Sig(short) => Uuid::new_short(short),
+        myo::Uuid::Vendor(_) => Uuid::new_long(uuid.to_le_bytes()),
     }
 }

@@ -11,7 +11,7 @@ use super::{
 /// A kernel differs from its reference.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 #[error("{kernel}, length {length}, fill {fill:?}, row {row}: {found}, expected {expected}")]
-pub struct Mismatch {
+pub(crate) struct Mismatch {
     /// The kernel.
     pub kernel: &'static str,
     /// Length of the rows.
@@ -28,7 +28,7 @@ pub struct Mismatch {
 
 /// Content of the operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fill {
+pub(crate) enum Fill {
     /// All zeros.
     Zeros,
     /// The largest codes times the largest weights.
@@ -87,7 +87,7 @@ const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
 /// Kernel calls in one [`check`].
-pub const CASES: usize = 4 * DRAWS
+pub(crate) const CASES: usize = 4 * DRAWS
     + SPECIAL.len()
     + FILLS.len()
         * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
@@ -99,7 +99,7 @@ pub const CASES: usize = 4 * DRAWS
 /// # Errors
 ///
 /// The first difference.
-pub fn check<K: Kernels>() -> Result<usize, Mismatch> {
+pub(crate) fn check<K: Kernels>() -> Result<usize, Mismatch> {
     let mut checked = 0;
     let mut noise = Noise(0x2545_f491);
     for fill in FILLS {

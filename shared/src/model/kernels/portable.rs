@@ -8,7 +8,7 @@ const SMALLEST: f32 = 1e-30;
 
 /// Plain Rust, written so that the compiler can vectorise it.
 #[derive(Clone, Copy, Debug)]
-pub struct Portable;
+pub(crate) struct Portable;
 
 impl Kernels for Portable {
     #[inline]

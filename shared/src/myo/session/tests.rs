@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::myo::AddressKind;
+use crate::myo::Uuid;
 use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg};
+use crate::myo::command::Command;
 use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
-use crate::myo::{Command, Uuid};
 use alloc::vec::Vec;
 
 mod properties;

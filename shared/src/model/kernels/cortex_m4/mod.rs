@@ -20,7 +20,7 @@ use super::{GROUP, Kernels, TILE_ROWS};
 
 /// The kernels of a Cortex-M4.
 #[derive(Clone, Copy, Debug)]
-pub struct CortexM4;
+pub(crate) struct CortexM4;
 
 impl Kernels for CortexM4 {
     #[inline]

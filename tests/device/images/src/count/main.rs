@@ -22,7 +22,7 @@ mod image {
     use device::{arguments, files, println, timer};
     use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
     use shared::model::file::Model;
-    use shared::model::kernels::Aligned;
+    use shared::model::Aligned;
     use shared::units::{CHANNELS, Sample};
 
     use crate::line;
