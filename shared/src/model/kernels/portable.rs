@@ -138,15 +138,3 @@ fn products(row: &[i8], input: &[i16]) -> i32 {
         .map(|(&w, &x)| i32::from(w) * i32::from(x))
         .sum()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::kernels::checks;
-
-    #[test]
-    fn the_portable_kernels_pass_the_checks() {
-        let cases = checks::check::<Portable>().unwrap();
-        assert_eq!(cases, checks::CASES);
-    }
-}
