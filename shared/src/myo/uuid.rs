@@ -71,11 +71,11 @@ mod tests {
 
     #[test]
     fn other_families_and_lengths_are_none() {
-        let mut stranger = Uuid::CONTROL.to_le_bytes();
-        stranger[0] ^= 1;
-        assert_eq!(Uuid::from_le_bytes(&stranger), None);
+        let mut other = Uuid::CONTROL.to_le_bytes();
+        other[0] ^= 1;
+        assert_eq!(Uuid::from_le_bytes(&other), None);
         for length in [0, 1, 3, 15] {
-            assert_eq!(Uuid::from_le_bytes(&stranger[..length]), None);
+            assert_eq!(Uuid::from_le_bytes(&other[..length]), None);
         }
     }
 }

@@ -72,7 +72,7 @@ pub(super) struct Factors {
 #[inline]
 pub(super) fn factors(largest: f32, limit: i16) -> Option<Factors> {
     let limit = f32::from(limit);
-    // Twice rounded, `largest * (limit / largest)` still lies within 0.01 of `limit` <= 32767, so no
+    // Twice rounded, `largest * (limit / largest)` is within 0.01 of `limit` <= 32767, so no
     // code leaves its range.
     (SMALLEST..=f32::MAX).contains(&largest).then(|| Factors {
         to_codes: limit / largest,
