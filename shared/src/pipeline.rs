@@ -20,7 +20,7 @@ use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{LOOK_BACK, Millis, Sample, SampleIndex};
 
 /// Most consecutive lost samples that are filled in, by repeating the last sample before them.
-pub const MAX_BRIDGED: u32 = 5;
+const MAX_BRIDGED: u32 = 5;
 
 /// Reports of one input, in order: at most a change of state and a label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -159,12 +159,6 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     #[must_use]
     pub const fn status(&self) -> Status {
         self.safe_state.status()
-    }
-
-    /// Losses since the start.
-    #[must_use]
-    pub const fn counters(&self) -> Counters {
-        self.counters
     }
 
     /// A report of the present state, as a program writes it when it starts.

@@ -5,17 +5,17 @@ use crate::intent::Vocabulary;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
 /// Attention heads of every model.
-pub const HEADS: usize = 4;
+pub(crate) const HEADS: usize = 4;
 /// Largest width of the residual stream: 32 per head.
-pub const MAX_WIDTH: usize = 128;
+pub(crate) const MAX_WIDTH: usize = 128;
 /// Smallest width of the residual stream.
-pub const MIN_WIDTH: usize = 16;
+pub(crate) const MIN_WIDTH: usize = 16;
 /// Largest number of layers.
-pub const MAX_LAYERS: usize = 3;
+pub(crate) const MAX_LAYERS: usize = 3;
 /// Longest attention span, in patches: the most terms that the attention kernels sum.
-pub const MAX_SPAN: usize = kernels::MAX_TERMS;
+pub(crate) const MAX_SPAN: usize = kernels::MAX_TERMS;
 /// Most cache slots of a model: layers x span, where the receptive field fits the window.
-pub const MAX_SLOTS: usize = max_slots();
+pub(crate) const MAX_SLOTS: usize = max_slots();
 
 // Longest rows of weights: the patch, and the second matrix of the feed-forward.
 const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
@@ -47,7 +47,7 @@ pub enum Companding {
 
 /// Patches that one patch's output depends on, itself included: `layers (span - 1) + 1`.
 #[must_use]
-pub const fn receptive_field(layers: usize, span: usize) -> usize {
+pub(crate) const fn receptive_field(layers: usize, span: usize) -> usize {
     layers * (span - 1) + 1
 }
 

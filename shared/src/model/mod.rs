@@ -2,13 +2,14 @@
 //!
 //! Imports go downwards only: `encoder` -> `file` -> `dimensions` -> `kernels` -> `arithmetic`.
 
-pub mod arithmetic;
+mod arithmetic;
 pub mod dimensions;
 mod encode;
 pub mod encoder;
 pub mod file;
-pub mod kernels;
+mod kernels;
 #[cfg(any(test, feature = "write"))]
 pub mod noise;
 
 pub use encode::{Encode, LookBackLogits};
+pub use kernels::Aligned;

@@ -5,7 +5,7 @@ use super::characteristic::Characteristic;
 use super::packet::Pair;
 
 /// Most bytes of a write: the payload of the smallest ATT packet.
-pub const MAX_PAYLOAD: usize = 20;
+const MAX_PAYLOAD: usize = 20;
 
 /// Bytes to write: at most 20.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -17,7 +17,7 @@ pub struct Payload {
 impl Payload {
     /// A payload of these bytes. More than 20 fail to compile.
     #[must_use]
-    pub const fn new<const LENGTH: usize>(payload: [u8; LENGTH]) -> Self {
+    pub(super) const fn new<const LENGTH: usize>(payload: [u8; LENGTH]) -> Self {
         const { assert!(LENGTH <= MAX_PAYLOAD) };
         let mut bytes = [0; MAX_PAYLOAD];
         bytes.split_at_mut(LENGTH).0.copy_from_slice(&payload);

@@ -10,7 +10,7 @@ const ALL_UUIDS_128: u8 = 0x07;
 ///
 /// The name is ignored: the wearer can change it. Truncated data are read as far as they go.
 #[must_use]
-pub fn offers_control(data: &[u8]) -> bool {
+pub(super) fn offers_control(data: &[u8]) -> bool {
     structures(data)
         .filter(|(kind, _)| matches!(*kind, SOME_UUIDS_128 | ALL_UUIDS_128))
         .flat_map(|(_, uuids)| uuids.as_chunks::<16>().0)

@@ -49,7 +49,7 @@ const DECISION_MS: u32 = 50;
 /// decision takes, so that no burst goes unnoticed.
 const STALL_MS: u32 = 45;
 const _: () = assert!(STALL_MS * 1000 > LATE_US + PERIOD_US - 1 && STALL_MS < DECISION_MS);
-/// How far below the minimum a new minimum must lie: less may be jitter of a constant lag.
+/// Least distance of a new minimum below the last one: less may be jitter of a constant lag.
 const NEW_MINIMUM_US: u32 = 5_000;
 /// Most notifications held: a stall of 200 ms, after which the stream counts as silent anyway, and
 /// four more.

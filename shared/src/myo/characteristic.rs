@@ -99,7 +99,7 @@ pub struct Found(u8);
 
 impl Found {
     /// None.
-    pub const NONE: Self = Self(0);
+    pub(super) const NONE: Self = Self(0);
 
     /// This set and `characteristic`.
     #[must_use]
@@ -109,13 +109,13 @@ impl Found {
 
     /// Whether `characteristic` was found.
     #[must_use]
-    pub const fn contains(self, characteristic: Characteristic) -> bool {
+    pub(super) const fn contains(self, characteristic: Characteristic) -> bool {
         self.0 & (1 << characteristic.index()) != 0
     }
 
     /// Whether a stream can be set up: only the battery level may be missing.
     #[must_use]
-    pub const fn is_sufficient(self) -> bool {
+    pub(super) const fn is_sufficient(self) -> bool {
         self.with(Characteristic::BatteryLevel).0 == ALL_FOUND
     }
 }

@@ -15,7 +15,7 @@ pub enum EmgMode {
 
 /// A command. IMU and gesture classifier stay off: their notifications would take air time.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Command {
+pub(super) enum Command {
     /// Stream EMG at 200 Hz; IMU and classifier off. Lost at a disconnection.
     SetMode(EmgMode),
     /// Never sleep: without it the armband drops the link after about 30 s of inactivity, even while
@@ -26,7 +26,7 @@ pub enum Command {
 impl Command {
     /// The bytes to write: command, payload length, payload.
     #[must_use]
-    pub const fn payload(self) -> Payload {
+    pub(super) const fn payload(self) -> Payload {
         match self {
             Self::SetMode(EmgMode::Filtered) => Payload::new([0x01, 3, 2, 0, 0]),
             Self::SetMode(EmgMode::Raw) => Payload::new([0x01, 3, 3, 0, 0]),

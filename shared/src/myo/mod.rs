@@ -10,34 +10,34 @@
 //!                               +-----Action----> pipeline  Deliver, Gap, StreamEnded
 //! ```
 //!
-//! [`advertisement`] recognises the armband, [`characteristic`] and [`uuid`] identify its GATT
-//! attributes, [`command`] encodes commands, [`packet`] parses values, and the private `sequence`
-//! merges the notifications of four [`lane`]s into one stream. Sources: the vendor's header `myohw.h`,
+//! `advertisement` recognises the armband, `characteristic` and `uuid` identify its GATT attributes,
+//! `command` encodes commands, `packet` parses values, and `sequence` merges the notifications of four
+//! lanes into one stream. Sources: the vendor's header `myohw.h`,
 //! open drivers and captures; there is no full specification.
 
-pub mod action;
-pub mod address;
-pub mod advertisement;
+mod action;
+mod address;
+mod advertisement;
 mod arrival_timing;
 mod back_off;
-pub mod characteristic;
-pub mod command;
-pub mod counters;
-pub mod event;
-pub mod lane;
+mod characteristic;
+mod command;
+mod counters;
+mod event;
+mod lane;
 mod order;
-pub mod packet;
+mod packet;
 mod scan;
 mod sequence;
-pub mod session;
+mod session;
 mod set_up;
 mod stream_monitor;
-pub mod uuid;
+mod uuid;
 
 pub use action::{Action, Payload};
-pub use address::{Address, AddressKind};
+pub use address::{Address, AddressError, AddressKind};
 pub use characteristic::{Characteristic, Found, Service};
-pub use command::{Command, EmgMode};
+pub use command::EmgMode;
 pub use counters::Counters;
 pub use event::Event;
 pub use lane::Lane;

@@ -13,7 +13,7 @@ pub(super) const PAIR_SAMPLES: u32 = 2;
 /// A value is shorter than its minimum length.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("expected at least {expected} bytes, found {found}: the value is dropped")]
-pub struct TooShort {
+pub(super) struct TooShort {
     /// Bytes that it must have.
     pub expected: usize,
     /// Bytes that it has.
@@ -24,7 +24,7 @@ pub struct TooShort {
 ///
 /// # Errors
 /// Fewer than 16 bytes.
-pub fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
+pub(super) fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
     let bytes = first::<{ 2 * CHANNELS }>(bytes)?;
     Ok(from_fn(|sample| {
         from_fn(|channel| bytes[sample * CHANNELS + channel].cast_signed())
@@ -35,7 +35,7 @@ pub fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
 ///
 /// # Errors
 /// No byte at all.
-pub fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
+pub(super) fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
     let [percent] = *first::<1>(bytes)?;
     Ok(percent.min(100))
 }
@@ -59,7 +59,7 @@ impl FirmwareVersion {
     ///
     /// # Errors
     /// Fewer than 8 bytes.
-    pub fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
         let [a, b, c, d, e, f, g, h] = *first::<8>(bytes)?;
         Ok(Self {
             major: u16::from_le_bytes([a, b]),
@@ -71,7 +71,7 @@ impl FirmwareVersion {
 
     /// Whether it uses the protocol of this module. Major version 0 used the same numbers differently.
     #[must_use]
-    pub const fn is_supported(self) -> bool {
+    pub(super) const fn is_supported(self) -> bool {
         self.major > 0
     }
 }

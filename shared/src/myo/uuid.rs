@@ -21,7 +21,7 @@ const SHORT_ID: usize = 12;
 
 impl Uuid {
     /// The Control service, which an armband advertises.
-    pub const CONTROL: Self = Self::Vendor(0x0001);
+    pub(super) const CONTROL: Self = Self::Vendor(0x0001);
 
     /// All 128 bits, little-endian as on air.
     #[must_use]
@@ -71,11 +71,11 @@ mod tests {
 
     #[test]
     fn other_families_and_lengths_are_none() {
-        let mut stranger = Uuid::CONTROL.to_le_bytes();
-        stranger[0] ^= 1;
-        assert_eq!(Uuid::from_le_bytes(&stranger), None);
+        let mut other = Uuid::CONTROL.to_le_bytes();
+        other[0] ^= 1;
+        assert_eq!(Uuid::from_le_bytes(&other), None);
         for length in [0, 1, 3, 15] {
-            assert_eq!(Uuid::from_le_bytes(&stranger[..length]), None);
+            assert_eq!(Uuid::from_le_bytes(&other[..length]), None);
         }
     }
 }

@@ -97,7 +97,7 @@ fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
         [(Kind::Label, 629, 680, OPEN), (Kind::Label, 649, 700, OPEN)]
     );
     assert_eq!(next[1].sequence, boot.sequence + 4);
-    assert_eq!(pipeline.counters(), Counters::default());
+    assert_eq!(pipeline.counters, Counters::default());
 }
 
 #[test]
@@ -136,11 +136,11 @@ fn six_lost_samples_reset_the_window() {
         bridged: 0,
         resets: 1,
     };
-    assert_eq!(pipeline.counters(), expected);
+    assert_eq!(pipeline.counters, expected);
     assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
     // A second gap before any sample resets nothing.
     assert_eq!(fields(pipeline.gap(at(668), 1)), []);
-    assert_eq!(pipeline.counters().resets, 1);
+    assert_eq!(pipeline.counters.resets, 1);
 
     // The new window begins at sample 668.
     assert_eq!(fields(feed(&mut pipeline, 668, 660, 1)), []);
@@ -171,7 +171,7 @@ fn silence_and_disconnection_reset_the_window() {
         fields(pipeline.disconnected(Millis(4000))),
         [(Kind::State, 660, 660, disconnected)]
     );
-    assert_eq!(pipeline.counters().resets, 1);
+    assert_eq!(pipeline.counters.resets, 1);
     assert_eq!(pipeline.deadline(), None);
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
 }

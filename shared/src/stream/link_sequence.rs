@@ -117,7 +117,7 @@ mod tests {
     use alloc::{collections::VecDeque, vec::Vec};
     use proptest::prelude::*;
 
-    const QUIET: [Sample; 2] = [[0; 8]; 2];
+    const ZEROS: [Sample; 2] = [[0; 8]; 2];
 
     fn plain(samples: Option<[Sample; 2]>) -> Received {
         Received {
@@ -136,21 +136,21 @@ mod tests {
             assert_eq!(detector.receive(packet), plain(Some(pair)));
         }
         sequencer.gap(6);
-        let received = detector.receive(sequencer.samples(QUIET));
+        let received = detector.receive(sequencer.samples(ZEROS));
         assert_eq!((received.missing, received.disconnected), (6, false));
         assert!(detector.receive(sequencer.end()).disconnected);
         assert_eq!(
-            detector.receive(sequencer.samples(QUIET)),
-            plain(Some(QUIET))
+            detector.receive(sequencer.samples(ZEROS)),
+            plain(Some(ZEROS))
         );
     }
 
     #[test]
     fn a_dropped_end_of_stream_is_detected() {
         let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
-        detector.receive(sequencer.samples(QUIET));
+        detector.receive(sequencer.samples(ZEROS));
         let _dropped = sequencer.end();
-        let received = detector.receive(sequencer.samples(QUIET));
+        let received = detector.receive(sequencer.samples(ZEROS));
         assert!(received.disconnected);
         assert_eq!(received.missing, 0);
     }
@@ -160,9 +160,9 @@ mod tests {
         let mut sequencer = Sequencer::new();
         let mut detector = GapDetector::new();
         sequencer.gap(u32::MAX);
-        detector.receive(sequencer.samples(QUIET));
-        let received = detector.receive(sequencer.samples(QUIET));
-        assert_eq!(received, plain(Some(QUIET)));
+        detector.receive(sequencer.samples(ZEROS));
+        let received = detector.receive(sequencer.samples(ZEROS));
+        assert_eq!(received, plain(Some(ZEROS)));
     }
 
     #[derive(Clone, Copy, Debug)]
@@ -198,7 +198,7 @@ mod tests {
                 let packet = match step {
                     Step::Samples => {
                         position += 2;
-                        Some((sequencer.samples(QUIET), Some((position - 2, stream))))
+                        Some((sequencer.samples(ZEROS), Some((position - 2, stream))))
                     }
                     Step::Gap(missing) => {
                         sequencer.gap(missing);
@@ -210,11 +210,11 @@ mod tests {
                         Some((sequencer.end(), None))
                     }
                     Step::Receive => {
-                        if let Some((packet, truth)) = queue.pop_front() {
+                        if let Some((packet, expected)) = queue.pop_front() {
                             let received = detector.receive(packet);
                             ended_since |= received.disconnected;
                             counted += received.missing;
-                            if let Some((at, stream)) = truth {
+                            if let Some((at, stream)) = expected {
                                 prop_assert_eq!(counted, at);
                                 counted += 2;
                                 if let Some(&(_, before)) = seen.last() {

@@ -8,7 +8,7 @@
 use crate::units::{CHANNELS, CleanSample, Sample};
 
 /// Samples under the median.
-pub const MEDIAN_WIDTH: u8 = 3;
+pub(crate) const MEDIAN_WIDTH: u8 = 3;
 /// Divisor from a preprocessed value to the model's input, 0 to 1.
 pub const DIVISOR: u8 = 128;
 

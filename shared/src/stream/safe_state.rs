@@ -161,7 +161,7 @@ impl SafeState {
 
     /// Whether the stream has had no sample for 200 ms at `now`.
     #[must_use]
-    pub fn silent(&self, now: Millis) -> bool {
+    pub(crate) fn silent(&self, now: Millis) -> bool {
         self.last_sample
             .is_some_and(|last| now.since(last) >= SILENCE_MS)
     }

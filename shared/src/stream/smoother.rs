@@ -80,12 +80,6 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
-    /// Its settings.
-    #[must_use]
-    pub const fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
     /// Forgets all windows, as after a gap: the next one is the first.
     pub fn restart(&mut self) {
         self.seen = 0;

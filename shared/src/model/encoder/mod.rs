@@ -8,10 +8,10 @@
 //!
 //! Per step, h being the residual stream in f32:
 //!
-//! 1. [`patch_embedding`]: `h = W_e x + b_e`, x the 80 companded inputs;
-//! 2. each layer: [`attention`], `h += W_o attend(norm1(h)) + b_o`, then [`feed_forward`](mod@feed_forward),
+//! 1. `patch_embedding`: `h = W_e x + b_e`, x the 80 companded inputs;
+//! 2. each layer: `attention`, `h += W_o attend(norm1(h)) + b_o`, then `feed_forward`,
 //!    `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`;
-//! 3. [`look_back_head`]: `W_h norm(h) + b_h`, six rows of classes, the newest patch first.
+//! 3. `look_back_head`: `W_h norm(h) + b_h`, six rows of classes, the newest patch first.
 //!
 //! Dimensions are those of the model file, known at run time; the state's arrays have a fixed
 //! capacity. What that costs against an encoder compiled for one shape: docs/decisions.md.

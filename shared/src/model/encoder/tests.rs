@@ -38,15 +38,15 @@ fn encoder(bytes: &[u8]) -> HostEncoder<'_> {
     HostEncoder::new(&Model::parse(bytes).unwrap()).unwrap()
 }
 
-/// Loud and quiet stretches, zeros and full scale among them.
+/// Patches of random amplitude, from zeros to full scale.
 fn noisy_patches(count: usize, seed: u64) -> Vec<Patch> {
     let mut noise = Noise(seed ^ 0xface);
     let mut patch = || {
-        let loudest = [0, 3, 20, 128][noise.bits() as usize % 4];
+        let amplitude = [0, 3, 20, 128][noise.bits() as usize % 4];
         let mut patch = Patch::default();
         patch
             .as_flattened_mut()
-            .fill_with(|| (noise.bits() % (loudest + 1)) as u8);
+            .fill_with(|| (noise.bits() % (amplitude + 1)) as u8);
         patch
     };
     (0..count).map(|_| patch()).collect()
@@ -316,11 +316,11 @@ fn distance_from_formulas(shape: Shape, seed: u64) -> f64 {
     let patches = noisy_patches(80, seed);
     let mut state = encoder.fresh();
     let mut worst = 0.0_f64;
-    for (patch, truth) in patches.iter().zip(naive::outputs(&parts, &patches)) {
+    for (patch, expected) in patches.iter().zip(naive::outputs(&parts, &patches)) {
         let logits = encoder.step(&mut state, patch);
-        for (row, truth) in logits.iter().zip(truth.chunks(classes)) {
-            for (logit, truth) in row.iter().zip(truth) {
-                worst = worst.max((f64::from(*logit) - truth).abs());
+        for (row, expected) in logits.iter().zip(expected.chunks(classes)) {
+            for (logit, expected) in row.iter().zip(expected) {
+                worst = worst.max((f64::from(*logit) - expected).abs());
             }
             assert!(row[classes..].iter().all(|&unused| unused == 0.0));
         }
@@ -329,7 +329,7 @@ fn distance_from_formulas(shape: Shape, seed: u64) -> f64 {
 }
 
 #[test]
-fn the_integer_encoder_stays_by_its_formulas() {
+fn the_integer_encoder_is_close_to_its_formulas() {
     let mut worst = 0.0_f64;
     for seed in 0..8 {
         worst = worst.max(distance_from_formulas((16, 2, 27), seed));

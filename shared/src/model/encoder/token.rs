@@ -1,4 +1,4 @@
-//! Scratch memory for one patch on its way through the layers.
+//! Scratch memory for the computation of one patch.
 
 use crate::model::dimensions::MAX_SPAN;
 use crate::model::kernels::Aligned;
@@ -7,7 +7,7 @@ use crate::units::{CHANNELS, PATCH};
 /// The residual stream of a patch and the scratch memory of its computation. Nothing is kept from
 /// patch to patch.
 ///
-/// It lies beside the state, so that no step has to clear it. A model narrower than `WIDTH` uses
+/// It is part of the state, so that no step has to clear it. A model narrower than `WIDTH` uses
 /// the first elements of every array.
 #[derive(Clone, Debug)]
 pub(super) struct Token<const WIDTH: usize> {

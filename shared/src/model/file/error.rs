@@ -11,7 +11,7 @@ use crate::units::{LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 pub enum ModelError {
     /// The address in memory is not a multiple of four.
     #[error(
-        "lies {found} bytes behind a multiple of {ALIGNMENT} in memory: put it into a buffer that begins at one"
+        "starts {found} bytes after a multiple of {ALIGNMENT} in memory: copy it to an aligned buffer"
     )]
     Misaligned {
         /// Bytes beyond the multiple.
@@ -38,7 +38,7 @@ pub enum ModelError {
         found: u8,
     },
     /// The declared length does not fit the region.
-    #[error("says it has {declared} bytes, {available} are there: copy the whole file again")]
+    #[error("declares {declared} bytes, {available} are available: copy the whole file again")]
     Length {
         /// Length in the file.
         declared: usize,

@@ -4,7 +4,7 @@ use crate::model::dimensions::MAX_LAYERS;
 
 /// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] x[c] + bias[r]`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LinearWeights<'m> {
+pub(crate) struct LinearWeights<'m> {
     /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::model::kernels::Kernels::multiply), each
     /// -127..=127.
     pub weights: &'m [i8],
@@ -16,7 +16,7 @@ pub struct LinearWeights<'m> {
 
 /// Parameters of a layer norm, `[d]` each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NormWeights<'m> {
+pub(crate) struct NormWeights<'m> {
     /// Factors.
     pub gain: &'m [f32],
     /// Terms.
@@ -25,7 +25,7 @@ pub struct NormWeights<'m> {
 
 /// One pre-norm layer.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LayerWeights<'m> {
+pub(crate) struct LayerWeights<'m> {
     /// Norm before attention.
     pub norm1: NormWeights<'m>,
     /// d -> 3d: query, key, value.
@@ -44,7 +44,7 @@ pub struct LayerWeights<'m> {
 
 /// All tensors of a model.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Weights<'m> {
+pub(crate) struct Weights<'m> {
     /// 80 -> d: the patch, sample by sample.
     pub embed: LinearWeights<'m>,
     /// The layers; empty from the model's number of layers on.

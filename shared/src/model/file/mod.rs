@@ -17,20 +17,20 @@ mod writer;
 
 pub use error::ModelError;
 pub use header::{Header, List, Provenance, SmootherDefaults};
-pub use layout::{LayerWeights, LinearWeights, NormWeights, Weights};
+pub(crate) use layout::{LayerWeights, LinearWeights, NormWeights, Weights};
 pub use names::{Excerpt, TensorName};
 pub use reader::Model;
 #[cfg(test)]
 pub(crate) use writer::overwrite;
 #[cfg(any(test, feature = "write"))]
-pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, quantize_rows};
+pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts};
 
 /// First bytes of every model file.
-pub const MAGIC: [u8; 8] = *b"myointnt";
+const MAGIC: [u8; 8] = *b"myointnt";
 /// The format version that this crate reads and writes.
-pub const FORMAT_VERSION: u8 = 2;
+const FORMAT_VERSION: u8 = 2;
 /// The file in memory and every tensor in the file begin at a multiple of this many bytes.
-pub const ALIGNMENT: usize = align_of::<f32>();
+const ALIGNMENT: usize = align_of::<f32>();
 
 // Numbers are read in place.
 const _: () = assert!(cfg!(target_endian = "little") && ALIGNMENT == 4);

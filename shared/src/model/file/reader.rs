@@ -18,7 +18,7 @@ pub struct Model<'m> {
     /// The header.
     pub header: Header<'m>,
     /// The tensors.
-    pub weights: Weights<'m>,
+    pub(crate) weights: Weights<'m>,
     /// Length of the file in bytes.
     pub length: usize,
 }

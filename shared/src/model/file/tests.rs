@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::{
     random::random_model,
     wire_header::WireHeader,
-    writer::{append, list, prefix, seal},
+    writer::{append, list, prefix, quantize_rows, seal},
     *,
 };
 use crate::intent::Vocabulary;

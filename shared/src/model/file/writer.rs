@@ -158,7 +158,7 @@ impl ModelParts {
 /// zero). A row of zeros has scale 0. Infinity and NaN make the scale infinite or NaN, which
 /// [`ModelParts::to_bytes`] refuses.
 #[must_use]
-pub fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
+pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
     let mut integers = Vec::with_capacity(matrix.len());
     let mut scales = vec![0.0; rows];
     for (row, scale) in matrix.chunks(columns.max(1)).zip(&mut scales) {

@@ -3,32 +3,33 @@
 //! References are naive and in i64. Lengths range from 0 to the largest; operands are extremes and
 //! seeded noise.
 
+use alloc::vec::Vec;
+
 use super::{
-    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT,
+    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT, packing::packed,
     portable::Portable,
 };
 
 /// A kernel differs from its reference.
-#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
-#[error("{kernel}, length {length}, fill {fill:?}, row {row}: {found}, expected {expected}")]
-pub struct Mismatch {
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Mismatch {
     /// The kernel.
-    pub kernel: &'static str,
+    kernel: &'static str,
     /// Length of the rows.
-    pub length: usize,
+    length: usize,
     /// Their content.
-    pub fill: Fill,
+    fill: Fill,
     /// Index of the output.
-    pub row: usize,
+    row: usize,
     /// The reference's result.
-    pub expected: i64,
+    expected: i64,
     /// The kernel's result.
-    pub found: i64,
+    found: i64,
 }
 
 /// Content of the operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fill {
+enum Fill {
     /// All zeros.
     Zeros,
     /// The largest codes times the largest weights.
@@ -87,7 +88,7 @@ const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
 /// Kernel calls in one [`check`].
-pub const CASES: usize = 4 * DRAWS
+const CASES: usize = 4 * DRAWS
     + SPECIAL.len()
     + FILLS.len()
         * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
@@ -99,7 +100,7 @@ pub const CASES: usize = 4 * DRAWS
 /// # Errors
 ///
 /// The first difference.
-pub fn check<K: Kernels>() -> Result<usize, Mismatch> {
+fn check<K: Kernels>() -> Result<usize, Mismatch> {
     let mut checked = 0;
     let mut noise = Noise(0x2545_f491);
     for fill in FILLS {
@@ -377,44 +378,49 @@ impl Noise {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Omits the last term of an odd number, as a faulty loop over pairs would.
+struct DropsTheTail;
 
-    /// Omits the last term of an odd number, as a faulty loop over pairs would.
-    struct DropsTheTail;
-
-    impl Kernels for DropsTheTail {
-        fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
-            Portable::multiply(weights, inputs, sums);
-        }
-        fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
-            Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);
-        }
-        fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
-            Portable::weighted_rows(weights, rows, stride, sums);
-        }
-        fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
-            Portable::quantize(values, limit, codes)
-        }
+impl Kernels for DropsTheTail {
+    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
+        Portable::multiply(weights, inputs, sums);
     }
-
-    #[test]
-    fn a_dropped_tail_is_detected() {
-        let mismatch = check::<DropsTheTail>().unwrap_err();
-        assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+    fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+        Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);
     }
+    fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+        Portable::weighted_rows(weights, rows, stride, sums);
+    }
+    fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
+        Portable::quantize(values, limit, codes)
+    }
+}
 
-    #[test]
-    fn tiles_are_those_of_packing() {
-        for (rows, columns) in [(1, 4), (5, 8), (11, 16)] {
-            let matrix: alloc::vec::Vec<i8> =
-                (0..rows * columns).map(|index| index as i8).collect();
-            let tiles = crate::model::kernels::packing::packed(&matrix, columns);
-            for index in 0..rows * columns {
-                let found = tiles[index_in_tiles(index / columns, index % columns, columns)];
-                assert_eq!(found, matrix[index]);
-            }
+#[test]
+fn the_portable_kernels_pass_the_checks() {
+    assert_eq!(check::<Portable>(), Ok(CASES));
+}
+
+#[cfg(cortex_m4)]
+#[test]
+fn the_dsp_kernels_pass_the_checks() {
+    assert_eq!(check::<super::cortex_m4::CortexM4>(), Ok(CASES));
+}
+
+#[test]
+fn a_dropped_tail_is_detected() {
+    let mismatch = check::<DropsTheTail>().unwrap_err();
+    assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+}
+
+#[test]
+fn tiles_are_those_of_packing() {
+    for (rows, columns) in [(1, 4), (5, 8), (11, 16)] {
+        let matrix: Vec<i8> = (0..rows * columns).map(|index| index as i8).collect();
+        let tiles = packed(&matrix, columns);
+        for index in 0..rows * columns {
+            let found = tiles[index_in_tiles(index / columns, index % columns, columns)];
+            assert_eq!(found, matrix[index]);
         }
     }
 }

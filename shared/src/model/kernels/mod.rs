@@ -4,37 +4,38 @@
 //! [`checks`] tests any of them. Callers keep the bounds stated here: accumulators are 32 bits wide, and
 //! an overflow is not detected at run time.
 
-pub mod checks;
+#[cfg(test)]
+mod checks;
 #[cfg(cortex_m4)]
-pub mod cortex_m4;
+mod cortex_m4;
 #[cfg(any(test, feature = "write"))]
-pub mod packing;
-pub mod portable;
+pub(crate) mod packing;
+mod portable;
 
 /// The implementation for this target.
 #[cfg(not(cortex_m4))]
-pub type Active = portable::Portable;
+pub(crate) type Active = portable::Portable;
 /// The implementation for this target.
 #[cfg(cortex_m4)]
-pub type Active = cortex_m4::CortexM4;
+pub(crate) type Active = cortex_m4::CortexM4;
 
 /// Longest row of weights: the second matrix of a feed-forward of 2 x 256.
-pub const MAX_COLUMNS: usize = 512;
+pub(crate) const MAX_COLUMNS: usize = 512;
 /// Largest code of a quantized token.
-pub const TOKEN_LIMIT: i16 = i16::MAX;
+pub(crate) const TOKEN_LIMIT: i16 = i16::MAX;
 /// Largest code of a query, and of an attention weight times the scale of its value.
-pub const QUERY_LIMIT: i16 = 4095;
+pub(crate) const QUERY_LIMIT: i16 = 4095;
 /// Largest code of a key or a value.
-pub const KEY_LIMIT: i16 = 8191;
+pub(crate) const KEY_LIMIT: i16 = 8191;
 /// Most terms of a product of codes: a head's width, or the span.
-pub const MAX_TERMS: usize = 32;
+pub(crate) const MAX_TERMS: usize = 32;
 /// Rows of a tile of weights (see [`Kernels::multiply`]).
-pub const TILE_ROWS: usize = 4;
+pub(crate) const TILE_ROWS: usize = 4;
 /// Columns of a group: one word of a 32-bit core.
-pub const GROUP: usize = 4;
+pub(crate) const GROUP: usize = 4;
 /// Order of a group's columns in its word. On a Cortex-M4 one instruction sign-extends every other byte:
 /// it gives columns 0 and 1, and of the rotated word columns 2 and 3.
-pub const GROUP_ORDER: [usize; GROUP] = [0, 2, 1, 3];
+pub(crate) const GROUP_ORDER: [usize; GROUP] = [0, 2, 1, 3];
 
 // i16 x i8 over 512 columns: 512 x 32768 x 127 = 2 130 706 432. With -128 it would be 2^31.
 const _: () = assert!(MAX_COLUMNS as i64 * 32_768 * 127 <= i32::MAX as i64);
@@ -49,7 +50,7 @@ const _: () = assert!(QUERY_LIMIT as i64 * KEY_LIMIT as i64 * MAX_TERMS as i64 <
 pub struct Aligned<T: ?Sized>(pub T);
 
 /// The kernels: pure functions.
-pub trait Kernels {
+pub(crate) trait Kernels {
     /// `sums[t][r] = sum over c of weights[r][c] * inputs[t][c]`, exactly, for each of `T` tokens.
     ///
     /// There are as many rows as a token has sums, a multiple of [`TILE_ROWS`], and as many columns as it

@@ -9,7 +9,7 @@ use super::{GROUP, GROUP_ORDER, TILE_ROWS};
 /// A matrix without a whole number of rows, or of groups of columns, is returned as it is: no model with
 /// it is accepted.
 #[must_use]
-pub fn packed(matrix: &[i8], columns: usize) -> Vec<i8> {
+pub(crate) fn packed(matrix: &[i8], columns: usize) -> Vec<i8> {
     if columns == 0 || !columns.is_multiple_of(GROUP) || !matrix.len().is_multiple_of(columns) {
         return matrix.to_vec();
     }

@@ -8,7 +8,7 @@ const SMALLEST: f32 = 1e-30;
 
 /// Plain Rust, written so that the compiler can vectorise it.
 #[derive(Clone, Copy, Debug)]
-pub struct Portable;
+pub(crate) struct Portable;
 
 impl Kernels for Portable {
     #[inline]
@@ -72,7 +72,7 @@ pub(super) struct Factors {
 #[inline]
 pub(super) fn factors(largest: f32, limit: i16) -> Option<Factors> {
     let limit = f32::from(limit);
-    // Twice rounded, `largest * (limit / largest)` still lies within 0.01 of `limit` <= 32767, so no
+    // Twice rounded, `largest * (limit / largest)` is within 0.01 of `limit` <= 32767, so no
     // code leaves its range.
     (SMALLEST..=f32::MAX).contains(&largest).then(|| Factors {
         to_codes: limit / largest,
@@ -137,16 +137,4 @@ fn products(row: &[i8], input: &[i16]) -> i32 {
         .zip(input)
         .map(|(&w, &x)| i32::from(w) * i32::from(x))
         .sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::kernels::checks;
-
-    #[test]
-    fn the_portable_kernels_pass_the_checks() {
-        let cases = checks::check::<Portable>().unwrap();
-        assert_eq!(cases, checks::CASES);
-    }
 }

@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::myo::AddressKind;
+use crate::myo::Uuid;
 use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg};
+use crate::myo::command::Command;
 use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
-use crate::myo::{Command, Uuid};
 use alloc::vec::Vec;
 
 mod properties;
@@ -176,12 +177,12 @@ fn the_mode_is_the_settings() {
 fn the_strongest_armband_of_half_a_second_wins() {
     let mut driver = Driver::new(Settings::default());
     driver.run(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
-    let stranger = Event::Advertisement {
+    let other = Event::Advertisement {
         address: address(9),
         rssi: -1,
         data: b"\x04\x09Myo",
     };
-    assert_eq!(driver.handle(9_100, stranger), []);
+    assert_eq!(driver.handle(9_100, other), []);
     assert_eq!(driver.advertise(10_000, FAR, -80), []);
     assert_eq!(driver.advertise(10_100, address(3), 127), []); // signal strength unknown
     assert_eq!(driver.advertise(10_200, NEAR, -50), []);

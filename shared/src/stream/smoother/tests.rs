@@ -96,8 +96,8 @@ const PLAIN: Settings = Settings {
 };
 
 /// The classes of the labels over windows whose every row is the same.
-fn classes(settings: Settings, live: usize, windows: &[[f32; CLASSES]]) -> Vec<Option<usize>> {
-    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, live).unwrap();
+fn classes(settings: Settings, used: usize, windows: &[[f32; CLASSES]]) -> Vec<Option<usize>> {
+    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, used).unwrap();
     windows
         .iter()
         .map(|row| smoother.push(SampleIndex(0), &[*row; ROWS]))

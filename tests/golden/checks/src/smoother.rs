@@ -11,7 +11,7 @@ pub const CLASSES: usize = 4;
 /// Rows that the files keep of every window.
 pub const TAIL: usize = 52;
 
-/// Windows and what the reference says of them under many settings.
+/// Windows and the reference's labels under many settings.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Set {
     /// Its name in the reference's files.
@@ -31,7 +31,7 @@ pub struct Case {
     pub look_ahead: u32,
     /// In windows.
     pub hold: u32,
-    /// One a window, none where none was due.
+    /// One per window; none where no label was due.
     pub labels: Vec<Option<u8>>,
 }
 
@@ -49,7 +49,7 @@ impl Case {
     }
 }
 
-/// Live labels are the reference's in every case.
+/// The labels equal those of the reference's live aggregator in every case.
 pub fn live(set: &Set) {
     let scores: Vec<f32> = set
         .tails

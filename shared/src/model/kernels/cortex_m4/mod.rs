@@ -20,7 +20,7 @@ use super::{GROUP, Kernels, TILE_ROWS};
 
 /// The kernels of a Cortex-M4.
 #[derive(Clone, Copy, Debug)]
-pub struct CortexM4;
+pub(crate) struct CortexM4;
 
 impl Kernels for CortexM4 {
     #[inline]
@@ -188,16 +188,4 @@ fn blocks(count: usize, size: usize, mut block: impl FnMut(usize)) {
 
 fn is_aligned<T>(slice: &[T]) -> bool {
     slice.as_ptr().addr().is_multiple_of(4)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::kernels::checks;
-
-    #[test]
-    fn the_dsp_kernels_pass_the_checks() {
-        let cases = checks::check::<CortexM4>().unwrap();
-        assert_eq!(cases, checks::CASES);
-    }
 }

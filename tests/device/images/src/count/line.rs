@@ -1,8 +1,8 @@
-//! The line as a whole and part by part, over the same samples.
+//! The pipeline as a whole and part by part, over the same samples.
 //!
-//! The whole gives the total. Each part runs again by itself with what it gets in the line; what
-//! the total has beyond the parts is the rest: the loop, the safe state, the reports. Only patches
-//! that come when the window is full are counted: then every part has all its work.
+//! The whole gives the total. Each part runs again by itself with the same input; the difference
+//! between the total and the parts is the rest: the loop, the safe state, the reports. Only patches of
+//! a full window are counted, where every part does all its work.
 
 use core::hint::black_box;
 
@@ -31,9 +31,9 @@ pub struct Counts {
     encoder_parts: [Spans; 4],
     smoother: Spans,
     rest: Spans,
-    /// The whole line.
+    /// The whole pipeline.
     pub total: Spans,
-    /// The encoder without a probe: what its parts have to add up to.
+    /// The encoder without a probe: its parts add up to it.
     encoder: Spans,
     /// A full recompute from the ring: one patch's share of it.
     recompute: Spans,
@@ -99,7 +99,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let settings = model.header.smoother.in_patches();
     let encoder = Apart(encoder);
     let mut memory = encoder.fresh();
-    let mut line =
+    let mut pipeline =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
 
     let mut preprocessor = Preprocessor::new();
@@ -110,11 +110,11 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
 
     let clock = Clock::new();
     let mut counts = Counts::default();
-    // The median lags a sample: after the first one, the last of as many as a patch has completes it.
+    // The median lags one sample: after the first one, every tenth sample completes a patch.
     let Some((first, samples)) = samples.split_first() else {
         return counts;
     };
-    let _ = line.sample(Millis(0), *first);
+    let _ = pipeline.sample(Millis(0), *first);
     let _ = preprocessor.push(*first);
     let mut now = Millis(0);
     for (number, patch) in (1..).zip(samples.as_chunks::<PATCH>().0) {
@@ -122,7 +122,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
         let ((), total) = clock.span(|| {
             for sample in patch {
                 now = now.plus(SAMPLE_PERIOD_MS);
-                black_box(line.sample(now, *sample));
+                black_box(pipeline.sample(now, *sample));
             }
         });
 

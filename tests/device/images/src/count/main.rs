@@ -1,8 +1,8 @@
-//! Counts the instructions that each part of the line executes per patch.
+//! Counts the instructions per patch that each part of the pipeline executes.
 //!
-//! The arguments are a file of raw samples, 8 bytes each, and a model's, or none for the one that the project ships.
-//! Prints how many patches were counted, the bytes of the encoder's state, then a line for every part: name, mean and
-//! largest count over the patches.
+//! Arguments: a file of raw samples, 8 bytes each, and optionally a model file; without one the model that the
+//! project ships. Prints the number of patches counted, the size of the encoder's state in bytes, then a line for
+//! every part: name, mean and largest count over the patches.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 #![forbid(unsafe_code)]
@@ -27,7 +27,7 @@ mod image {
 
     use crate::line;
 
-    /// The model that the project ships, where flash has it: at a multiple of four.
+    /// The model that the project ships, aligned as in flash: at a multiple of four.
     static MODEL: &Aligned<[u8]> =
         &Aligned(*include_bytes!("../../../../../models/three-class.intent"));
 
@@ -45,7 +45,7 @@ mod image {
             .iter()
             .map(|sample| sample.map(|byte| byte as i8))
             .collect();
-        // Read into memory it is aligned as a large allocation is: at a multiple of eight.
+        // Memory for a file is a large allocation, aligned to eight bytes.
         let file = paths
             .next()
             .map(|path| files::read(&path).expect("a readable file"));
