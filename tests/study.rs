@@ -77,7 +77,13 @@ fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
             .iter()
             .map(|score| score["model"].as_str().unwrap())
             .collect();
-        for model in ["teacher", "integer student", "student without teacher", "LDA", "TraHGR"] {
+        for model in [
+            "teacher",
+            "integer student",
+            "student without teacher",
+            "LDA",
+            "TraHGR",
+        ] {
             assert!(models.contains(model), "{model} is not among {models:?}");
         }
         all_held_out.extend(held_out);
