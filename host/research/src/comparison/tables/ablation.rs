@@ -1,5 +1,7 @@
 //! Ablations: tables with one model and a row per variant.
 
+use shared::units::WINDOW;
+
 use super::heading::{Heading, ModelRow};
 use super::scores::{ACCURACY, scores};
 use super::section::{Section, TRUTHS, would_fill};
@@ -14,9 +16,7 @@ const PRE_TRAINING: [Variant; 4] = [
     Variant::Lora,
 ];
 /// Start of the name of a variant with another window.
-const WINDOW: &str = "window-";
-/// The paper's window in samples: that of the variant `main`.
-const PAPER_WINDOW: usize = 600;
+const WINDOW_PREFIX: &str = "window-";
 
 /// The effect of pre-training.
 pub(super) fn pre_training(study: &StudyResults) -> Vec<Section> {
@@ -55,9 +55,10 @@ pub(super) fn windows(study: &StudyResults) -> Vec<Section> {
     sizes.dedup();
     let mut rows: Vec<(String, String)> = sizes
         .into_iter()
-        .map(|size| (size.to_string(), format!("{WINDOW}{size}")))
+        .map(|size| (size.to_string(), format!("{WINDOW_PREFIX}{size}")))
         .collect();
-    rows.push((PAPER_WINDOW.to_string(), Variant::Main.to_string()));
+    // The paper's window is that of the main variant.
+    rows.push((WINDOW.to_string(), Variant::Main.to_string()));
     by_variant(study, &heading, &rows, TEACHER)
 }
 
@@ -116,5 +117,5 @@ fn by_variant(
 
 /// The window length in the name of a variant.
 pub(super) fn window(name: &str) -> Option<usize> {
-    name.strip_prefix(WINDOW)?.parse().ok()
+    name.strip_prefix(WINDOW_PREFIX)?.parse().ok()
 }

@@ -3,7 +3,7 @@
 //! Subjects differ far more than models do, so the standard deviation of the differences is informative
 //! where those of the two models are not.
 
-use super::heading::{Heading, shown};
+use super::heading::{Heading, set_title};
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
 use myointent::evaluation::judge::Truth;
@@ -31,7 +31,8 @@ pub(super) fn differences(
         Column::new("look-ahead", ONE),
     ];
     for (_, set) in &sets {
-        let named = |(name, _): &(&str, _)| Column::new(format!("{} {name}", shown(set)), PAIRED);
+        let named =
+            |(name, _): &(&str, _)| Column::new(format!("{} {name}", set_title(set)), PAIRED);
         columns.extend(METRICS.iter().map(named));
     }
     let mut sheet = heading.sheet(truth, &[variant], columns);

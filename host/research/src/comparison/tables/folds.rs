@@ -6,6 +6,10 @@ use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
 use myointent::report::cell::{self, ONE};
 
+const CAPTION: &str = "Number of training subjects, the look-ahead chosen on the validation subjects, \
+    the label lag of each data set, the source revision, and who was held out. The validation subjects \
+    also chose the checkpoint.";
+
 /// A row per fold of these variants.
 pub(crate) fn folds<'a>(variants: impl IntoIterator<Item = &'a VariantResults>) -> Sheet {
     let columns = [
@@ -45,11 +49,7 @@ pub(crate) fn folds<'a>(variants: impl IntoIterator<Item = &'a VariantResults>) 
     Sheet {
         name: "folds".to_owned(),
         title: "Appendix: folds".to_owned(),
-        caption:
-            "Number of training subjects, the look-ahead chosen on the validation subjects, the \
-            label lag of each data set, the source revision, and who was held out. The validation \
-            subjects also chose the checkpoint."
-                .to_owned(),
+        caption: CAPTION.to_owned(),
         columns: columns.map(|name| Column::new(name, ONE)).to_vec(),
         rows,
         warnings: Vec::new(),

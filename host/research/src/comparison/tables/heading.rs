@@ -26,7 +26,7 @@ impl Heading<'_> {
         variants: &[&VariantResults],
         columns: Vec<Column>,
     ) -> Sheet {
-        let mut title = format!("{}, {}", self.title, in_words(truth));
+        let mut title = format!("{}, {}", self.title, labels_in_words(truth));
         let mut warnings: Vec<String> = Vec::new();
         let mut seen = BTreeSet::new();
         for variant in variants {
@@ -62,11 +62,11 @@ pub(super) struct ModelRow<'a> {
 }
 
 /// Name of a data set in tables.
-pub(super) fn shown(data_set: &str) -> &str {
+pub(super) fn set_title(data_set: &str) -> &str {
     if data_set == ALL { "pooled" } else { data_set }
 }
 
-const fn in_words(truth: Truth) -> &'static str {
+const fn labels_in_words(truth: Truth) -> &'static str {
     match truth {
         Truth::LagCompensated => "lag-compensated labels",
         Truth::Published => "labels as published",

@@ -1,7 +1,7 @@
 //! Tables of prediction offsets: how late a model follows transitions. Means are over transitions, not over
 //! subjects.
 
-use super::heading::{Heading, ModelRow, shown};
+use super::heading::{Heading, ModelRow, set_title};
 use super::sheet::{Column, Row, Sheet};
 use myointent::evaluation::judge::Truth;
 use myointent::evaluation::metric::summary::Summary;
@@ -37,7 +37,7 @@ pub(super) fn offsets(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Tru
                     continue;
                 };
                 let mut cells = vec![
-                    cell::text(shown(set)),
+                    cell::text(set_title(set)),
                     cell::text(look_ahead.name()),
                     cell::text(row.label.as_str()),
                 ];

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::heading::{Heading, ModelRow, shown};
+use super::heading::{Heading, ModelRow, set_title};
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
 use myointent::evaluation::judge::{BUFFERS, Score, Truth};
@@ -71,8 +71,9 @@ pub(super) fn scores(
         Column::new("look-ahead", ONE),
     ];
     for (_, set) in &sets {
-        let named =
-            |metric: &Metric| Column::new(format!("{} {}", shown(set), metric.name), metric.parts);
+        let named = |metric: &Metric| {
+            Column::new(format!("{} {}", set_title(set), metric.name), metric.parts)
+        };
         columns.extend(metrics.iter().map(named));
     }
     let mut sheet = heading.sheet(truth, &variants, columns);
