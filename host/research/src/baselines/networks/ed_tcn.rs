@@ -84,10 +84,12 @@ fn upsampled(x: Tensor<3>) -> Tensor<3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baselines::networks::lock_random_weights;
     use myointent::training::tensor::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
+        let _lock = lock_random_weights();
         let model = EdTcnConfig::default().init(3, &Device::default());
         let encoder = (8 * 9 + 1) * 128 + (128 * 9 + 1) * 288;
         let decoder = (288 * 9 + 1) * 288 + (288 * 9 + 1) * 128;
@@ -96,6 +98,7 @@ mod tests {
 
     #[test]
     fn logits_are_in_the_order_of_the_frames() {
+        let _lock = lock_random_weights();
         let device = Device::default();
         let x = Tensor::<3>::from_floats([[[1.0, 2.0], [3.0, 4.0]]], &device);
         let found = read_back(upsampled(x));

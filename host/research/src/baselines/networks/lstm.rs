@@ -13,7 +13,7 @@ use myointent::training::dropout::Dropout;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LstmBaselineConfig {
     /// Width of the linear layer before the recurrent layer.
-    front: usize,
+    projection: usize,
     /// Width of the recurrent layer's state.
     hidden: usize,
 }
@@ -21,7 +21,7 @@ pub(crate) struct LstmBaselineConfig {
 impl Default for LstmBaselineConfig {
     fn default() -> Self {
         Self {
-            front: 400,
+            projection: 400,
             hidden: 256,
         }
     }
@@ -33,8 +33,8 @@ impl LstmBaselineConfig {
         // PyTorch's initialization, not Burn's.
         let bound = 1.0 / (self.hidden as f64).sqrt();
         LstmBaseline {
-            front: LinearConfig::new(CHANNELS, self.front).init(device),
-            lstm: LstmConfig::new(self.front, self.hidden, true)
+            projection: LinearConfig::new(CHANNELS, self.projection).init(device),
+            lstm: LstmConfig::new(self.projection, self.hidden, true)
                 .with_initializer(Initializer::Uniform {
                     min: -bound,
                     max: bound,
@@ -48,7 +48,7 @@ impl LstmBaselineConfig {
 /// The network.
 #[derive(Module, Debug)]
 pub(crate) struct LstmBaseline {
-    front: Linear,
+    projection: Linear,
     lstm: Lstm,
     out: Linear,
 }
@@ -57,7 +57,7 @@ impl Network for LstmBaseline {
     fn forward(&self, input: Tensor<2>, _: &mut Dropout) -> Vec<Tensor<3>> {
         let [batch, numbers] = input.dims();
         let input = input.reshape([batch, numbers / CHANNELS, CHANNELS]);
-        let x = self.front.forward(input).tanh();
+        let x = self.projection.forward(input).tanh();
         // One time step per call. Over a whole sequence the layer writes every state into one tensor,
         // and the backward pass copies that tensor once per time step.
         let mut state = None;
@@ -74,10 +74,12 @@ impl Network for LstmBaseline {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baselines::networks::lock_random_weights;
     use myointent::training::tensor::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
+        let _lock = lock_random_weights();
         let model = LstmBaselineConfig::default().init(3, &Device::default());
         // Four gates, each with one bias for the input and one for the state, as in PyTorch.
         let gates = 4 * (400 * 256 + 256 + 256 * 256 + 256);
@@ -86,6 +88,7 @@ mod tests {
 
     #[test]
     fn single_time_steps_equal_the_whole_sequence() {
+        let _lock = lock_random_weights();
         let device = Device::default();
         let model = LstmBaselineConfig::default().init(3, &device);
         let input: Vec<f32> = (0..2 * 5 * 8_u8)
@@ -93,7 +96,7 @@ mod tests {
             .collect();
         let input = Tensor::<1>::from_floats(input.as_slice(), &device).reshape([2, 40]);
         let found = model.forward(input.clone(), &mut Dropout::off()).remove(0);
-        let x = model.front.forward(input.reshape([2, 5, 8])).tanh();
+        let x = model.projection.forward(input.reshape([2, 5, 8])).tanh();
         let expected = model.out.forward(model.lstm.forward(x, None).0);
         for (found, expected) in read_back(found).iter().zip(read_back(expected)) {
             assert!(

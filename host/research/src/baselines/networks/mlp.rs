@@ -79,9 +79,11 @@ impl Network for Mlp {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baselines::networks::lock_random_weights;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
+        let _lock = lock_random_weights();
         let model = MlpConfig::default().init(3, &Device::default());
         let layers = (48 + 1) * 1000 + 3 * (1000 + 1) * 1000;
         let norms = 4 * 2 * 1000;

@@ -26,3 +26,12 @@ pub(crate) trait Network: Module + Sync {
     /// The first head is the prediction. In training the losses of all heads are added.
     fn forward(&self, input: Tensor<2>, dropout: &mut Dropout) -> Vec<Tensor<3>>;
 }
+
+/// Held by tests that draw random weights: a backend has one random generator for the whole process, so
+/// parallel tests would get each other's numbers in spite of their seeds.
+#[cfg(test)]
+pub(crate) fn lock_random_weights() -> std::sync::MutexGuard<'static, ()> {
+    static LOCK: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    LOCK.lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}

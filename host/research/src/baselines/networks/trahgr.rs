@@ -61,8 +61,8 @@ impl TraHgrConfig {
         };
         Path {
             embedding: linear(numbers, d, device),
-            summary: small.init([1, 1, d], device),
-            position: small.init([1, tokens + 1, d], device),
+            class_token: small.init([1, 1, d], device),
+            positional_embedding: small.init([1, tokens + 1, d], device),
             layers: (0..self.layers)
                 .map(|_| Layer {
                     norm1: LayerNormConfig::new(d).init(device),
@@ -101,8 +101,8 @@ pub(crate) struct TraHgr {
 #[derive(Module, Debug)]
 struct Path {
     embedding: Linear,
-    summary: Param<Tensor<3>>,
-    position: Param<Tensor<3>>,
+    class_token: Param<Tensor<3>>,
+    positional_embedding: Param<Tensor<3>>,
     layers: Vec<Layer>,
     head: Head,
 }
@@ -173,10 +173,10 @@ impl Path {
     /// The encoded class token, `[windows, 1, d]`.
     fn forward(&self, tokens: Tensor<3>, dropout: &mut Dropout) -> Tensor<3> {
         let [batch, _, _] = tokens.dims();
-        let [_, _, d] = self.summary.dims();
-        let summary = self.summary.val().expand([batch, 1, d]);
-        let tokens = Tensor::cat(vec![summary, self.embedding.forward(tokens)], 1);
-        let mut x = tokens + self.position.val();
+        let [_, _, d] = self.class_token.dims();
+        let class_token = self.class_token.val().expand([batch, 1, d]);
+        let tokens = Tensor::cat(vec![class_token, self.embedding.forward(tokens)], 1);
+        let mut x = tokens + self.positional_embedding.val();
         for layer in &self.layers {
             x = layer.forward(x, dropout);
         }
@@ -212,10 +212,12 @@ impl Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baselines::networks::lock_random_weights;
     use myointent::training::tensor::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
+        let _lock = lock_random_weights();
         let model = TraHgrConfig::default().init(3, &Device::default());
         let layer = 144 * 432 + 432 + 144 * 144 + 144 + 144 * 576 + 576 + 576 * 144 + 144 + 4 * 144;
         let temporal = 1800 * 144 + 144 + (1 + 9) * 144 + layer;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::baselines::inference::TrainedBaseline;
+use crate::baselines::networks::lock_random_weights;
 use myointent::dataset::corpus::Stream;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,6 +33,7 @@ fn corpus(seed: u64) -> Corpus {
 
 /// Trains on one synthetic stream and returns the share of another stream's patches that are classified correctly.
 fn accuracy_after(baseline: Baseline, settings: &BaselineSettings) -> f64 {
+    let _lock = lock_random_weights();
     let (training, unseen) = (corpus(1), corpus(2));
     let folder = tempfile::tempdir().unwrap();
     let run = RunFolder::open(folder.path()).unwrap();
@@ -76,34 +78,34 @@ fn settings(epochs: usize, learning_rate: f64) -> BaselineSettings {
 }
 
 // After a transition the window of 3 s still holds mostly the previous intent, so no baseline reaches an
-// accuracy of 1. Chance is 0.33; all baselines reach 0.8 after these few steps.
+// accuracy of 1. Chance is 0.33; with this seed the accuracies are 0.79 (ED-TCN) to 0.95 (LSTM).
 
 #[test]
 fn lda_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::Lda, &settings(1, 0.0));
-    assert!(accuracy > 0.7, "{accuracy}");
+    assert!(accuracy > 0.75, "{accuracy}");
 }
 
 #[test]
 fn the_mlp_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::Mlp, &settings(2, 1e-3));
-    assert!(accuracy > 0.7, "{accuracy}");
+    assert!(accuracy > 0.75, "{accuracy}");
 }
 
 #[test]
 fn the_lstm_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::Lstm, &settings(1, 2e-3));
-    assert!(accuracy > 0.7, "{accuracy}");
+    assert!(accuracy > 0.75, "{accuracy}");
 }
 
 #[test]
 fn the_ed_tcn_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::EdTcn, &settings(2, 1e-3));
-    assert!(accuracy > 0.7, "{accuracy}");
+    assert!(accuracy > 0.75, "{accuracy}");
 }
 
 #[test]
 fn trahgr_learns_which_channels_are_active() {
     let accuracy = accuracy_after(Baseline::TraHgr, &settings(3, 1e-3));
-    assert!(accuracy > 0.7, "{accuracy}");
+    assert!(accuracy > 0.75, "{accuracy}");
 }

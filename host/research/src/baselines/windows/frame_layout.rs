@@ -12,10 +12,10 @@ use crate::baselines::Baseline;
 /// Frames overlap, and the last one ends with the window. The logits of a frame refer to its newest `hop`
 /// samples, those of the first frame also to everything before them.
 ///
-/// Two deviations from the reference's code. It assigns the i-th logits of LSTM and ED-TCN to samples from
-/// `frame + i * hop` on, one sample or one hop after the frame they were computed from, which leaves a
-/// stretch without logits and ED-TCN's last frame unused. And its last LSTM frame ends one sample before
-/// the window does.
+/// Two deviations from the reference's code. It assigns the logits of frame i, for LSTM and ED-TCN, to the
+/// samples from `frame + i * hop` on: after the frame, one hop later than here, which leaves a stretch
+/// without logits and ED-TCN's last frame unused. And its last LSTM frame ends one sample before the
+/// window does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FrameLayout {
     /// Samples of a window.
