@@ -76,3 +76,34 @@ fn exit_code(error: &anyhow::Error) -> ExitCode {
         myointent::cli::exit_code(error)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use myointent::execution::run_folder::RunError;
+    use myointent::run::StepError;
+
+    use super::*;
+
+    #[test]
+    fn an_interrupt_in_any_step_exits_with_130() {
+        let interrupted = || RunError::Interrupted {
+            path: "runs/x".into(),
+        };
+        let errors = [
+            anyhow::Error::from(interrupted()),
+            StepError::from(interrupted()).into(),
+            TrainingError::from(interrupted()).into(),
+            JobError::from(interrupted()).into(),
+            JobError::from(StepError::from(interrupted())).into(),
+            JobError::from(TrainingError::from(interrupted())).into(),
+        ];
+        let code = |error: &anyhow::Error| format!("{:?}", exit_code(error));
+        for error in &errors {
+            assert_eq!(code(error), format!("{:?}", ExitCode::from(130)), "{error}");
+        }
+        let other = JobError::NoPretraining {
+            path: "runs/x".into(),
+        };
+        assert_eq!(code(&other.into()), format!("{:?}", ExitCode::FAILURE));
+    }
+}

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum as _};
 
 use crate::baselines::settings::find_preset;
 use crate::comparison::study::Study;
-use crate::comparison::variant::Variant;
+use crate::comparison::variant::{Variant, data_sets};
 use myointent::cli::arguments::{BackendArguments, DataArguments};
 use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
@@ -58,7 +58,15 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
     let (preset, baselines) = find_preset(&arguments.preset)?;
-    let library = Arc::new(arguments.data.load(&preset)?);
+    let variants = if arguments.variant.is_empty() {
+        &Variant::ALL[..]
+    } else {
+        &arguments.variant
+    };
+    // Variants use other data sets than the preset that they modify.
+    let mut readable = preset.clone();
+    readable.data.data_sets = data_sets(variants, &preset);
+    let library = Arc::new(arguments.data.load(&readable)?);
     let study = Study {
         folder: &arguments.study,
         preset: &preset,
@@ -69,11 +77,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         strict: arguments.data.strict,
         device: arguments.backend.device(),
         interrupt: &interrupt,
-    };
-    let variants = if arguments.variant.is_empty() {
-        &Variant::ALL[..]
-    } else {
-        &arguments.variant
     };
     let mut out = std::io::stdout().lock();
     for &variant in variants {

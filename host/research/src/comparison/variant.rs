@@ -1,5 +1,6 @@
 //! What a study compares: variants of one preset, each trained and evaluated for every fold.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
@@ -147,6 +148,22 @@ impl Variant {
     }
 }
 
+/// The data sets that these variants of a preset use; empty, as in a preset, where one of them uses all.
+pub(crate) fn data_sets(variants: &[Variant], base: &Preset) -> Vec<DataSet> {
+    let used: Vec<Vec<DataSet>> = variants
+        .iter()
+        .map(|variant| variant.preset(base).data.data_sets)
+        .collect();
+    if used.iter().any(Vec::is_empty) {
+        return Vec::new();
+    }
+    used.concat()
+        .into_iter()
+        .collect::<BTreeSet<_>>()
+        .into_iter()
+        .collect()
+}
+
 /// A student of this size, trained like the shipped one (preset `cpu`).
 fn student_preset(mut preset: Preset, width: usize, layers: usize) -> Preset {
     preset.student.d_model = width;
@@ -218,6 +235,16 @@ mod tests {
             assert_eq!(variant.to_string().parse(), Ok(variant));
         }
         assert!("window-200".parse::<Variant>().is_err());
+    }
+
+    #[test]
+    fn the_data_sets_of_variants_are_those_of_each() {
+        let (base, _) = find_preset("study").unwrap();
+        assert_eq!(data_sets(&[Variant::Main], &base), base.data.data_sets);
+        let all_but_one = data_sets(&[Variant::Wrist, Variant::Scratch], &base);
+        assert_eq!(all_but_one.len(), 1 + OTHERS.len());
+        let sized = Variant::STUDENTS[0];
+        assert!(data_sets(&[Variant::Main, sized], &base).is_empty());
     }
 
     #[test]

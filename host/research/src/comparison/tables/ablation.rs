@@ -4,7 +4,7 @@ use shared::units::WINDOW;
 
 use super::heading::{Heading, ModelRow};
 use super::scores::{ACCURACY, scores};
-use super::section::{Section, TRUTHS, would_fill};
+use super::section::{Section, TRUTHS, command};
 use crate::comparison::results::StudyResults;
 use crate::comparison::variant::Variant;
 use myointent::run::evaluate::{INTEGER, TEACHER};
@@ -107,9 +107,11 @@ fn by_variant(
     TRUTHS
         .map(|truth| {
             let mut sheet = scores(heading, &models, &ACCURACY, truth);
-            sheet
-                .warnings
-                .extend(missing.iter().map(|name| would_fill(name)));
+            sheet.warnings.extend(
+                missing
+                    .iter()
+                    .map(|name| format!("missing row: run {}", command(name))),
+            );
             Section::Sheet(sheet)
         })
         .to_vec()

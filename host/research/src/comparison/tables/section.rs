@@ -24,19 +24,19 @@ pub(super) enum Section {
 impl Section {
     /// An empty place, with the variants that would fill it.
     pub(super) fn absent(title: &str, variants: &[&str]) -> Self {
-        let reasons: Vec<String> = variants.iter().map(|name| would_fill(name)).collect();
+        let commands: Vec<String> = variants.iter().map(|name| command(name)).collect();
         Self::Absent {
             title: title.to_owned(),
-            reason: format!("Missing: {}.", reasons.join("; ")),
+            reason: format!("Missing: run {}.", commands.join("; ")),
         }
     }
 }
 
-/// The command that runs a missing variant.
-pub(super) fn would_fill(variant: &str) -> String {
+/// The command that runs a missing variant, and what the variant is.
+pub(super) fn command(variant: &str) -> String {
     let what = variant.parse::<Variant>().map_or_else(
         |_| String::new(),
         |known| format!(" ({})", known.description()),
     );
-    format!("`myointent-research study --variant {variant}`{what} would fill it")
+    format!("`myointent-research study --variant {variant}`{what}")
 }

@@ -54,10 +54,10 @@ fn a_missing_variant_leaves_the_command_that_would_fill_its_place() {
     let page = page(&small().study());
     let text = page.markdown();
     for line in [
-        "## Main results, 4 or 5 classes\n\nMissing: `myointent-research study --variant wrist` (wrist intents",
-        "## Pre-training ablation, 3 classes\n\nMissing: `myointent-research study --variant scratch`",
-        "`myointent-research study --variant lora` (the pre-trained teacher, fine-tuned on roshambo with LoRA) would fill it.",
-        "## Window length of the teacher, 3 classes\n\nMissing: `myointent-research study --variant window-100`",
+        "## Main results, 4 or 5 classes\n\nMissing: run `myointent-research study --variant wrist` (wrist intents",
+        "## Pre-training ablation, 3 classes\n\nMissing: run `myointent-research study --variant scratch`",
+        "`myointent-research study --variant lora` (the pre-trained teacher, fine-tuned on roshambo with LoRA).",
+        "## Window length of the teacher, 3 classes\n\nMissing: run `myointent-research study --variant window-100`",
     ] {
         assert!(text.contains(line), "{line:?} is missing in\n{text}");
     }
