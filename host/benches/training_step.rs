@@ -14,9 +14,10 @@ use burn::tensor::Device;
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::run::preset::Preset;
-use myointent::teacher::training;
-use myointent::teacher::window::inference_input;
-use myointent::training::fit::{Learner as _, gradients, optimizer};
+use myointent::teacher::learner::TeacherLearner;
+use myointent::teacher::model::TeacherInput;
+use myointent::training::learner::Learner as _;
+use myointent::training::optimizer::{gradients, optimizer};
 use myointent::training::tensor::read_back;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -57,8 +58,8 @@ fn main() -> anyhow::Result<()> {
     };
     let device = Device::default().autodiff();
     let settings = &preset.teacher_training;
-    let grid = preset.teacher.grid();
-    let learner = training::learner(grid, &corpus, &corpus, settings, 42, &device);
+    let shape = preset.teacher.window_shape();
+    let learner = TeacherLearner::new(shape, &corpus, &corpus, settings, 42, &device);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let item = learner.epoch(&mut rng).remove(0);
     if item.len() != settings.batch {
@@ -66,7 +67,7 @@ fn main() -> anyhow::Result<()> {
     }
     let mut model = Some(preset.teacher.init(3, &device));
     let mut adam = optimizer(settings.weight_decay);
-    let emg = vec![0.5; grid.window * CHANNELS];
+    let emg = vec![0.5; shape.window * CHANNELS];
 
     for line in std::io::stdin().lock().lines() {
         let before = model.take().context("put back below")?;
@@ -79,7 +80,7 @@ fn main() -> anyhow::Result<()> {
             }),
             "window" => one.install(|| {
                 let plain = device.clone().inner();
-                let input = inference_input(emg.clone(), grid, 3, &plain);
+                let input = TeacherInput::for_inference(emg.clone(), shape, 3, &plain);
                 drop(read_back(before.valid().forward(input).intent));
                 before
             }),

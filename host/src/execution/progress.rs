@@ -1,10 +1,13 @@
-//! Progress for people: a bar on everything that takes more than a second, on standard error.
+//! Progress on standard error: bars and log lines.
 
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar over `length` steps; hidden when standard error is no terminal.
+/// A progress bar of `length` steps, hidden when standard error is no terminal.
+///
+/// # Panics
+/// Never: its template is a constant.
 #[must_use]
 pub fn bar(length: usize, what: &str) -> ProgressBar {
     let bar =
@@ -19,7 +22,7 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// One line for people, above any bar.
+/// Writes a line to the log.
 pub fn log(line: &str) {
     eprintln!("{line}");
 }

@@ -1,10 +1,10 @@
-//! Confusion matrix: how many samples of each true intent got each label.
+//! Confusion matrix: number of samples by true intent and predicted label.
 
 use shared::intent::{Intent, Vocabulary};
 
 use super::MetricError;
 
-/// Counts of samples by truth and prediction.
+/// Confusion matrix in samples.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct Confusion {
     /// Names of the true intents, one per row; columns are these and, last, "none".
@@ -29,7 +29,7 @@ impl Confusion {
         }
     }
 
-    /// Counts a recording's labelled samples in; a truth outside the vocabulary is not counted.
+    /// Adds the labelled samples of a recording; a truth outside the vocabulary is not counted.
     ///
     /// # Errors
     /// [`MetricError::Length`] if the sequences differ in length.
@@ -50,7 +50,7 @@ impl Confusion {
         Ok(())
     }
 
-    /// Share of the samples of a true intent that got a label; none if it has no samples.
+    /// Fraction of the samples of a true intent with this predicted label; none if it has no samples.
     #[must_use]
     pub fn share(&self, truth: usize, prediction: usize) -> Option<f64> {
         let row = self.counts.get(truth)?;
