@@ -1,5 +1,5 @@
-//! What training and replaying cost on this machine: `cargo bench -p myointent`; with
-//! `--features ndarray` both CPU backends, side by side.
+//! Speed of training and of replay on this machine: `cargo bench -p myointent`; with `--features ndarray`
+//! on both CPU backends.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -40,7 +40,7 @@ fn recording() -> myointent::dataset::Recording {
     feature = "ndarray",
     expect(deprecated, reason = "compared on purpose, see docs/decisions.md")
 )]
-/// Every CPU backend that is compiled in, so that one run compares them.
+/// Every CPU backend that is compiled in.
 fn devices() -> Vec<(&'static str, Device)> {
     vec![
         #[cfg(feature = "flex")]

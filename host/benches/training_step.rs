@@ -1,9 +1,9 @@
-//! Seconds of a teacher's training step and of a window's inference: our half of
-//! `host/benches/torch/compare.py`, which starts this and PyTorch and asks both in turn.
+//! Seconds of a teacher's training step and of a window's inference, for comparison with PyTorch by
+//! `host/benches/torch/compare.py`.
 //!
-//! Given a preset and a batch, answers each line of input with a line of JSON: `step` with the
-//! seconds of a training step (batch, forward, backward, AdamW) on two threads, `window` with those
-//! of one window's inference on one thread.
+//! The arguments are a preset and a batch size. For each line of input it prints a line of JSON: for
+//! `step` the seconds of a training step (batch, forward, backward, AdamW) on two threads, for `window`
+//! those of one window's inference on one thread.
 
 use std::io::BufRead as _;
 use std::time::Instant;
@@ -96,7 +96,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Largest resident size so far; 0 where the system does not say.
+/// Largest resident size so far; 0 on systems other than Linux.
 fn peak_mib() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -104,7 +104,7 @@ fn peak_mib() -> f64 {
     kib.unwrap_or(0.0) / 1024.0
 }
 
-/// Processor time of all threads so far, in seconds; 0 where the system does not say.
+/// Processor time of all threads so far, in seconds; 0 on systems other than Linux.
 fn processor_seconds() -> f64 {
     let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten();
     let nanoseconds = threads.flatten().filter_map(|thread| {

@@ -25,7 +25,7 @@ impl Interrupt {
 
     /// Whether a stop was requested.
     #[must_use]
-    pub fn requested(&self) -> bool {
+    pub(crate) fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

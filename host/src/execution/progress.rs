@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// # Panics
 /// Never: its template is a constant.
 #[must_use]
-pub fn bar(length: usize, what: &str) -> ProgressBar {
+pub(crate) fn bar(length: usize, what: &str) -> ProgressBar {
     let bar =
         ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::stderr_with_hz(4));
     bar.set_style(

@@ -64,7 +64,7 @@ impl RunFolder {
 
     /// The error that an interrupted run returns.
     #[must_use]
-    pub fn interrupted(&self) -> RunError {
+    pub(crate) fn interrupted(&self) -> RunError {
         RunError::Interrupted {
             path: self.path.clone(),
         }
@@ -91,7 +91,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn append(&self, name: &str, line: &impl Serialize) -> Result<(), RunError> {
+    pub(crate) fn append(&self, name: &str, line: &impl Serialize) -> Result<(), RunError> {
         let path = self.file(name);
         let io = |source| RunError::Io {
             path: path.clone(),
@@ -113,7 +113,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the file cannot be read or written.
-    pub fn retain_lines(
+    pub(crate) fn retain_lines(
         &self,
         name: &str,
         keep: impl Fn(&serde_json::Value) -> bool,
@@ -136,7 +136,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When a line has unexpected content.
-    pub fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
+    pub(crate) fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
         let path = self.file(name);
         let Ok(text) = fs::read_to_string(&path) else {
             return Ok(Vec::new());
@@ -182,7 +182,7 @@ impl RunFolder {
 
     /// Path of the weights or of the optimizer's state called `name`.
     #[must_use]
-    pub fn weights_path(&self, name: &str) -> PathBuf {
+    pub(crate) fn weights_path(&self, name: &str) -> PathBuf {
         self.file(&weights_file(name))
     }
 
@@ -190,7 +190,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn save_model(&self, name: &str, model: &impl Module) -> Result<(), RunError> {
+    pub(crate) fn save_model(&self, name: &str, model: &impl Module) -> Result<(), RunError> {
         let path = self.weights_path(name);
         let bytes =
             model
@@ -209,14 +209,30 @@ impl RunFolder {
     /// # Errors
     /// When the file is missing, damaged or of another shape.
     pub fn load_model<M: Module>(&self, name: &str, model: M) -> Result<M, RunError> {
-        load_model(&self.weights_path(name), model)
+        let path = self.weights_path(name);
+        let content = |reason: String| RunError::Content {
+            path: path.clone(),
+            reason,
+        };
+        File::open(&path).map_err(|source| RunError::Io {
+            path: path.clone(),
+            source,
+        })?;
+        let record = ModuleRecord::load(&path).map_err(|error| content(error.to_string()))?;
+        model
+            .try_load_record(record)
+            .map_err(|error| content(error.to_string()))
     }
 
     /// Writes an optimizer's state.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn save_optimizer(&self, name: &str, optimizer: &ModuleOptimizer) -> Result<(), RunError> {
+    pub(crate) fn save_optimizer(
+        &self,
+        name: &str,
+        optimizer: &ModuleOptimizer,
+    ) -> Result<(), RunError> {
         let path = self.weights_path(name);
         let bytes = optimizer.into_bytes().map_err(|error| RunError::Content {
             path: path.clone(),
@@ -229,7 +245,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the file is missing or damaged.
-    pub fn load_optimizer(
+    pub(crate) fn load_optimizer(
         &self,
         name: &str,
         optimizer: ModuleOptimizer,
@@ -240,25 +256,6 @@ impl RunFolder {
             reason: error.to_string(),
         })
     }
-}
-
-/// Reads weights from a file into a model of the same shape.
-///
-/// # Errors
-/// When the file is missing, damaged or of another shape.
-pub fn load_model<M: Module>(path: &Path, model: M) -> Result<M, RunError> {
-    let content = |reason: String| RunError::Content {
-        path: path.to_owned(),
-        reason,
-    };
-    File::open(path).map_err(|source| RunError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    let record = ModuleRecord::load(path).map_err(|error| content(error.to_string()))?;
-    model
-        .try_load_record(record)
-        .map_err(|error| content(error.to_string()))
 }
 
 /// Writes a file under a temporary name and renames it when complete.

@@ -78,13 +78,13 @@ impl ResolvedConfig {
 
     /// Samples that labels of a data set are shifted by.
     #[must_use]
-    pub fn lag(&self, data_set: DataSet) -> usize {
+    pub(crate) fn lag(&self, data_set: DataSet) -> usize {
         self.lags.get(&data_set).map_or(0, |lag| lag.samples)
     }
 
     /// Lag-compensated labels of a recording, in the preset's vocabulary.
     #[must_use]
-    pub fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
+    pub(crate) fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
         lag::shifted(
             &recording.labels_in(self.preset.vocabulary()),
             self.lag(recording.data_set),
@@ -93,7 +93,7 @@ impl ResolvedConfig {
 
     /// Samples of a recording, electrodes rotated to the common orientation if the preset says so.
     #[must_use]
-    pub fn samples(&self, recording: &Recording) -> Vec<Sample> {
+    pub(crate) fn samples(&self, recording: &Recording) -> Vec<Sample> {
         if self.preset.data.align_electrodes {
             recording.aligned_samples()
         } else {

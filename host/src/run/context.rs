@@ -56,7 +56,7 @@ impl RunContext {
     ///
     /// # Errors
     /// When the folder holds no configuration.
-    pub fn find(path: &Path) -> Result<(RunFolder, ResolvedConfig), RunError> {
+    pub(crate) fn find(path: &Path) -> Result<(RunFolder, ResolvedConfig), RunError> {
         let folder = RunFolder::existing(path)?;
         let config = ResolvedConfig::load(&folder)?;
         Ok((folder, config))
@@ -70,7 +70,7 @@ impl RunContext {
 
     /// Whether the run folder holds weights of this name.
     #[must_use]
-    pub fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.folder.weights_path(name).exists()
     }
 
@@ -78,7 +78,7 @@ impl RunContext {
     ///
     /// # Errors
     /// When it is missing or of another shape.
-    pub fn teacher(&self) -> Result<Teacher, RunError> {
+    pub(crate) fn teacher(&self) -> Result<Teacher, RunError> {
         load_teacher(&self.folder, &self.config, &self.inference_device())
     }
 
@@ -86,7 +86,7 @@ impl RunContext {
     ///
     /// # Errors
     /// When it is missing or of another shape.
-    pub fn student(&self, name: &str) -> Result<Student, RunError> {
+    pub(crate) fn student(&self, name: &str) -> Result<Student, RunError> {
         load_student(&self.folder, &self.config, name, &self.inference_device())
     }
 }

@@ -57,7 +57,7 @@ pub enum StepError {
 impl StepError {
     /// Whether the user interrupted.
     #[must_use]
-    pub const fn is_interrupt(&self) -> bool {
+    pub(crate) const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Run(RunError::Interrupted { .. }))
     }
 }

@@ -56,7 +56,7 @@ pub type MoreCandidates<'a> = &'a dyn Fn(&[Trial]) -> Result<Vec<Candidate>, Ste
 ///
 /// # Errors
 /// Never.
-pub fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
+pub(crate) fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
     Ok(Vec::new())
 }
 

@@ -20,7 +20,7 @@ pub use source::{BUILT_IN, PresetError};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// Name in reports and model files.
+    /// Name in reports.
     pub name: String,
     /// Seed of every random draw.
     pub seed: u64,
@@ -116,7 +116,7 @@ impl Preset {
 
     /// The classes that labels are taken from.
     #[must_use]
-    pub fn vocabulary(&self) -> Vocabulary {
+    pub(crate) fn vocabulary(&self) -> Vocabulary {
         Vocabulary::with_classes(self.classes).unwrap_or(Vocabulary::Three)
     }
 }

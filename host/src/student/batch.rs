@@ -116,3 +116,89 @@ impl Batch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use shared::intent::{Intent, Vocabulary};
+    use shared::pipeline::LookBackLogits;
+
+    use super::*;
+    use crate::dataset::corpus::{Corpus, Stream};
+    use crate::student::sequence::sequences;
+    use crate::training::augmentation::Variation;
+    use crate::training::tensor::read_back;
+
+    const SHAPE: BatchShape = BatchShape {
+        patches: 70,
+        context: 3,
+        classes: 3,
+    };
+
+    /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
+    fn sequence() -> Vec<Sequence> {
+        let samples = 20 * PATCH;
+        let corpus = Corpus {
+            vocabulary: Vocabulary::Three,
+            streams: vec![Stream::new(
+                vec![[1; CHANNELS]; samples],
+                vec![Some(Intent::Open); samples],
+            )],
+        };
+        let soft_targets = (0..20)
+            .map(|patch| {
+                let mut logits = LookBackLogits::default();
+                for logits in &mut logits {
+                    logits[0] = patch as f32;
+                }
+                logits
+            })
+            .collect();
+        sequences(&corpus, Some(vec![soft_targets]))
+    }
+
+    fn excerpt(start: usize) -> Excerpt {
+        Excerpt {
+            sequence: 0,
+            start,
+            variation: Variation::NONE,
+        }
+    }
+
+    #[test]
+    fn targets_begin_after_the_lead_in_and_need_context() {
+        let device = Device::default();
+        let batch = Batch::new(&sequence(), &[excerpt(0), excerpt(62)], SHAPE, &device);
+        // The first excerpt ends after 10 patches of the stream, of which the first five cannot look back on five
+        // others. The second one has the last 18 patches of the stream, less three of context.
+        let expected = (1 + 2 + 3 + 4 + 5 + 5 * 6) + (18 - 3) * 6;
+        assert_eq!(batch.labelled, f64::from(expected));
+        let mask = read_back(batch.label_mask);
+        assert_eq!(mask.iter().sum::<f32>(), expected as f32);
+        let second = 70 * LOOK_BACK;
+        assert!(
+            mask[second..second + 3 * LOOK_BACK]
+                .iter()
+                .all(|&m| m == 0.0)
+        );
+        assert!(mask[second + 18 * LOOK_BACK..].iter().all(|&m| m == 0.0));
+    }
+
+    #[test]
+    fn soft_targets_are_those_of_the_patch() {
+        let device = Device::default();
+        let batch = Batch::new(&sequence(), &[excerpt(62)], SHAPE, &device);
+        let soft_targets = batch.soft_targets.unwrap();
+        assert_eq!(soft_targets.distilled, batch.labelled);
+        assert_eq!(
+            read_back(soft_targets.mask),
+            read_back(batch.label_mask.clone())
+        );
+        let logits = read_back(soft_targets.logits);
+        for patch in 3..18 {
+            for back in 0..LOOK_BACK {
+                let output = patch * LOOK_BACK + back;
+                assert_eq!(logits[output * 3], (62 + patch - WINDOW_PATCHES) as f32);
+            }
+        }
+    }
+}

@@ -31,7 +31,7 @@ pub struct StudentConfig {
 impl StudentConfig {
     /// Number of patches that influence an output of the encoder.
     #[must_use]
-    pub fn receptive_field(&self) -> usize {
+    pub(crate) fn receptive_field(&self) -> usize {
         self.layers * self.span.saturating_sub(1) + 1
     }
 
@@ -64,33 +64,33 @@ impl StudentConfig {
 #[derive(Module, Debug)]
 pub struct Student {
     /// Patch embedding: 80 inputs to a token.
-    pub embed: Linear,
+    pub(super) embed: Linear,
     /// The encoder's layers.
-    pub layers: Vec<StudentLayer>,
+    pub(super) layers: Vec<StudentLayer>,
     /// Norm before the head.
-    pub final_norm: LayerNorm,
+    pub(super) final_norm: LayerNorm,
     /// Look-back head: a token to `6 * classes` logits, newest patch first.
-    pub head: Linear,
+    pub(super) head: Linear,
     square_root: bool,
 }
 
 /// One pre-norm layer with local causal attention.
 #[derive(Module, Debug)]
-pub struct StudentLayer {
+pub(super) struct StudentLayer {
     /// Before attention.
-    pub norm1: LayerNorm,
+    pub(super) norm1: LayerNorm,
     /// Queries, keys and values, in this order.
-    pub qkv: Linear,
+    pub(super) qkv: Linear,
     /// Relative-position bias of the scores, by the distance of the key in patches, `[heads, span]`.
-    pub relative_bias: Param<Tensor<2>>,
+    pub(super) relative_bias: Param<Tensor<2>>,
     /// After attention.
-    pub out: Linear,
+    pub(super) out: Linear,
     /// Before the feed-forward block.
-    pub norm2: LayerNorm,
+    pub(super) norm2: LayerNorm,
     /// d to 2d.
-    pub ff1: Linear,
+    pub(super) ff1: Linear,
     /// 2d to d.
-    pub ff2: Linear,
+    pub(super) ff2: Linear,
     heads: usize,
     span: usize,
 }
@@ -100,7 +100,7 @@ impl Student {
     ///
     /// `emg` is cleaned EMG over 128, `[b, patches, 80]`, sample after sample.
     #[must_use]
-    pub fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
+    pub(crate) fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
         let [batch, patches, _] = emg.dims();
         // The root has no derivative at 0, but the input needs no gradient.
         let emg = if self.square_root { emg.sqrt() } else { emg };

@@ -129,7 +129,7 @@ pub struct Teacher {
 
 /// One pre-norm encoder layer.
 #[derive(Module, Debug)]
-pub struct TeacherLayer {
+pub(super) struct TeacherLayer {
     norm1: LayerNorm,
     qkv: Linear,
     out: Linear,
@@ -197,7 +197,7 @@ impl Teacher {
     /// The outputs with dropout. The caller's generator makes the masks, so that batches on several threads
     /// stay reproducible.
     #[must_use]
-    pub fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
+    pub(super) fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
         self.run(input, &mut Dropout::from(rng))
     }
 
@@ -245,13 +245,13 @@ impl Teacher {
 
     /// Number of encoder layers.
     #[must_use]
-    pub fn depth(&self) -> usize {
+    pub(super) fn depth(&self) -> usize {
         self.layers.len()
     }
 
     /// Number of output classes, MASK included.
     #[must_use]
-    pub fn classes(&self) -> usize {
+    pub(crate) fn classes(&self) -> usize {
         self.intent_embedding.dims()[0]
     }
 }

@@ -27,14 +27,14 @@ pub struct Augmentation {
 
 /// One draw of an augmentation, applied to a whole window or sequence.
 #[derive(Clone, Copy, Debug)]
-pub struct Variation {
+pub(crate) struct Variation {
     gain: f32,
     rotation: usize,
 }
 
 impl Variation {
     /// No change: gain 1, no rotation.
-    pub const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         gain: 1.0,
         rotation: 0,
     };
@@ -45,7 +45,7 @@ impl Augmentation {
     ///
     /// # Panics
     /// Never: a preset with a negative or infinite gain is refused when it is read.
-    pub fn draw(&self, rng: &mut impl RngExt) -> Variation {
+    pub(crate) fn draw(&self, rng: &mut impl RngExt) -> Variation {
         let gain = if self.gain > 0.0 {
             let gains = LogNormal::new(0.0, self.gain).expect("presets hold a finite gain >= 0");
             gains.sample(rng) as f32
@@ -62,7 +62,7 @@ impl Augmentation {
 
 impl Variation {
     /// Appends samples as a model's input: value / 128 times the gain, at most 1, channel after channel.
-    pub fn write(self, samples: &[CleanSample], input: &mut Vec<f32>) {
+    pub(crate) fn write(self, samples: &[CleanSample], input: &mut Vec<f32>) {
         for sample in samples {
             for channel in 0..CHANNELS {
                 let code = sample[(channel + self.rotation) % CHANNELS];

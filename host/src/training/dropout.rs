@@ -26,7 +26,7 @@ impl Dropout {
     }
 
     /// The next mask, which drops values with this probability; none if nothing is dropped.
-    pub fn mask(&mut self, probability: f64) -> Option<Mask> {
+    pub(crate) fn mask(&mut self, probability: f64) -> Option<Mask> {
         let rng = self.0.as_mut().filter(|_| probability > 0.0)?;
         #[expect(
             clippy::cast_possible_truncation,
@@ -52,7 +52,7 @@ impl Dropout {
 
 /// Which values of a tensor are dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mask {
+pub(crate) struct Mask {
     seed: u64,
     below: u32,
     /// Factor of the values that are kept, 1 / (1 - probability).
@@ -62,7 +62,7 @@ pub struct Mask {
 impl Mask {
     /// The mask of one row along the last axis; rows are counted over all leading axes.
     #[must_use]
-    pub fn row(&self, row: usize) -> RowMask {
+    pub(crate) fn row(&self, row: usize) -> RowMask {
         // The finalizer of SplitMix64: neighbouring rows get unrelated keys.
         let mut key = self.seed ^ (row as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         key = (key ^ (key >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -75,14 +75,14 @@ impl Mask {
 
     /// Sets dropped values of a tensor to 0 and scales the others.
     #[must_use]
-    pub fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
+    pub(crate) fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
         let (dims, device) = (x.dims(), x.device());
         x * Tensor::from_data(TensorData::new(self.factors(dims), dims), &device)
     }
 
     /// The factor of every value of a tensor: 0 or the scale.
     #[must_use]
-    pub fn factors<const D: usize>(&self, dims: [usize; D]) -> Vec<f32> {
+    pub(crate) fn factors<const D: usize>(&self, dims: [usize; D]) -> Vec<f32> {
         let columns = dims[D - 1].max(1);
         let mut factors = vec![self.scale; dims.iter().product()];
         for (at, row) in factors.chunks_mut(columns).enumerate() {
@@ -94,7 +94,7 @@ impl Mask {
 
 /// Which values of a row are dropped.
 #[derive(Clone, Copy, Debug)]
-pub struct RowMask {
+pub(crate) struct RowMask {
     key: u32,
     below: u32,
 }
@@ -103,7 +103,7 @@ impl RowMask {
     /// Whether the value of a column is kept.
     #[must_use]
     #[inline(always)]
-    pub fn keeps(self, column: u32) -> bool {
+    pub(crate) fn keeps(self, column: u32) -> bool {
         // Multiplications and shifts alone, so that the compiler vectorizes a loop over columns.
         let mut hash = self.key ^ column.wrapping_mul(0x9e37_79b9);
         hash = (hash ^ (hash >> 16)).wrapping_mul(0x7feb_352d);
@@ -113,7 +113,7 @@ impl RowMask {
 
     /// Sets dropped values to 0.
     #[inline(always)]
-    pub fn zero(self, row: &mut [f32]) {
+    pub(crate) fn zero(self, row: &mut [f32]) {
         for (column, value) in (0_u32..).zip(row) {
             *value = if self.keeps(column) { *value } else { 0.0 };
         }

@@ -3,7 +3,7 @@
 //! Every metric takes truth and prediction as one label per sample: none where the truth is unknown, or
 //! where nothing was emitted.
 
-pub mod confusion;
+pub(crate) mod confusion;
 pub mod offset;
 pub mod raw_accuracy;
 pub mod summary;

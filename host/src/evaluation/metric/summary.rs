@@ -16,7 +16,7 @@ use crate::statistics::MeanSd;
 
 /// The scores of one recording.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
-pub struct RecordingScore {
+pub(crate) struct RecordingScore {
     /// Subject.
     pub subject: String,
     /// Name of the recording.
@@ -32,7 +32,7 @@ impl RecordingScore {
     ///
     /// # Errors
     /// See [`MetricError`].
-    pub fn new(
+    pub(crate) fn new(
         subject: &str,
         name: &str,
         truth: &[Option<Intent>],

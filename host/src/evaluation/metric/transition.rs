@@ -92,7 +92,7 @@ impl TransitionScore {
 
     /// Changes that the prediction follows.
     #[must_use]
-    pub fn correct(&self) -> usize {
+    pub(crate) fn correct(&self) -> usize {
         self.changes
             .iter()
             .filter(|change| change.status == TransitionStatus::Ok)
@@ -106,7 +106,7 @@ impl TransitionScore {
     }
 
     /// Signed offsets, in samples, of the changes that have one.
-    pub fn offsets(&self) -> impl Iterator<Item = i32> {
+    pub(crate) fn offsets(&self) -> impl Iterator<Item = i32> {
         self.changes.iter().filter_map(|change| change.offset)
     }
 }

@@ -56,7 +56,7 @@ impl TransitionStatus {
 
     /// Explanation for a user.
     #[must_use]
-    pub const fn reason(self) -> &'static str {
+    pub(crate) const fn reason(self) -> &'static str {
         match self {
             Self::Ok => "follows",
             Self::BufferOtherClass | Self::StrictBufferOtherClass => {
