@@ -13,7 +13,7 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
 use super::{Recording, Run, runs};
-use crate::evaluation::metric::summary::median;
+use crate::statistics::median;
 
 /// Samples of the moving average, and of the stay beyond the half-way level: 50 ms.
 const SMOOTHING: usize = 10;

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
-use myointent::execution::run_folder::model_file;
+use myointent::execution::run_folder::weights_file;
 
 /// One of the paper's baselines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -59,7 +59,7 @@ impl Baseline {
     pub(crate) fn model_file(self) -> String {
         match self {
             Self::Lda => format!("{}-model.json", self.file_stem()),
-            Self::Mlp | Self::Lstm | Self::EdTcn | Self::TraHgr => model_file(self.file_stem()),
+            Self::Mlp | Self::Lstm | Self::EdTcn | Self::TraHgr => weights_file(self.file_stem()),
         }
     }
 

@@ -13,7 +13,7 @@ use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
-use myointent::execution::run_folder::{RunError, RunFolder, model_file};
+use myointent::execution::run_folder::{RunError, RunFolder, weights_file};
 use myointent::run::StepError;
 use myointent::run::config::{CONFIG, ResolvedConfig};
 use myointent::run::context::RunContext;
@@ -183,7 +183,7 @@ impl Study<'_> {
         config.variant = variant.to_string();
         if variant.starts_from_pretraining() {
             let start = self.path(Variant::Pretraining, None);
-            if !start.join(model_file(teacher::training::NAME)).exists() {
+            if !start.join(weights_file(teacher::training::NAME)).exists() {
                 return Err(JobError::NoPretraining { path: start });
             }
             config.start_from(&start)?;

@@ -13,7 +13,8 @@ use super::{Setup, TrainingError};
 use crate::baselines::networks::Network;
 use crate::baselines::windows::Window;
 use myointent::training::dropout::Dropout;
-use myointent::training::fit::{Learner, SHARDS, TrainConfig, WeightedMetric};
+use myointent::training::fit::TrainConfig;
+use myointent::training::learner::{Learner, SHARDS, WeightedMetric};
 use myointent::training::schedule::LrSchedule;
 use myointent::training::tensor::read_back;
 

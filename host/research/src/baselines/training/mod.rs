@@ -74,7 +74,9 @@ fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
         // A model must never lie beside the feature extraction of another run.
         let state = format!("{}-state.json", baseline.file_stem());
         let stale = [baseline.model_file(), baseline.features_file(), state];
-        setup.run.forget(&stale.each_ref().map(String::as_str))?;
+        setup
+            .run
+            .remove_files(&stale.each_ref().map(String::as_str))?;
     }
     data.fit_scaling();
     setup

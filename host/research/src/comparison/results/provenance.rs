@@ -90,7 +90,7 @@ impl VariantResults {
 #[cfg(test)]
 mod tests {
     use crate::comparison::results::fixture::Fixture;
-    use myointent::evaluation::judge::LookAhead;
+    use myointent::evaluation::LookAhead;
 
     #[test]
     fn a_missing_fold_is_reported_and_counted() {

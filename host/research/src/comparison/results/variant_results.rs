@@ -7,7 +7,7 @@ use super::check::check;
 use super::error::ResultsError;
 use super::evaluated_run::EvaluatedRun;
 use super::merge::merge;
-use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
+use myointent::evaluation::{ALL, LookAhead, Score, Truth};
 use myointent::run::config::CONFIG;
 use myointent::run::evaluate::Results;
 

@@ -6,9 +6,10 @@
 use super::heading::{Heading, set_title};
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
-use myointent::evaluation::judge::Truth;
-use myointent::evaluation::metric::summary::{MeanSd, SubjectScore, Summary};
+use myointent::evaluation::Truth;
+use myointent::evaluation::metric::summary::{SubjectScore, Summary};
 use myointent::report::cell::{self, Cell, ONE, PAIRED};
+use myointent::statistics::MeanSd;
 
 /// A metric of a subject.
 type Metric = fn(&SubjectScore) -> Option<f64>;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::sheet::{Column, Sheet};
 use crate::comparison::results::VariantResults;
-use myointent::evaluation::judge::{ALL, Truth};
+use myointent::evaluation::{ALL, Truth};
 
 /// Name, title and caption that the two tables of one kind share.
 pub(super) struct Heading<'a> {

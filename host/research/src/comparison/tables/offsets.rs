@@ -3,7 +3,7 @@
 
 use super::heading::{Heading, ModelRow, set_title};
 use super::sheet::{Column, Row, Sheet};
-use myointent::evaluation::judge::Truth;
+use myointent::evaluation::Truth;
 use myointent::evaluation::metric::summary::Summary;
 use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts};
 

@@ -11,7 +11,7 @@ use super::sheet::Sheet;
 use crate::baselines::Baseline;
 use crate::comparison::results::{StudyResults, VariantResults};
 use crate::comparison::variant::Variant;
-use myointent::evaluation::judge::Truth;
+use myointent::evaluation::Truth;
 use myointent::run::evaluate::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, STUDENT, TEACHER};
 
 /// The tables of a study, in the order of the page.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::heading::{Heading, ModelRow, set_title};
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
-use myointent::evaluation::judge::{BUFFERS, Score, Truth};
+use myointent::evaluation::{BUFFERS, Score, Truth};
 use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts, SUPPORT};
 
 /// A metric of a data set: one column.

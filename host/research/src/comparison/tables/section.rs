@@ -2,7 +2,7 @@
 
 use super::sheet::Sheet;
 use crate::comparison::variant::Variant;
-use myointent::evaluation::judge::Truth;
+use myointent::evaluation::Truth;
 
 /// Every table exists for both kinds of labels.
 pub(super) const TRUTHS: [Truth; 2] = [Truth::LagCompensated, Truth::Published];
