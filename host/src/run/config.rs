@@ -8,7 +8,7 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::preset::Preset;
-use crate::dataset::lag::{self, LagEstimate};
+use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Recording};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
@@ -84,7 +84,7 @@ impl ResolvedConfig {
     /// Labels of a recording in the preset's vocabulary, moved by its data set's lag.
     #[must_use]
     pub fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
-        lag::shifted(
+        lag::compensated(
             &recording.labels_in(self.preset.vocabulary()),
             self.lag(recording.data_set),
         )

@@ -6,7 +6,8 @@
 
 use shared::units::SAMPLE_PERIOD_MS;
 
-use super::summary::{MeanSd, median};
+use super::summary::MeanSd;
+use crate::statistics::median;
 
 /// Offsets of many transitions together, in ms.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]

@@ -37,16 +37,6 @@ impl MeanSd {
     }
 }
 
-/// The middle value, of an even number the mean of the two middle ones.
-#[must_use]
-pub fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let upper = sorted.get(sorted.len() / 2)?;
-    let lower = sorted[(sorted.len() - 1) / 2];
-    Some(f64::midpoint(lower, *upper))
-}
-
 /// The scores of one recording.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct RecordingScore {
@@ -198,7 +188,6 @@ mod tests {
         let both = MeanSd::of(&[1.0, 3.0]).unwrap();
         assert_eq!((both.mean, both.sd), (2.0, Some(2.0_f64.sqrt())));
         assert_eq!(MeanSd::of(&[1.0]).unwrap().sd, None);
-        assert_eq!(median(&[3.0, 1.0, 2.0, 10.0]), Some(2.5));
     }
 
     #[test]
