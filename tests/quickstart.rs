@@ -6,7 +6,7 @@ mod small;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use myointent::run::stage::integer_rows;
+use myointent::inference::integer_logits;
 use shared::model::file::Model;
 use shared::stream::preprocess::clean;
 use shared::uart_line::{Kind, Report};
@@ -75,8 +75,8 @@ fn an_integer_student_repeats_itself_and_stays_near_its_float_twin() {
         .recordings
         .remove(0);
     let emg: Vec<_> = clean(recording.samples).collect();
-    let rows = integer_rows(&model, &emg).unwrap();
-    assert_eq!(rows, integer_rows(&model, &emg).unwrap());
+    let rows = integer_logits(&model, &emg).unwrap();
+    assert_eq!(rows, integer_logits(&model, &emg).unwrap());
 
     let out = folder.join("float.csv");
     let path = |path: &Path| path.to_str().unwrap().to_owned();

@@ -1,5 +1,5 @@
-//! What training and replaying cost on this machine: `cargo bench -p myointent`; with
-//! `--features ndarray` both CPU backends, side by side.
+//! Speed of training and of replay on this machine: `cargo bench -p myointent`; with `--features ndarray`
+//! on both CPU backends.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -10,11 +10,13 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterio
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::inference::device::{WithEncoder, with_encoder};
+use myointent::inference::integer_logits;
 use myointent::run::preset::{BUILT_IN, Preset};
-use myointent::run::stage::integer_rows;
 use myointent::student::distillation;
-use myointent::teacher;
-use myointent::training::fit::{Learner, gradients, optimizer};
+use myointent::student::learner::StudentLearner;
+use myointent::teacher::learner::TeacherLearner;
+use myointent::training::learner::Learner;
+use myointent::training::optimizer::{gradients, optimizer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Vocabulary;
@@ -38,7 +40,7 @@ fn recording() -> myointent::dataset::Recording {
     feature = "ndarray",
     expect(deprecated, reason = "compared on purpose, see docs/decisions.md")
 )]
-/// Every CPU backend that is compiled in, so that one run compares them.
+/// Every CPU backend that is compiled in.
 fn devices() -> Vec<(&'static str, Device)> {
     vec![
         #[cfg(feature = "flex")]
@@ -69,8 +71,8 @@ fn training(criterion: &mut Criterion) {
         }
         for (backend, device) in devices() {
             let device = device.autodiff();
-            let learner = teacher::training::learner(
-                preset.teacher.grid(),
+            let learner = TeacherLearner::new(
+                preset.teacher.window_shape(),
                 &corpus,
                 &corpus,
                 &preset.teacher_training,
@@ -87,7 +89,8 @@ fn training(criterion: &mut Criterion) {
                 &learner,
                 preset.teacher.init(3, &device),
             );
-            let learner = distillation::learner(
+            let learner = StudentLearner::new(
+                distillation::NAME,
                 preset.student.span,
                 &corpus,
                 None,
@@ -178,7 +181,7 @@ fn replay(criterion: &mut Criterion) {
         });
     });
     group.bench_function("evaluate: the encoder alone", |bencher| {
-        bencher.iter(|| integer_rows(&model, black_box(&emg)).expect("a compiled shape"));
+        bencher.iter(|| integer_logits(&model, black_box(&emg)).expect("a compiled shape"));
     });
     group.finish();
 }

@@ -1,9 +1,9 @@
-//! Seconds of a teacher's training step and of a window's inference: our half of
-//! `host/benches/torch/compare.py`, which starts this and PyTorch and asks both in turn.
+//! Seconds of a teacher's training step and of a window's inference, for comparison with PyTorch by
+//! `host/benches/torch/compare.py`.
 //!
-//! Given a preset and a batch, answers each line of input with a line of JSON: `step` with the
-//! seconds of a training step (batch, forward, backward, AdamW) on two threads, `window` with those
-//! of one window's inference on one thread.
+//! The arguments are a preset and a batch size. For each line of input it prints a line of JSON: for
+//! `step` the seconds of a training step (batch, forward, backward, AdamW) on two threads, for `window`
+//! those of one window's inference on one thread.
 
 use std::io::BufRead as _;
 use std::time::Instant;
@@ -14,9 +14,10 @@ use burn::tensor::Device;
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::run::preset::Preset;
-use myointent::teacher::training;
-use myointent::teacher::window::inference_input;
-use myointent::training::fit::{Learner as _, gradients, optimizer};
+use myointent::teacher::learner::TeacherLearner;
+use myointent::teacher::model::TeacherInput;
+use myointent::training::learner::Learner as _;
+use myointent::training::optimizer::{gradients, optimizer};
 use myointent::training::tensor::read_back;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -57,8 +58,8 @@ fn main() -> anyhow::Result<()> {
     };
     let device = Device::default().autodiff();
     let settings = &preset.teacher_training;
-    let grid = preset.teacher.grid();
-    let learner = training::learner(grid, &corpus, &corpus, settings, 42, &device);
+    let shape = preset.teacher.window_shape();
+    let learner = TeacherLearner::new(shape, &corpus, &corpus, settings, 42, &device);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let item = learner.epoch(&mut rng).remove(0);
     if item.len() != settings.batch {
@@ -66,7 +67,7 @@ fn main() -> anyhow::Result<()> {
     }
     let mut model = Some(preset.teacher.init(3, &device));
     let mut adam = optimizer(settings.weight_decay);
-    let emg = vec![0.5; grid.window * CHANNELS];
+    let emg = vec![0.5; shape.window * CHANNELS];
 
     for line in std::io::stdin().lock().lines() {
         let before = model.take().context("put back below")?;
@@ -79,7 +80,7 @@ fn main() -> anyhow::Result<()> {
             }),
             "window" => one.install(|| {
                 let plain = device.clone().inner();
-                let input = inference_input(emg.clone(), grid, 3, &plain);
+                let input = TeacherInput::for_inference(emg.clone(), shape, 3, &plain);
                 drop(read_back(before.valid().forward(input).intent));
                 before
             }),
@@ -95,7 +96,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Largest resident size so far; 0 where the system does not say.
+/// Largest resident size so far; 0 on systems other than Linux.
 fn peak_mib() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -103,7 +104,7 @@ fn peak_mib() -> f64 {
     kib.unwrap_or(0.0) / 1024.0
 }
 
-/// Processor time of all threads so far, in seconds; 0 where the system does not say.
+/// Processor time of all threads so far, in seconds; 0 on systems other than Linux.
 fn processor_seconds() -> f64 {
     let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten();
     let nanoseconds = threads.flatten().filter_map(|thread| {

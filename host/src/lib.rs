@@ -7,7 +7,7 @@ pub mod execution;
 pub mod inference;
 pub mod report;
 pub mod run;
-mod statistics;
+pub mod statistics;
 pub mod student;
 pub mod teacher;
 pub mod training;

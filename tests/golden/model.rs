@@ -8,7 +8,6 @@ use burn::tensor::{Device, Tensor, TensorData};
 use myointent::run::preset::Preset;
 use myointent::teacher::checkpoint::{load, save};
 use myointent::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
-use myointent::teacher::window::inference_input;
 use myointent::training::tensor::read_back;
 use myointent_tests::golden;
 use safetensors::SafeTensors;
@@ -174,7 +173,12 @@ fn use_shows_the_teacher_what_the_reference_is_shown() {
     let teacher = reference(&golden, "model.safetensors", &device);
     let cases = tensors(&golden.join("model/cases.safetensors"));
     let emg = cases["inference.emg"].1.clone();
-    let output = teacher.forward(inference_input(emg, paper().grid(), CLASSES, &device));
+    let output = teacher.forward(TeacherInput::for_inference(
+        emg,
+        paper().window_shape(),
+        CLASSES,
+        &device,
+    ));
     let off = distance(
         &read_back(output.intent),
         &cases["inference.intent_logits"].1,

@@ -3,10 +3,10 @@
 use burn::tensor::Device;
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::run::preset::Preset;
+use myointent::teacher::learner::TeacherLearner;
 use myointent::teacher::masking::Task;
-use myointent::teacher::training::learner;
-use myointent::teacher::window::Grid;
-use myointent::training::fit::Learner as _;
+use myointent::teacher::window::WindowShape;
+use myointent::training::learner::Learner as _;
 use myointent::training::schedule::{LearningRate, LrSchedule};
 use myointent_tests::golden;
 use rand::SeedableRng as _;
@@ -17,7 +17,7 @@ use shared::units::WINDOW;
 use crate::files::json;
 
 /// The paper's.
-const GRID: Grid = Grid {
+const SHAPE: WindowShape = WindowShape {
     window: WINDOW,
     patch: 1,
 };
@@ -58,7 +58,7 @@ fn every_step_has_the_references_rate() {
         (training.batch, training.epochs) = (number("batch"), number("epochs"));
         let corpus = corpus(number("samples"));
         let device = Device::default();
-        let learner = learner(GRID, &corpus, &corpus, &training, 0, &device);
+        let learner = TeacherLearner::new(SHAPE, &corpus, &corpus, &training, 0, &device);
 
         let total = training.epochs * learner.steps();
         assert_eq!(total, number("total_steps"), "{case}");

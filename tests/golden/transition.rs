@@ -1,4 +1,4 @@
-//! Transition accuracy equals the reference's on all of its cases, score by score.
+//! Transition accuracy equals the reference's on all of its cases, verdict by verdict.
 
 use myointent::evaluation::metric::MetricError;
 use myointent::evaluation::metric::raw_accuracy::raw_accuracy;
@@ -31,7 +31,7 @@ fn labels(runs: &Value) -> Vec<Option<Intent>> {
         .collect()
 }
 
-/// The scores as the reference writes them.
+/// The verdicts as the reference writes them.
 fn codes(result: &Result<TransitionScore, MetricError>) -> Value {
     match result {
         Err(MetricError::SingleSampleLabel { .. }) => Value::from("no_change_in_truth_buffer"),
@@ -40,7 +40,7 @@ fn codes(result: &Result<TransitionScore, MetricError>) -> Value {
             let held = score.constant.held == score.constant.count;
             Value::from(vec![if held { "ok" } else { "constant_mismatch" }])
         }
-        Ok(score) => score.changes.iter().map(|c| c.score.code()).collect(),
+        Ok(score) => score.changes.iter().map(|c| c.status.code()).collect(),
     }
 }
 
@@ -108,7 +108,7 @@ fn check(
     );
 
     for (strict, allow_relax, key) in [
-        (false, false, "scores"),
+        (false, false, "verdicts"),
         (true, false, "strict"),
         (false, true, "allow_relax"),
         (true, true, "strict_allow_relax"),

@@ -1,10 +1,10 @@
-"""Training steps and inference, ours and PyTorch's, in turn within one run.
+"""Time of training steps and of inference in this project and in PyTorch, measured alternately.
 
     python host/benches/torch/compare.py [--rounds 9]
 
-Needs `pip install torch numpy safetensors`; builds our half itself. Each round asks either side
-for a step and a window, so that whatever else the machine does hits both; processor time is what
-the threads ran, without the time they waited for a core.
+Needs `pip install torch numpy safetensors`; builds the bench `training_step` itself. Each round measures
+a step and a window of either program, so that other load on the machine affects both. Processor time
+is the time that the threads ran, without waiting for a core.
 """
 
 import argparse
@@ -21,7 +21,7 @@ RUNS = [("paper", 8), ("cpu", 128)]
 
 
 def ours():
-    """Builds our half and finds it among what Cargo made."""
+    """Builds the bench `training_step` and returns its path."""
     command = "cargo bench --locked --no-run --message-format=json".split()
     output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout
     for line in output.splitlines():
@@ -32,7 +32,7 @@ def ours():
 
 
 class Side:
-    """One of the programs, which answers a line with a line."""
+    """One of the programs: it prints a line with a measurement for each line of input."""
 
     def __init__(self, name, command):
         self.name, self.peak = name, 0.0
@@ -43,18 +43,18 @@ class Side:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         )
 
-    def ask(self, question, warm_up):
+    def measure(self, kind, warm_up):
         busy = self.processor_seconds()
-        print(question, file=self.process.stdin, flush=True)
-        answer = json.loads(self.process.stdout.readline())
+        print(kind, file=self.process.stdin, flush=True)
+        result = json.loads(self.process.stdout.readline())
         busy = self.processor_seconds() - busy
-        self.peak = answer["peak_mib"]
+        self.peak = result["peak_mib"]
         if not warm_up:
-            self.seconds[question].append(answer["seconds"])
-            self.processor[question].append(busy)
+            self.seconds[kind].append(result["seconds"])
+            self.processor[kind].append(busy)
 
     def processor_seconds(self):
-        """What the process's threads ran so far; 0 where the system does not say."""
+        """Processor time of the threads so far; 0 on systems other than Linux."""
         threads = Path(f"/proc/{self.process.pid}/task").glob("*/schedstat")
         return sum(int(thread.read_text().split()[0]) for thread in threads) * 1e-9
 
@@ -66,8 +66,8 @@ class Side:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--ours", help="our half, already built")
-    parser.add_argument("--also", help="an older build of our half, to see what a change bought")
+    parser.add_argument("--ours", help="path of `training_step`, already built")
+    parser.add_argument("--also", help="path of an older build of it, to measure a change")
     arguments = parser.parse_args()
     program = arguments.ours or ours()
     torch = [sys.executable, str(HERE / "step.py")]
@@ -82,14 +82,14 @@ def main():
         if arguments.also:
             sides.append(Side("ours before", [arguments.also, *of]))
         for round in range(-2, arguments.rounds):
-            for question in ("step", "window"):
+            for kind in ("step", "window"):
                 for side in sides:
-                    side.ask(question, warm_up=round < 0)
-        for question in ("step", "window"):
-            what = f"{name}, {f'step of {batch}' if question == 'step' else 'one window'}"
+                    side.measure(kind, warm_up=round < 0)
+        for kind in ("step", "window"):
+            what = f"{name}, {f'step of {batch}' if kind == 'step' else 'one window'}"
             rows = [
-                [statistics.median(side.seconds[question]), min(side.seconds[question]),
-                 statistics.median(side.processor[question])]
+                [statistics.median(side.seconds[kind]), min(side.seconds[kind]),
+                 statistics.median(side.processor[kind])]
                 for side in sides
             ]
             for side, row in zip(sides, rows):

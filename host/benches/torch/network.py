@@ -1,4 +1,4 @@
-"""The teacher's network in PyTorch, dimensions from a preset: the opponent of compare.py.
+"""The teacher's network in PyTorch, with the dimensions of a preset, for compare.py.
 
 Attention goes through `scaled_dot_product_attention` without a mask, so that PyTorch may choose a
 fused kernel.
@@ -25,8 +25,8 @@ class Layer(nn.Module):
         batch, tokens, d = x.shape
         qkv = self.qkv(self.norm1(x)).view(batch, tokens, 3, self.heads, d // self.heads)
         query, key, value = qkv.permute(2, 0, 3, 1, 4)
-        share = self.attention_dropout if self.training else 0.0
-        attended = F.scaled_dot_product_attention(query, key, value, dropout_p=share)
+        probability = self.attention_dropout if self.training else 0.0
+        attended = F.scaled_dot_product_attention(query, key, value, dropout_p=probability)
         attended = self.out(attended.transpose(1, 2).reshape(batch, tokens, d))
         x = x + self.drop(attended)
         return x + self.drop(self.linear2(self.drop(F.gelu(self.linear1(self.norm2(x))))))

@@ -1,10 +1,9 @@
-"""Seconds of a training step and of a window's inference in PyTorch: the opponent of compare.py.
+"""Seconds of a training step and of a window's inference in PyTorch, for compare.py.
 
     python host/benches/torch/step.py paper 8
 
-Prints one JSON object a line on each line of input, so that compare.py can alternate with ours:
-`step` answers with the seconds of a training step (forward, backward, AdamW) on two threads,
-`window` with the seconds of one window's inference on one thread.
+Prints a line with a JSON object for each line of input: for `step` the seconds of a training step
+(forward, backward, AdamW) on two threads, for `window` those of one window's inference on one thread.
 """
 
 import json
@@ -21,11 +20,11 @@ from torch.nn import functional as F
 from network import CHANNELS, WINDOW, Teacher, reference_names
 
 HOST = Path(__file__).resolve().parents[2]
-GOLDEN = Path(os.environ.get("MYOINTENT_GOLDEN", HOST.parent.parent / "shared/golden"))
+GOLDEN = Path(os.environ.get("MYOINTENT_GOLDEN", HOST.parent / "tests/golden/data"))
 
 
 def check_against_the_reference(preset):
-    """The network is the reference's function, or there is nothing to compare."""
+    """Checks that the network computes what the reference computes."""
     weights = GOLDEN / "model/model.safetensors"
     if not weights.exists():
         print(f"SKIPPED the check against the reference: no {weights}", file=sys.stderr)
@@ -45,7 +44,7 @@ def check_against_the_reference(preset):
 
 
 class Bench:
-    """A model and a batch of random windows, a third of either modality hidden."""
+    """A model and a batch of random windows, a third of either modality masked."""
 
     def __init__(self, preset, batch):
         torch.manual_seed(preset["seed"])
@@ -54,9 +53,9 @@ class Bench:
         self.emg = torch.rand(batch, tokens, CHANNELS * patch)
         self.emg_mask = (torch.rand(batch, tokens, 1) < 1 / 3).float()
         self.target = torch.randint(outputs - 1, (batch, WINDOW))
-        hidden = torch.rand(batch, tokens) < 1 / 3
-        self.hidden = hidden.repeat_interleave(patch, dim=1).float()
-        seen = self.target[:, ::patch].masked_fill(hidden, outputs - 1)
+        masked = torch.rand(batch, tokens) < 1 / 3
+        self.masked = masked.repeat_interleave(patch, dim=1).float()
+        seen = self.target[:, ::patch].masked_fill(masked, outputs - 1)
         self.intent = F.one_hot(seen, outputs).float()
         self.model = Teacher(preset)
         self.adam = torch.optim.AdamW(
@@ -72,7 +71,7 @@ class Bench:
         squares = (emg - self.emg).square() * self.emg_mask
         entropies = F.cross_entropy(logits.transpose(1, 2), self.target, reduction="none")
         cells = self.emg_mask.sum() * emg.shape[2]
-        loss = squares.sum() / cells + (entropies * self.hidden).sum() / self.hidden.sum()
+        loss = squares.sum() / cells + (entropies * self.masked).sum() / self.masked.sum()
         loss.backward()
         self.adam.step()
         return time.perf_counter() - start

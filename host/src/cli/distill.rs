@@ -55,6 +55,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         distill::distill(&context)?;
         distillation::NAME
     };
-    println!("{}", context.folder.model(name).display());
+    println!("{}", context.folder.weights_path(name).display());
     Ok(())
 }

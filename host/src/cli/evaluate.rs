@@ -56,9 +56,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 path.display()
             )
         })?;
-    let (results, judged) = evaluate(&context, model.as_deref(), &no_more)?;
+    let (results, evaluation) = evaluate(&context, model.as_deref(), &no_more)?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &judged, &page)?;
+    run_report::write(&context, &results, &evaluation, &page)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;

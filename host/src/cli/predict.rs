@@ -15,7 +15,7 @@ use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
 
 use super::arguments::BackendArguments;
 use super::replay::one_recording;
-use crate::evaluation::track::track;
+use crate::evaluation::smooth;
 use crate::execution::run_folder::RunFolder;
 use crate::inference::integer_logits;
 use crate::inference::student_logits;
@@ -23,7 +23,8 @@ use crate::inference::teacher_logits;
 use crate::run::config::ResolvedConfig;
 use crate::run::context::{RunContext, load_student, load_teacher};
 use crate::student::distillation;
-use crate::teacher::window::inference_input;
+use crate::teacher::model::TeacherInput;
+use crate::training::augmentation::Variation;
 use crate::training::tensor::read_back;
 use shared::pipeline::LookBackLogits;
 
@@ -132,7 +133,7 @@ fn logits(
     let rows = match arguments.which {
         Which::Teacher => {
             let model = load_teacher(&folder, &config, &device)?;
-            teacher_logits(&model, config.preset.teacher.grid(), emg, &device)
+            teacher_logits(&model, config.preset.teacher.window_shape(), emg, &device)
         }
         Which::Student => {
             let model = load_student(&folder, &config, distillation::NAME, &device)?;
@@ -152,9 +153,9 @@ fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> 
 
 fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
     let (rows, classes, settings) = logits(arguments, emg)?;
-    let track = track(&rows, emg.len(), classes, settings)?;
+    let labels = smooth(&rows, emg.len(), classes, settings)?;
     let mut values = Vec::with_capacity(emg.len() * (classes + 1));
-    for (sample, label) in track.reference.iter().enumerate() {
+    for (sample, label) in labels.reference.iter().enumerate() {
         values.push(label.map_or(-1.0, |intent| intent.class() as f32));
         match rows.get(sample / PATCH) {
             Some(rows) => values.extend(&rows[0][..classes]),
@@ -174,12 +175,11 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
         let device = arguments.backend.device().inner();
         let classes = config.preset.classes;
         let model = load_teacher(&folder, &config, &device)?;
-        let grid = config.preset.teacher.grid();
-        let mut input = Vec::with_capacity(grid.window * CHANNELS);
+        let shape = config.preset.teacher.window_shape();
+        let mut input = Vec::with_capacity(shape.window * CHANNELS);
         // A model of a shorter window sees the newest samples of this one.
-        crate::training::augmentation::Variation::NONE
-            .write(&emg[WINDOW - grid.window..], &mut input);
-        let output = model.forward(inference_input(input, grid, classes, &device));
+        Variation::NONE.write(&emg[WINDOW - shape.window..], &mut input);
+        let output = model.forward(TeacherInput::for_inference(input, shape, classes, &device));
         let columns = names(classes, String::new())
             .chain(["mask".to_owned()])
             .collect();

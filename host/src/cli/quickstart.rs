@@ -75,11 +75,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     distill(&context)?;
     let model = context.folder.file(MODEL);
     let bytes = quantize(&context, &model)?;
-    let (results, judged) = evaluate(&context, Some(&bytes), &no_more)?;
+    let (results, evaluation) = evaluate(&context, Some(&bytes), &no_more)?;
     // Once more, now that there are measurements to put beside the weights.
     quantize(&context, &model)?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &judged, &page)?;
+    run_report::write(&context, &results, &evaluation, &page)?;
 
     let mut out = std::io::stdout().lock();
     if arguments.verbose {

@@ -13,7 +13,7 @@ use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::offset;
 use crate::evaluation::metric::predicted_length;
 use crate::evaluation::metric::summary::RecordingScore;
-use crate::evaluation::metric::transition::{Change, Rule, Verdict};
+use crate::evaluation::metric::transition::{Change, Rule, TransitionStatus};
 use crate::report::Table;
 
 /// Arguments of `myointent score`.
@@ -120,22 +120,22 @@ fn tables(score: &RecordingScore, unscored: usize, confusion: &Confusion) -> Str
     if !transitions.changes.is_empty() {
         text += &format!("\n{}", changes(&transitions.changes).plain());
     }
-    let mut reasons: BTreeMap<Verdict, usize> = BTreeMap::new();
+    let mut reasons: BTreeMap<TransitionStatus, usize> = BTreeMap::new();
     for change in transitions
         .changes
         .iter()
-        .filter(|change| change.verdict != Verdict::Ok)
+        .filter(|change| change.status != TransitionStatus::Ok)
     {
-        *reasons.entry(change.verdict).or_default() += 1;
+        *reasons.entry(change.status).or_default() += 1;
     }
-    for (verdict, count) in reasons {
-        text += &format!("{count} x {}: {}\n", verdict.code(), verdict.reason());
+    for (status, count) in reasons {
+        text += &format!("{count} x {}: {}\n", status.code(), status.reason());
     }
     text + "\n" + &matrix(confusion).plain()
 }
 
 fn changes(changes: &[Change]) -> Table {
-    let mut table = Table::new("", ["sample", "at s", "change", "verdict", "offset ms"]);
+    let mut table = Table::new("", ["sample", "at s", "change", "status", "offset ms"]);
     for change in changes {
         let offset = change.offset.map_or_else(String::new, |samples| {
             format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
@@ -144,7 +144,7 @@ fn changes(changes: &[Change]) -> Table {
             change.at.to_string(),
             format!("{:.2}", change.at as f64 / f64::from(SAMPLE_RATE_HZ)),
             format!("{} -> {}", change.from.name(), change.to.name()),
-            change.verdict.code().to_owned(),
+            change.status.code().to_owned(),
             offset,
         ]);
     }
@@ -189,7 +189,7 @@ mod tests {
         }
         let report: serde_json::Value =
             serde_json::from_str(&json(&score, &Rule::default(), &confusion).unwrap()).unwrap();
-        assert_eq!(report["changes"][1]["verdict"], "no_change_in_buffer");
+        assert_eq!(report["changes"][1]["status"], "no_change_in_buffer");
         assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
     }
 }

@@ -77,7 +77,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     train::train(&context)?;
     println!(
         "{}",
-        context.folder.model(teacher::training::NAME).display()
+        context
+            .folder
+            .weights_path(teacher::training::NAME)
+            .display()
     );
     Ok(())
 }

@@ -1,6 +1,15 @@
-//! From a model's outputs over whole recordings to labels and to numbers about them.
+//! Evaluation: from a model's logits over whole recordings to labels and to scores of these labels.
 
-pub mod judge;
+mod candidate;
+mod condition;
 pub mod metric;
-pub mod track;
-pub mod trial;
+mod score;
+mod smoothing;
+mod trial;
+
+pub use candidate::Candidate;
+pub use condition::{LookAhead, Truth};
+pub use score::{ALL, BUFFERS, EvaluationError, Score};
+pub(crate) use score::{confusion, offsets, score};
+pub(crate) use smoothing::smooth;
+pub use trial::Trial;

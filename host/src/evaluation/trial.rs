@@ -1,25 +1,25 @@
-//! A recording to be judged.
+//! A recording that models are evaluated on.
 
 use shared::intent::Intent;
 use shared::units::{CleanSample, Sample};
 
 use crate::dataset::DataSet;
 
-/// One recording to be judged.
+/// One recording that models are evaluated on.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// Which set.
+    /// Data set.
     pub data_set: DataSet,
-    /// Who.
+    /// Subject.
     pub subject: String,
-    /// Which recording.
+    /// Name of the recording.
     pub name: String,
     /// Samples as the armband sends them.
     pub raw: Vec<Sample>,
-    /// The same samples, cleaned.
+    /// Preprocessed samples.
     pub emg: Vec<CleanSample>,
-    /// Labels as published; none for recordings that nobody published.
+    /// Labels as published; none for spliced recordings.
     pub published: Option<Vec<Option<Intent>>>,
-    /// Lag-compensated labels: moved by the data set's lag.
+    /// Lag-compensated labels.
     pub lag_compensated: Vec<Option<Intent>>,
 }

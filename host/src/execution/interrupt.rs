@@ -1,19 +1,19 @@
-//! Ctrl-C: once, a run stops at its last complete checkpoint; twice, at once.
+//! Ctrl-C: the first one stops a run, which can be resumed; the second one ends the program at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the user requested to stop.
+/// A request of the user to stop, shared by all clones.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens for Ctrl-C and termination from now on.
+    /// Installs a handler for Ctrl-C and termination signals.
     #[must_use]
     pub fn listen() -> Self {
         let interrupt = Self::default();
         let requested = interrupt.0.clone();
-        // Without the handler Ctrl-C simply ends the program, and checkpoints are whole anyway.
+        // Without a handler Ctrl-C ends the program at once; checkpoints are complete all the same.
         let _ = ctrlc::set_handler(move || {
             if requested.swap(true, Ordering::SeqCst) {
                 std::process::exit(130);
@@ -23,9 +23,9 @@ impl Interrupt {
         interrupt
     }
 
-    /// Whether to stop.
+    /// Whether a stop was requested.
     #[must_use]
-    pub fn requested(&self) -> bool {
+    pub(crate) fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

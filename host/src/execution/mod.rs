@@ -1,4 +1,4 @@
-//! What every long computation shares: its folder, its progress, Ctrl-C, and the cores.
+//! Infrastructure of long computations: run folder, progress, interrupt, parallel work.
 
 pub mod interrupt;
 pub mod parallel;

@@ -1,4 +1,4 @@
-//! The same work on many things, as many at once as there are cores.
+//! Parallel work on a list of items, with progress and interrupt.
 
 use rayon::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::{RunError, RunFolder};
 
-/// What the work makes of every item, in their order, under a bar of that name.
+/// Results of `work` for every item, in the items' order, computed on all cores; `name` is shown beside the progress bar.
 ///
 /// # Errors
 /// When the user interrupts.
@@ -18,17 +18,17 @@ pub fn map<T: Sync, R: Send>(
     work: impl Fn(&T) -> R + Sync,
 ) -> Result<Vec<R>, RunError> {
     let bar = progress::bar(items.len(), name);
-    let all = items
+    let results = items
         .par_iter()
         .map(|item| {
             if interrupt.requested() {
                 return Err(run.interrupted());
             }
-            let made = work(item);
+            let result = work(item);
             bar.inc(1);
-            Ok(made)
+            Ok(result)
         })
         .collect();
     bar.finish_and_clear();
-    all
+    results
 }

@@ -1,12 +1,15 @@
-//! Progress for people: a bar on everything that takes more than a second, on standard error.
+//! Progress on standard error: bars and log lines.
 
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar over `length` steps; hidden when standard error is no terminal.
+/// A progress bar of `length` steps, hidden when standard error is no terminal.
+///
+/// # Panics
+/// Never: its template is a constant.
 #[must_use]
-pub fn bar(length: usize, what: &str) -> ProgressBar {
+pub(crate) fn bar(length: usize, what: &str) -> ProgressBar {
     let bar =
         ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::stderr_with_hz(4));
     bar.set_style(
@@ -19,7 +22,7 @@ pub fn bar(length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// One line for people, above any bar.
+/// Writes a line to the log.
 pub fn log(line: &str) {
     eprintln!("{line}");
 }

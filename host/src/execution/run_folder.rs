@@ -1,7 +1,7 @@
-//! A run's folder: the preset as it ran, metrics as JSON lines, checkpoints.
+//! The folder of a run: its configuration, metrics as JSON lines, checkpoints.
 //!
-//! Everything is written under a temporary name and renamed when whole, so that an interrupted run
-//! leaves the last complete checkpoint.
+//! Every file is written under a temporary name and renamed when complete, so an interrupted run leaves
+//! the last complete checkpoint.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufReader, Write as _};
@@ -12,36 +12,10 @@ use burn::optim::ModuleOptimizer;
 use burn::store::ModuleRecord;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use thiserror::Error;
 
-/// What can go wrong in a run's folder.
-#[derive(Debug, Error)]
-pub enum RunError {
-    /// A file cannot be read or written.
-    #[error("{path}")]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
-    },
-    /// A file does not hold what it should.
-    #[error(
-        "{path}: {reason}; it was written by another version or is damaged, run the step again"
-    )]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// What the reader says.
-        reason: String,
-    },
-    /// The run was interrupted; checkpoints up to the last complete epoch are kept.
-    #[error("interrupted; continue with the same command and --resume (run folder {path})")]
-    Interrupted {
-        /// The run's folder.
-        path: PathBuf,
-    },
-}
+mod error;
+
+pub use error::RunError;
 
 /// The folder of one run.
 #[derive(Clone, Debug)]
@@ -49,17 +23,17 @@ pub struct RunFolder {
     path: PathBuf,
 }
 
-/// Name of the file of a model's weights.
+/// File name of the weights of a model called `name`.
 #[must_use]
-pub fn model_file(name: &str) -> String {
+pub fn weights_file(name: &str) -> String {
     format!("{name}.bpk")
 }
 
 impl RunFolder {
-    /// Opens the folder, making it if it is not there.
+    /// Opens the folder, and creates it if there is none.
     ///
     /// # Errors
-    /// When the folder cannot be made.
+    /// When the folder cannot be created.
     pub fn open(path: impl Into<PathBuf>) -> Result<Self, RunError> {
         let path = path.into();
         fs::create_dir_all(&path).map_err(|source| RunError::Io {
@@ -69,7 +43,7 @@ impl RunFolder {
         Ok(Self { path })
     }
 
-    /// Opens a folder that an earlier command has made.
+    /// Opens the folder of an earlier command.
     ///
     /// # Errors
     /// When there is none.
@@ -88,19 +62,19 @@ impl RunFolder {
         self.path.join(name)
     }
 
-    /// The error that ends an interrupted run.
+    /// The error that an interrupted run returns.
     #[must_use]
-    pub fn interrupted(&self) -> RunError {
+    pub(crate) fn interrupted(&self) -> RunError {
         RunError::Interrupted {
             path: self.path.clone(),
         }
     }
 
-    /// Forgets what an earlier run of this folder chose or measured: a new run chooses anew.
+    /// Removes files of an earlier run in this folder, if they exist.
     ///
     /// # Errors
     /// When a file cannot be removed.
-    pub fn forget(&self, names: &[&str]) -> Result<(), RunError> {
+    pub fn remove_files(&self, names: &[&str]) -> Result<(), RunError> {
         for name in names {
             let path = self.file(name);
             match fs::remove_file(&path) {
@@ -117,7 +91,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn append(&self, name: &str, line: &impl Serialize) -> Result<(), RunError> {
+    pub(crate) fn append(&self, name: &str, line: &impl Serialize) -> Result<(), RunError> {
         let path = self.file(name);
         let io = |source| RunError::Io {
             path: path.clone(),
@@ -135,11 +109,11 @@ impl RunFolder {
         writeln!(file, "{json}").map_err(io)
     }
 
-    /// Keeps the metrics lines that `keep` accepts: a resumed run repeats what came after its checkpoint.
+    /// Keeps the lines of a metrics file that `keep` accepts: a resumed run writes those after its checkpoint again.
     ///
     /// # Errors
     /// When the file cannot be read or written.
-    pub fn retain_lines(
+    pub(crate) fn retain_lines(
         &self,
         name: &str,
         keep: impl Fn(&serde_json::Value) -> bool,
@@ -161,8 +135,8 @@ impl RunFolder {
     /// Lines of a metrics file; none if there is no such file.
     ///
     /// # Errors
-    /// When a line is not what it should be.
-    pub fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
+    /// When a line has unexpected content.
+    pub(crate) fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
         let path = self.file(name);
         let Ok(text) = fs::read_to_string(&path) else {
             return Ok(Vec::new());
@@ -193,7 +167,7 @@ impl RunFolder {
     /// Reads a JSON file.
     ///
     /// # Errors
-    /// When the file is missing or not what it should be.
+    /// When the file is missing or has unexpected content.
     pub fn load_json<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
         let path = self.file(name);
         let file = File::open(&path).map_err(|source| RunError::Io {
@@ -206,18 +180,18 @@ impl RunFolder {
         })
     }
 
-    /// Path of the model, or the optimizer's state, of a name.
+    /// Path of the weights or of the optimizer's state called `name`.
     #[must_use]
-    pub fn model(&self, name: &str) -> PathBuf {
-        self.file(&model_file(name))
+    pub(crate) fn weights_path(&self, name: &str) -> PathBuf {
+        self.file(&weights_file(name))
     }
 
     /// Writes a model's weights as `NAME.bpk`.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn save_model(&self, name: &str, model: &impl Module) -> Result<(), RunError> {
-        let path = self.model(name);
+    pub(crate) fn save_model(&self, name: &str, model: &impl Module) -> Result<(), RunError> {
+        let path = self.weights_path(name);
         let bytes =
             model
                 .clone()
@@ -235,15 +209,31 @@ impl RunFolder {
     /// # Errors
     /// When the file is missing, damaged or of another shape.
     pub fn load_model<M: Module>(&self, name: &str, model: M) -> Result<M, RunError> {
-        load_model(&self.model(name), model)
+        let path = self.weights_path(name);
+        let content = |reason: String| RunError::Content {
+            path: path.clone(),
+            reason,
+        };
+        File::open(&path).map_err(|source| RunError::Io {
+            path: path.clone(),
+            source,
+        })?;
+        let record = ModuleRecord::load(&path).map_err(|error| content(error.to_string()))?;
+        model
+            .try_load_record(record)
+            .map_err(|error| content(error.to_string()))
     }
 
     /// Writes an optimizer's state.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn save_optimizer(&self, name: &str, optimizer: &ModuleOptimizer) -> Result<(), RunError> {
-        let path = self.model(name);
+    pub(crate) fn save_optimizer(
+        &self,
+        name: &str,
+        optimizer: &ModuleOptimizer,
+    ) -> Result<(), RunError> {
+        let path = self.weights_path(name);
         let bytes = optimizer.into_bytes().map_err(|error| RunError::Content {
             path: path.clone(),
             reason: error.to_string(),
@@ -255,12 +245,12 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the file is missing or damaged.
-    pub fn load_optimizer(
+    pub(crate) fn load_optimizer(
         &self,
         name: &str,
         optimizer: ModuleOptimizer,
     ) -> Result<ModuleOptimizer, RunError> {
-        let path = self.model(name);
+        let path = self.weights_path(name);
         optimizer.load(&path).map_err(|error| RunError::Content {
             path,
             reason: error.to_string(),
@@ -268,26 +258,7 @@ impl RunFolder {
     }
 }
 
-/// Reads weights from a file into a model of the same shape.
-///
-/// # Errors
-/// When the file is missing, damaged or of another shape.
-pub fn load_model<M: Module>(path: &Path, model: M) -> Result<M, RunError> {
-    let content = |reason: String| RunError::Content {
-        path: path.to_owned(),
-        reason,
-    };
-    File::open(path).map_err(|source| RunError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    let record = ModuleRecord::load(path).map_err(|error| content(error.to_string()))?;
-    model
-        .try_load_record(record)
-        .map_err(|error| content(error.to_string()))
-}
-
-/// Writes a file under a temporary name and renames it when whole.
+/// Writes a file under a temporary name and renames it when complete.
 ///
 /// # Errors
 /// When the file cannot be written.

@@ -1,4 +1,4 @@
-//! The device's encoder for whatever shape a model file has.
+//! The device's encoder for a model file of any supported shape.
 //!
 //! On the device the shape is a type; the host meets models of several shapes and chooses among
 //! the compiled ones at run time.
@@ -13,7 +13,7 @@ use crate::dataset::lead_in::padded;
 /// Why a model cannot run on this host.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum AnyEncoderError {
-    /// A good model of a shape that nothing is compiled for.
+    /// A valid model of a shape that no encoder is compiled for.
     #[error(
         "model of width {}, {} layers, span {}; compiled are widths 48, 64, 96, 128 with 2 layers \
          and span {}, or 3 layers and span {}: train one of these",
@@ -25,20 +25,19 @@ pub enum AnyEncoderError {
     Model(#[from] ModelError),
 }
 
-/// What wants the encoder of a model as a type: a pipeline, for instance.
+/// A computation that is generic over the encoder's shape: a pipeline, for instance.
 pub trait WithEncoder<'m> {
-    /// What comes of it.
+    /// Its result.
     type Output;
 
-    /// Goes on with the encoder.
+    /// Runs with the encoder of the model.
     fn run<E: Encode<State: Send> + Send + 'm>(self, encoder: E) -> Self::Output;
 }
 
 /// Runs `task` with the encoder of the model's shape.
 ///
 /// # Errors
-///
-/// If nothing is compiled for that shape.
+/// When no encoder is compiled for that shape.
 pub fn with_encoder<'m, T: WithEncoder<'m>>(
     model: &Model<'m>,
     task: T,
@@ -60,12 +59,8 @@ pub fn with_encoder<'m, T: WithEncoder<'m>>(
     }
 }
 
-/// The scores of the six newest at every one of the patches, newest first: one stream from its beginning.
-///
-/// # Errors
-///
-/// As [`with_encoder`].
-pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<Logits>, AnyEncoderError> {
+/// Logits after each of the patches of a stream, from its beginning.
+fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<Logits>, AnyEncoderError> {
     with_encoder(model, Outputs(patches))
 }
 
@@ -83,11 +78,11 @@ impl<'m> WithEncoder<'m> for Outputs<'_> {
     }
 }
 
-/// An integer student's logits at every whole patch of a recording, as the device computes them, a
-/// lead-in of one window in front.
+/// Logits of an integer student at every whole patch of a recording, as the device computes them, after a
+/// lead-in of one window.
 ///
 /// # Errors
-/// When no encoder of the model's shape is compiled.
+/// When no encoder is compiled for the model's shape.
 pub fn integer_logits(
     model: &Model<'_>,
     emg: &[CleanSample],

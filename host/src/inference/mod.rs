@@ -1,13 +1,13 @@
-//! What a model says at every patch of a recording, whichever model it is.
+//! Inference over whole recordings: the logits of a model at every patch.
 //!
-//! Teacher, float student and integer student give the same: after each patch, logits for that patch
-//! and the five before it ([`LookBackLogits`](shared::pipeline::LookBackLogits), newest first, unused
-//! classes 0). Everything after this point is the same code for all.
+//! The output has one form for teacher, float student and integer student: after each patch, logits of
+//! that patch and of the five before it ([`LookBackLogits`](shared::pipeline::LookBackLogits), newest
+//! first, unused classes 0). The code that smooths and scores them is the same for all models.
 
 pub mod device;
 mod student;
 mod teacher;
 
 pub use device::integer_logits;
-pub use student::student_logits;
-pub use teacher::teacher_logits;
+pub(crate) use student::student_logits;
+pub(crate) use teacher::teacher_logits;

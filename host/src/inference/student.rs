@@ -1,4 +1,4 @@
-//! The float student over a stream.
+//! Inference of the float student.
 
 use burn::tensor::{Device, Tensor};
 use shared::pipeline::LookBackLogits;
@@ -9,12 +9,12 @@ use crate::student::model::Student;
 use crate::training::augmentation::Variation;
 use crate::training::tensor::read_back;
 
-/// A float student's rows at every whole patch of a stream.
+/// Logits of a float student at every whole patch of a stream.
 ///
-/// Runs pieces with a whole window in front of each, which gives what one long run would: the
-/// receptive field is shorter than a window.
+/// The stream is processed in pieces, each preceded by a window of context. The receptive field is shorter
+/// than a window, so the logits are those of one pass over the whole stream.
 #[must_use]
-pub fn student_logits(
+pub(crate) fn student_logits(
     model: &Student,
     emg: &[CleanSample],
     device: &Device,
@@ -22,7 +22,7 @@ pub fn student_logits(
     const PIECE: usize = 120;
     let stream = padded(emg);
     let patches = emg.len() / PATCH;
-    let mut rows = Vec::with_capacity(patches);
+    let mut all = Vec::with_capacity(patches);
     for first in (0..patches).step_by(PIECE) {
         let count = PIECE.min(patches - first);
         let range = first * PATCH..(first + WINDOW_PATCHES + count) * PATCH;
@@ -36,18 +36,17 @@ pub fn student_logits(
         ]);
         let logits = model.forward(input).slice([0..1, WINDOW_PATCHES..length]);
         let [_, _, _, classes] = logits.dims();
-        rows.extend(
+        all.extend(
             read_back(logits)
                 .chunks_exact(LOOK_BACK * classes)
                 .map(|flat| from_flat(flat, classes)),
         );
     }
-    rows
+    all
 }
 
-/// LookBackLogits from `6 * classes` logits, newest patch first.
-#[must_use]
-pub fn from_flat(flat: &[f32], classes: usize) -> LookBackLogits {
+/// Logits of one patch from `6 * classes` values, newest patch first.
+fn from_flat(flat: &[f32], classes: usize) -> LookBackLogits {
     let mut rows = LookBackLogits::default();
     for (row, logits) in rows.iter_mut().zip(flat.chunks_exact(classes)) {
         row[..classes].copy_from_slice(logits);

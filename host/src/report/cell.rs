@@ -1,6 +1,6 @@
 //! Numbers as tables show them: every table of the program writes them here.
 
-use crate::evaluation::metric::summary::MeanSd;
+use crate::statistics::MeanSd;
 
 /// What stands where there is no number.
 const NONE: &str = "-";

@@ -16,7 +16,7 @@ mod timeline;
 
 use std::path::Path;
 
-use crate::evaluation::judge::JudgeError;
+use crate::evaluation::EvaluationError;
 use crate::execution::run_folder::{RunError, write_whole};
 
 pub use self::{
@@ -55,9 +55,9 @@ pub enum ReportError {
     /// The file could not be written whole; nothing of an older one was touched.
     #[error(transparent)]
     Write(#[from] RunError),
-    /// The smoother or a metric refuses.
+    /// The labels or scores of a picture cannot be computed.
     #[error(transparent)]
-    Judge(#[from] JudgeError),
+    Evaluation(#[from] EvaluationError),
     /// A picture could not be laid out.
     #[error("report: the picture {picture:?} cannot be drawn ({reason}): this is a bug")]
     Draw {

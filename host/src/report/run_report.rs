@@ -6,13 +6,12 @@ use shared::units::LOOK_AHEAD;
 
 use super::scores::tables;
 use super::{Confusion, Curve, Panel, ReportData, ReportError, Timeline, timeline_svg};
-use crate::evaluation::judge::{JudgeError, LookAhead, confusion, offsets};
-use crate::evaluation::track::track;
+use crate::evaluation::{EvaluationError, LookAhead, confusion, offsets, smooth};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
-use crate::run::evaluate::{INTEGER, Judged, Results};
-use crate::training::fit::EpochMetrics;
+use crate::run::evaluate::{Evaluation, INTEGER, Results};
+use crate::training::metrics::EpochMetrics;
 
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";
@@ -24,7 +23,7 @@ pub const REPORT: &str = "report.html";
 pub fn write(
     context: &RunContext,
     results: &Results,
-    judged: &Judged,
+    evaluation: &Evaluation,
     page: &Path,
 ) -> Result<(), ReportError> {
     let (config, preset) = (&context.config, &context.config.preset);
@@ -75,35 +74,35 @@ pub fn write(
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. Tables show both, labels as published and lag-compensated labels, moved by one constant a data set that is estimated on training subjects.".to_owned(),
         "Every recording is preceded by its own first half second, six times over, so that short recordings are judged from their first sample; the device itself stays silent until it has 3 s of contiguous EMG.".to_owned(),
     ];
-    let device = judged
+    let device = evaluation
         .candidates
         .iter()
         .find(|candidate| candidate.name == INTEGER);
-    if let Some(integer) = device.or(judged.candidates.first()) {
-        let aggregation = integer.condition(judged.aggregation);
+    if let Some(integer) = device.or(evaluation.candidates.first()) {
+        let aggregation = integer.condition(evaluation.aggregation);
         let settings = aggregation.settings();
         let vocabulary = preset.vocabulary();
         // The recording with the most changes shows most.
         let changes =
             |labels: &[Option<_>]| labels.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        if let Some(at) =
-            (0..judged.trials.len()).max_by_key(|&at| changes(&judged.trials[at].lag_compensated))
+        if let Some(at) = (0..evaluation.trials.len())
+            .max_by_key(|&at| changes(&evaluation.trials[at].lag_compensated))
         {
-            let trial = &judged.trials[at];
-            let track = track(
+            let trial = &evaluation.trials[at];
+            let labels = smooth(
                 &integer.logits[at],
                 trial.emg.len(),
                 vocabulary.classes(),
                 settings,
             )
-            .map_err(JudgeError::from)?;
+            .map_err(EvaluationError::from)?;
             data.timelines.push(
                 Timeline {
                     subject: trial.subject.clone(),
                     recording: trial.name.clone(),
                     emg: trial.emg.clone(),
                     truth: trial.lag_compensated.clone(),
-                    emitted: track.reference,
+                    emitted: labels.reference,
                     look_ahead_samples: match aggregation {
                         LookAhead::None => 0,
                         LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
@@ -112,7 +111,7 @@ pub fn write(
                 .section(0..SHOWN),
             );
         }
-        let counts = confusion(integer, &judged.trials, vocabulary, aggregation)?;
+        let counts = confusion(integer, &evaluation.trials, vocabulary, aggregation)?;
         data.confusion = Some(Confusion {
             names: counts.intents.iter().map(|&name| name.to_owned()).collect(),
             counts: counts
@@ -121,7 +120,7 @@ pub fn write(
                 .map(|row| row[..vocabulary.classes()].to_vec())
                 .collect(),
         });
-        data.offsets_ms = offsets(integer, &judged.trials, vocabulary, aggregation)?
+        data.offsets_ms = offsets(integer, &evaluation.trials, vocabulary, aggregation)?
             .into_iter()
             .map(|samples| f64::from(samples) * 5.0)
             .collect();

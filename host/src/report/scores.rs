@@ -2,8 +2,8 @@
 
 use super::cell::{one_ms, share};
 use super::table::Table;
-use crate::evaluation::judge::{LookAhead, Score, Truth};
 use crate::evaluation::metric::summary::Summary;
+use crate::evaluation::{LookAhead, Score, Truth};
 use crate::run::evaluate::Results;
 
 /// Tables of an evaluation: lag-compensated labels, labels as published, random order and rhythm.

@@ -1,20 +1,22 @@
-//! Which aggregation mode the smoother runs with: chosen on validation subjects, once a run.
+//! The smoother's aggregation mode: chosen on validation subjects, once per run.
 
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use super::quantize::AGGREGATION;
 use super::trials;
-use crate::evaluation::judge::{LookAhead, Truth, judge};
+use crate::evaluation::{LookAhead, Truth, score};
 use crate::student::distillation;
 use crate::teacher;
 
-/// The mode with which the student, or a teacher without one, follows more transitions of the
+/// Name of the file that keeps the chosen mode in a run folder.
+pub(super) const AGGREGATION: &str = "aggregation.json";
+
+/// The mode with which the student (or the teacher, in a run without a student) follows more transitions of the
 /// validation subjects; all rows on a tie.
 ///
 /// # Errors
-/// When a model is damaged, a metric refuses or the folder cannot be written.
-pub fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
+/// When a model is damaged, labels cannot be compared or the folder cannot be written.
+pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
     const NAME: &str = "choosing the aggregation mode";
     if context.folder.file(AGGREGATION).exists() {
         return Ok(context.folder.load_json(AGGREGATION)?);
@@ -28,17 +30,18 @@ pub fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
     } else {
         return Ok(LookAhead::AllRows);
     };
-    let followed = |look_ahead| -> Result<usize, StepError> {
-        let rows = judge(
+    let correct = |look_ahead| -> Result<usize, StepError> {
+        let scores = score(
             &candidate,
             &trials,
             context.config.preset.vocabulary(),
             look_ahead,
             Truth::LagCompensated,
         )?;
-        Ok(rows.last().map_or(0, |row| row.widest().correct))
+        // The last row is over all data sets.
+        Ok(scores.last().map_or(0, |score| score.widest().correct))
     };
-    let chosen = if followed(LookAhead::SameInstant)? > followed(LookAhead::AllRows)? {
+    let chosen = if correct(LookAhead::SameInstant)? > correct(LookAhead::AllRows)? {
         LookAhead::SameInstant
     } else {
         LookAhead::AllRows

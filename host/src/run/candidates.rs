@@ -1,4 +1,4 @@
-//! The models of a run over its trials.
+//! The models of a run and their logits over trials.
 
 use rayon::prelude::*;
 use shared::model::file::Model;
@@ -7,27 +7,27 @@ use shared::units::CleanSample;
 
 use super::context::RunContext;
 use super::error::StepError;
-use crate::evaluation::judge::Candidate;
-use crate::evaluation::trial::Trial;
+use crate::evaluation::{Candidate, Trial};
 use crate::execution::parallel;
 use crate::execution::run_folder::RunError;
 use crate::inference::{integer_logits, student_logits, teacher_logits};
 use crate::student::model::Student;
 
-/// The teacher over all trials.
+/// The teacher's logits over all trials; `name` is that in tables.
 pub(super) fn teacher_candidate(
     context: &RunContext,
     name: &str,
     trials: &[Trial],
 ) -> Result<Candidate, RunError> {
-    let (model, grid) = (context.teacher()?, context.config.preset.teacher.grid());
+    let model = context.teacher()?;
+    let shape = context.config.preset.teacher.window_shape();
     let device = context.inference_device();
     candidate(context, name, trials, |emg| {
-        teacher_logits(&model, grid, emg, &device)
+        teacher_logits(&model, shape, emg, &device)
     })
 }
 
-/// A float student over all trials.
+/// A float student's logits over all trials.
 pub(super) fn student_candidate(
     context: &RunContext,
     name: &str,
@@ -40,7 +40,7 @@ pub(super) fn student_candidate(
     })
 }
 
-/// The integer student of a model file over all trials.
+/// The logits of a model file's integer student over all trials.
 pub(super) fn integer_candidate(
     name: &str,
     bytes: &[u8],
@@ -58,7 +58,7 @@ pub(super) fn integer_candidate(
     })
 }
 
-/// A model over all trials, as many at once as there are cores.
+/// A model's logits over all trials, computed on all cores.
 fn candidate(
     context: &RunContext,
     name: &str,

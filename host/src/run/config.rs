@@ -1,4 +1,5 @@
-//! The resolved configuration of a run: the preset, who has which role, how late the labels are. Saved beside the results.
+//! The resolved configuration of a run: preset, roles of the subjects, lag of the labels. It is saved beside the
+//! results.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -16,49 +17,49 @@ use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 /// Name of the resolved configuration in a run folder.
 pub const CONFIG: &str = "config.json";
 
-/// Who is trained on, who is left out, and how late each data set's labels are.
+/// Everything that decides the outcome of a run but its recordings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ResolvedConfig {
-    /// What sets the run apart from the others of its study; the preset's name by itself.
+    /// Name of the variant in a study; the preset's name in a run by itself.
     pub variant: String,
-    /// Which part of a protocol over several runs this is.
+    /// The fold of a cross-validation; none without one.
     pub fold: Option<Fold>,
-    /// The preset as it runs.
+    /// The preset, with everything set that options change.
     pub preset: Preset,
-    /// What training starts from: a run's folder or a checkpoint; none for fresh weights.
+    /// What training starts from: a run folder or a checkpoint; none for random weights.
     pub start: Option<PathBuf>,
-    /// Where the recordings lie; none for synthetic ones.
+    /// Folder of the recordings; none for synthetic ones.
     pub data: Option<PathBuf>,
-    /// Damaged files are refused rather than left out.
+    /// Whether damaged files are refused; otherwise they are left out.
     pub strict: bool,
     /// Subjects by role.
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Revision of the source that resolved the configuration, if known.
+    /// Git revision of the working directory, if known.
     pub git_revision: Option<String>,
 }
 
-/// One run of a protocol that leaves everybody out in turn.
+/// One fold of a cross-validation over subjects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fold {
-    /// Which, 1 first.
+    /// Its number, from 1 on.
     pub number: usize,
-    /// Of how many.
+    /// Number of folds.
     pub of: usize,
 }
 
-/// How late the muscles are after a data set's labels.
+/// Delay of muscle activity after a data set's labels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lag {
-    /// Samples that labels are moved by.
+    /// Samples that labels are shifted by.
     pub samples: usize,
-    /// The measurement on training subjects, if it was made.
+    /// The measurement on training subjects, if there is one.
     pub estimate: Option<LagEstimate>,
 }
 
 impl ResolvedConfig {
-    /// Writes the configuration into a run folder, the preset also as TOML.
+    /// Writes the configuration into a run folder, and the preset also as TOML.
     ///
     /// # Errors
     /// When the folder cannot be written.
@@ -75,24 +76,24 @@ impl ResolvedConfig {
         run.load_json(CONFIG)
     }
 
-    /// Samples that labels of a data set are moved by.
+    /// Samples that labels of a data set are shifted by.
     #[must_use]
-    pub fn lag(&self, data_set: DataSet) -> usize {
+    pub(crate) fn lag(&self, data_set: DataSet) -> usize {
         self.lags.get(&data_set).map_or(0, |lag| lag.samples)
     }
 
-    /// Labels of a recording in the preset's vocabulary, moved by its data set's lag.
+    /// Lag-compensated labels of a recording, in the preset's vocabulary.
     #[must_use]
-    pub fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
+    pub(crate) fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
         lag::compensated(
             &recording.labels_in(self.preset.vocabulary()),
             self.lag(recording.data_set),
         )
     }
 
-    /// Samples of a recording as models get them, electrodes aligned if the preset says so.
+    /// Samples of a recording, electrodes rotated to the common orientation if the preset says so.
     #[must_use]
-    pub fn samples(&self, recording: &Recording) -> Vec<Sample> {
+    pub(crate) fn samples(&self, recording: &Recording) -> Vec<Sample> {
         if self.preset.data.align_electrodes {
             recording.aligned_samples()
         } else {

@@ -1,4 +1,4 @@
-//! What every step of a run works with.
+//! What every step of a run needs.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,24 +14,24 @@ use crate::student::model::Student;
 use crate::teacher;
 use crate::teacher::model::Teacher;
 
-/// A run that has begun: its folder, its configuration, its recordings and what it computes on.
+/// A run: its folder, its configuration, its recordings and the device that it computes on.
 pub struct RunContext {
-    /// Where everything is written.
+    /// The run folder.
     pub folder: RunFolder,
-    /// What runs.
+    /// The resolved configuration.
     pub config: ResolvedConfig,
     /// The recordings.
     pub library: Arc<Library>,
-    /// Device with gradients.
+    /// The device, with gradients.
     pub device: Device,
-    /// Whether to go on where an interrupted run stopped.
+    /// Whether to continue where an interrupted run stopped.
     pub resume: bool,
-    /// Ctrl-C.
+    /// The user's request to stop.
     pub interrupt: Interrupt,
 }
 
 impl RunContext {
-    /// Begins a run, or goes on with it: the configuration is written into the folder.
+    /// Begins or continues a run: writes the configuration into the folder.
     ///
     /// # Errors
     /// When the folder cannot be written.
@@ -52,11 +52,11 @@ impl RunContext {
         })
     }
 
-    /// The folder and the configuration of a run that has begun.
+    /// The folder and the configuration of an earlier run.
     ///
     /// # Errors
     /// When the folder holds no configuration.
-    pub fn find(path: &Path) -> Result<(RunFolder, ResolvedConfig), RunError> {
+    pub(crate) fn find(path: &Path) -> Result<(RunFolder, ResolvedConfig), RunError> {
         let folder = RunFolder::existing(path)?;
         let config = ResolvedConfig::load(&folder)?;
         Ok((folder, config))
@@ -70,15 +70,15 @@ impl RunContext {
 
     /// Whether the run folder holds weights of this name.
     #[must_use]
-    pub fn has(&self, name: &str) -> bool {
-        self.folder.model(name).exists()
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.folder.weights_path(name).exists()
     }
 
     /// The trained teacher, without gradients.
     ///
     /// # Errors
     /// When it is missing or of another shape.
-    pub fn teacher(&self) -> Result<Teacher, RunError> {
+    pub(crate) fn teacher(&self) -> Result<Teacher, RunError> {
         load_teacher(&self.folder, &self.config, &self.inference_device())
     }
 
@@ -86,7 +86,7 @@ impl RunContext {
     ///
     /// # Errors
     /// When it is missing or of another shape.
-    pub fn student(&self, name: &str) -> Result<Student, RunError> {
+    pub(crate) fn student(&self, name: &str) -> Result<Student, RunError> {
         load_student(&self.folder, &self.config, name, &self.inference_device())
     }
 }
@@ -95,7 +95,7 @@ impl RunContext {
 ///
 /// # Errors
 /// When it is missing or of another shape.
-pub fn load_teacher(
+pub(crate) fn load_teacher(
     folder: &RunFolder,
     config: &ResolvedConfig,
     device: &Device,
@@ -113,7 +113,7 @@ pub fn load_teacher(
 ///
 /// # Errors
 /// When it is missing or of another shape.
-pub fn load_student(
+pub(crate) fn load_student(
     folder: &RunFolder,
     config: &ResolvedConfig,
     name: &str,

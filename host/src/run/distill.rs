@@ -2,11 +2,14 @@
 
 use shared::units::CleanSample;
 
+use super::aggregation::AGGREGATION;
 use super::context::RunContext;
 use super::error::StepError;
-use super::quantize::{AGGREGATION, FIGURES};
+use super::quantize::FIGURES;
 use super::soft_targets::soft_targets;
 use crate::student::distillation::{self, Distillation};
+use crate::student::learner::StudentLearner;
+use crate::training::fit::fit;
 
 /// Trains the student.
 ///
@@ -14,7 +17,7 @@ use crate::student::distillation::{self, Distillation};
 /// When the teacher is missing, the folder cannot be written or the user interrupts.
 pub fn distill(context: &RunContext) -> Result<(), StepError> {
     if !context.resume {
-        context.folder.forget(&[AGGREGATION, FIGURES])?;
+        context.folder.remove_files(&[AGGREGATION, FIGURES])?;
     }
     train(
         context,
@@ -23,16 +26,16 @@ pub fn distill(context: &RunContext) -> Result<(), StepError> {
     )
 }
 
-/// Trains a second student on the labels alone: the difference is what distillation buys.
+/// Trains a second student on the labels alone, to measure the effect of distillation.
 ///
 /// # Errors
 /// When the folder cannot be written or the user interrupts.
 pub fn train_on_labels(context: &RunContext) -> Result<(), StepError> {
-    let labels_alone = Distillation {
+    let config = Distillation {
         teacher_share: 0.0,
         ..context.config.preset.distillation.clone()
     };
-    train(context, distillation::LABELS_ONLY, &labels_alone)
+    train(context, distillation::LABELS_ONLY, &config)
 }
 
 fn train(context: &RunContext, name: &'static str, config: &Distillation) -> Result<(), StepError> {
@@ -54,16 +57,19 @@ fn train(context: &RunContext, name: &'static str, config: &Distillation) -> Res
     };
     context.device.seed(preset.seed);
     let model = preset.student.init(preset.classes, &context.device);
-    distillation::train(
+    let learner = StudentLearner::new(
         name,
-        model,
         preset.student.span,
         &corpus,
         targets,
         &validation,
         config,
-        preset.seed,
         &context.device,
+    );
+    fit(
+        &learner,
+        model,
+        config.train_config(preset.seed),
         &context.folder,
         context.resume,
         &context.interrupt,

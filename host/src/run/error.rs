@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use shared::model::file::ModelError;
 use thiserror::Error;
 
-use crate::evaluation::judge::JudgeError;
+use crate::evaluation::EvaluationError;
 use crate::execution::run_folder::RunError;
 use crate::inference::device::AnyEncoderError;
 use crate::teacher::checkpoint::CheckpointError;
@@ -13,23 +13,23 @@ use crate::teacher::checkpoint::CheckpointError;
 /// Why a step of a run cannot be done.
 #[derive(Debug, Error)]
 pub enum StepError {
-    /// The run folder, or the user interrupted.
+    /// The run folder cannot be used, or the user interrupted.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// Nobody chooses the checkpoint.
+    /// There are no validation subjects.
     #[error(
         "no subject is left to choose the checkpoint with: name one under data.validation, or give more recordings"
     )]
     NoValidation,
-    /// Nobody is judged.
+    /// There is no recording to evaluate on.
     #[error(
-        "no labelled recording of a held-out subject is at hand: name subjects under data.held_out"
+        "no labelled recording of a held-out subject was found: name subjects under data.held_out"
     )]
-    NothingToJudge,
-    /// Nothing is judged.
+    NoTrials,
+    /// There is no model to evaluate.
     #[error("no model in this run folder: train one first")]
     NoModel,
-    /// Distillation without a teacher.
+    /// There is no teacher to distil from.
     #[error("{path}: no teacher to distil from; run `myointent train` first")]
     NoTeacher {
         /// File of the teacher's weights.
@@ -37,27 +37,27 @@ pub enum StepError {
         /// The cause.
         source: std::io::Error,
     },
-    /// The checkpoint to start from.
+    /// The checkpoint to start from cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// A student that no device can run.
+    /// The model format does not allow the student's dimensions.
     #[error("this student cannot become a model file: {0}")]
     Student(#[source] ModelError),
-    /// A model file that is refused.
+    /// The model file is invalid.
     #[error("the model file is refused: {0}")]
     Model(#[from] ModelError),
-    /// A model file that no compiled encoder can run.
+    /// No encoder is compiled for the model file's shape.
     #[error(transparent)]
     Encoder(#[from] AnyEncoderError),
-    /// A metric or the smoother refuses.
+    /// The models cannot be evaluated.
     #[error(transparent)]
-    Judge(#[from] JudgeError),
+    Evaluation(#[from] EvaluationError),
 }
 
 impl StepError {
     /// Whether the user interrupted.
     #[must_use]
-    pub const fn is_interrupt(&self) -> bool {
+    pub(crate) const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Run(RunError::Interrupted { .. }))
     }
 }

@@ -1,4 +1,4 @@
-//! Step 4: every model of the run, judged on the held-out subjects.
+//! Step 4: evaluation of every model of the run on the held-out subjects.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,22 +6,21 @@ use super::aggregation::aggregation;
 use super::candidates::{integer_candidate, student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use super::quantize::{FIGURES, Figure, model_file};
+use super::quantize::{FIGURES, Figure, model_bytes};
 use super::trials;
-use crate::evaluation::judge::{Candidate, LookAhead, Score, Truth, judge};
-use crate::evaluation::trial::Trial;
+use crate::evaluation::{Candidate, LookAhead, Score, Trial, Truth, score};
 use crate::student::distillation;
 use crate::teacher;
 
 /// The teacher's name in tables.
 pub const TEACHER: &str = "teacher";
-/// The name of the student in floating point.
+/// The float student's name in tables.
 pub const STUDENT: &str = "float student";
-/// The name of the student that devices run.
+/// The integer student's name in tables; it is what devices run.
 pub const INTEGER: &str = "integer student";
-/// The name of a student trained on the labels alone.
+/// The name in tables of a float student trained on the labels alone.
 pub const LABELS_ONLY: &str = "student without teacher";
-/// The same in integers.
+/// The name in tables of the same student in integers.
 pub const INTEGER_LABELS_ONLY: &str = "integer student without teacher";
 
 /// Name of [`Results`] in a run folder.
@@ -30,79 +29,74 @@ pub const RESULTS: &str = "results.json";
 /// Scores of several models, as `results.json` keeps them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Data sets and subjects that were judged; no model has seen them.
+    /// Held-out subjects, as `data-set/subject`.
     pub held_out: Vec<String>,
-    /// The aggregation that the model file asks for.
+    /// The model file's aggregation mode.
     pub aggregation: LookAhead,
-    /// Recordings as published.
+    /// Scores on recordings as published.
     pub published: Vec<Score>,
-    /// The same people's recordings in random order and rhythm.
+    /// Scores on spliced recordings of the same subjects.
     pub spliced: Vec<Score>,
 }
 
-/// What the report draws from: the trials and every model's logits over them.
-pub struct Judged {
-    /// The recordings.
+/// What was evaluated: the trials and every model's logits over them.
+pub struct Evaluation {
+    /// Recordings as published.
     pub trials: Vec<Trial>,
     /// Every model of the run.
     pub candidates: Vec<Candidate>,
-    /// The aggregation that the model file asks for.
+    /// The model file's aggregation mode.
     pub aggregation: LookAhead,
 }
 
-/// Models that are judged beside the run's own: their logits over trials.
+/// Computes the logits of further models, which are evaluated beside the run's own.
 pub type MoreCandidates<'a> = &'a dyn Fn(&[Trial]) -> Result<Vec<Candidate>, StepError>;
 
 /// No further models.
 ///
 /// # Errors
 /// Never.
-pub fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
+pub(crate) fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
     Ok(Vec::new())
 }
 
-/// Judges whatever the run has trained on the held-out subjects: the teacher, then `more`, then float
-/// student and, of a model file, integer student.
+/// Evaluates the models of the run on the held-out subjects, as far as there are: teacher, `more`, float student, the
+/// integer student of the model file `model`, and the students trained on the labels alone.
 ///
 /// # Errors
-/// When there is no model or nobody to judge, or a model is damaged.
+/// When there is no model or no recording to evaluate on, or a model is damaged.
 pub fn evaluate(
     context: &RunContext,
     model: Option<&[u8]>,
     more: MoreCandidates<'_>,
-) -> Result<(Results, Judged), StepError> {
+) -> Result<(Results, Evaluation), StepError> {
     let trials = trials::published(&context.config, &context.library);
     let spliced = trials::spliced(&context.config, &context.library);
     if trials.is_empty() {
-        return Err(StepError::NothingToJudge);
+        return Err(StepError::NoTrials);
     }
     let aggregation = aggregation(context)?;
     let published = candidates(context, &trials, model, more)?;
     if published.is_empty() {
         return Err(StepError::NoModel);
     }
-    let in_random_order = candidates(context, &spliced, model, more)?;
+    let on_spliced = candidates(context, &spliced, model, more)?;
     let results = Results {
         held_out: context.config.split.held_out.clone(),
         aggregation,
-        published: judge_all(
+        published: score_all(
             context,
             &published,
             &trials,
             &[Truth::Published, Truth::LagCompensated],
         )?,
-        spliced: judge_all(
-            context,
-            &in_random_order,
-            &spliced,
-            &[Truth::LagCompensated],
-        )?,
+        spliced: score_all(context, &on_spliced, &spliced, &[Truth::LagCompensated])?,
     };
     context.folder.save_json(RESULTS, &results)?;
     context.folder.save_json(FIGURES, &figures(&results))?;
     Ok((
         results,
-        Judged {
+        Evaluation {
             trials,
             candidates: published,
             aggregation,
@@ -110,7 +104,7 @@ pub fn evaluate(
     ))
 }
 
-fn judge_all(
+fn score_all(
     context: &RunContext,
     candidates: &[Candidate],
     trials: &[Trial],
@@ -124,7 +118,7 @@ fn judge_all(
     for &truth in truths {
         for candidate in candidates {
             for look_ahead in candidate.conditions() {
-                scores.extend(judge(candidate, trials, vocabulary, look_ahead, truth)?);
+                scores.extend(score(candidate, trials, vocabulary, look_ahead, truth)?);
             }
         }
     }
@@ -152,13 +146,13 @@ fn candidates(
     if context.has(distillation::LABELS_ONLY) {
         let student = context.student(distillation::LABELS_ONLY)?;
         candidates.push(student_candidate(context, LABELS_ONLY, &student, trials)?);
-        let bytes = model_file(context, &student, LookAhead::AllRows)?;
+        let bytes = model_bytes(context, &student, LookAhead::AllRows)?;
         candidates.push(integer_candidate(INTEGER_LABELS_ONLY, &bytes, trials)?);
     }
     Ok(candidates)
 }
 
-/// What a model file says about the integer student's accuracy.
+/// The integer student's scores that go into the model file.
 fn figures(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     let chosen = results.published.iter().filter(|score| {

@@ -1,4 +1,4 @@
-//! A run: its preset, its resolved configuration, and the steps from recordings to a judged model file.
+//! A run: its preset, its resolved configuration, and its steps, from recordings to an evaluated model file.
 
 mod aggregation;
 mod candidates;

@@ -10,23 +10,21 @@ use shared::units::{HOLD, LOOK_AHEAD};
 use super::aggregation::aggregation;
 use super::context::RunContext;
 use super::error::StepError;
-use crate::evaluation::judge::LookAhead;
+use crate::evaluation::LookAhead;
 use crate::execution::run_folder::write_whole;
 use crate::student::distillation;
 use crate::student::model::Student;
-use crate::student::quantization::quantize as to_integers;
+use crate::student::quantization;
 
 /// Name of the model file in a run folder.
 pub const MODEL: &str = "student.intent";
-/// Where a run folder keeps which aggregation mode was chosen.
-pub const AGGREGATION: &str = "aggregation.json";
-/// Where a run folder keeps the figures that go into the model file.
-pub const FIGURES: &str = "figures.json";
+/// Name of the file that keeps the [`Figure`]s of the model file in a run folder.
+pub(super) const FIGURES: &str = "figures.json";
 
-/// A figure kept with a model file.
+/// A score of the model, kept in the model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figure {
-    /// What was measured, on which data set.
+pub(super) struct Figure {
+    /// Data set and metric.
     pub name: String,
     /// Its value.
     pub value: f32,
@@ -34,19 +32,19 @@ pub struct Figure {
 
 /// Writes the model file and returns its bytes.
 ///
-/// The aggregation mode is the one that follows more transitions of the validation subjects.
+/// Its aggregation mode is chosen on the validation subjects.
 ///
 /// # Errors
-/// When the student is missing or no device can run it.
+/// When the student is missing or the model format does not allow its dimensions.
 pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> {
     let student = context.student(distillation::NAME)?;
-    let bytes = model_file(context, &student, aggregation(context)?)?;
+    let bytes = model_bytes(context, &student, aggregation(context)?)?;
     write_whole(out, &bytes)?;
     Ok(bytes)
 }
 
 /// Bytes of the model file of a student.
-pub(super) fn model_file(
+pub(super) fn model_bytes(
     context: &RunContext,
     student: &Student,
     aggregation: LookAhead,
@@ -77,7 +75,7 @@ pub(super) fn model_file(
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
     };
-    to_integers(
+    quantization::quantize(
         student,
         &preset.student,
         preset.vocabulary(),
@@ -87,7 +85,7 @@ pub(super) fn model_file(
     .map_err(StepError::Student)
 }
 
-/// The data sets of subjects, each once.
+/// The data sets that subjects (`data-set/subject`) belong to, each once.
 fn data_sets(subjects: &[String]) -> Vec<String> {
     let mut sets: Vec<String> = subjects
         .iter()

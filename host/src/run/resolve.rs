@@ -1,4 +1,4 @@
-//! From a preset and the recordings at hand to the resolved configuration of a run.
+//! From a preset and the recordings found to the resolved configuration of a run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,12 @@ use crate::dataset::split::{Choice, Role, Split, SplitError, SplitOptions};
 use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::run_folder::{RunError, RunFolder};
 
-/// A run of a protocol, before it is known how many there are.
+/// A fold of a cross-validation, before the number of folds is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FoldChoice {
     /// The protocol.
     pub protocol: Protocol,
-    /// Which run, 1 first.
+    /// Number of the fold, from 1 on.
     pub number: usize,
 }
 
@@ -31,14 +31,14 @@ pub enum ConfigError {
     /// The split cannot be made.
     #[error(transparent)]
     Split(#[from] SplitError),
-    /// Nothing labelled is at hand.
+    /// No labelled recordings were found.
     #[error(
         "none of the {recordings} recordings has labels of the {classes} classes: give labelled recordings with --data"
     )]
     NoLabels {
         /// Recordings found.
         recordings: usize,
-        /// Classes wanted.
+        /// Number of classes of the preset.
         classes: usize,
     },
     /// There is no such fold.
@@ -46,19 +46,19 @@ pub enum ConfigError {
         "fold {number} of {of}: expected 2 folds or more, and a number from 1 on up to their number"
     )]
     Fold {
-        /// The fold asked for.
+        /// The fold given.
         number: usize,
         /// Number of folds.
         of: usize,
     },
-    /// What training starts from has seen people who are to be left out.
+    /// The weights to start from were trained or validated with held-out subjects.
     #[error(
-        "{start} was trained or validated with {subjects}, whom this run leaves out: start from a run that left them out too"
+        "{start} was trained or validated with {subjects}, whom this run holds out: start from a run that held them out too"
     )]
-    Seen {
+    HeldOutSeen {
         /// What training starts from.
         start: PathBuf,
-        /// Who, separated by commas.
+        /// These subjects, separated by commas.
         subjects: String,
     },
     /// The run's folder cannot be used.
@@ -67,13 +67,13 @@ pub enum ConfigError {
 }
 
 impl ResolvedConfig {
-    /// Decides who is left out and measures the labels' lag on training subjects alone.
+    /// Assigns the subjects to their roles, and measures the lag of the labels on training subjects alone.
     ///
-    /// With a turn of a protocol, the protocol says who is left out, and a share of the others,
-    /// drawn by the seed, chooses the checkpoint; the preset's own lists are for a run without one.
+    /// With a fold, the fold says who is held out, and the validation subjects are drawn at random from the
+    /// others; the preset's own lists are for a run without a fold.
     ///
     /// # Errors
-    /// When too few subjects or no labels are at hand.
+    /// When there are too few subjects or no labels.
     pub fn new(
         mut preset: Preset,
         library: &Library,
@@ -110,8 +110,8 @@ impl ResolvedConfig {
         })
     }
 
-    /// The recordings that have labels of the preset's classes, of the data sets that it wants; of
-    /// all if none of those is at hand.
+    /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of
+    /// these was found.
     ///
     /// # Errors
     /// When there are none.
@@ -139,11 +139,11 @@ impl ResolvedConfig {
         })
     }
 
-    /// Starts training from what another run has learnt.
+    /// Starts training from the weights of another run, or from a checkpoint.
     ///
     /// # Errors
-    /// When that run has seen somebody who is left out here. A checkpoint without a run's folder
-    /// around it does not say whom it has seen.
+    /// When subjects that are held out here were trained on or validated with in that run. A checkpoint alone
+    /// does not say who was.
     pub fn start_from(&mut self, start: &Path) -> Result<(), ConfigError> {
         if let Ok(origin) = RunFolder::existing(start).and_then(|run| Self::load(&run)) {
             let seen = |subject: &&String| {
@@ -154,7 +154,7 @@ impl ResolvedConfig {
             };
             let subjects: Vec<String> = self.split.held_out.iter().filter(seen).cloned().collect();
             if !subjects.is_empty() {
-                return Err(ConfigError::Seen {
+                return Err(ConfigError::HeldOutSeen {
                     start: start.to_owned(),
                     subjects: subjects.join(", "),
                 });
@@ -165,7 +165,7 @@ impl ResolvedConfig {
     }
 }
 
-/// Listed subjects, and for data sets without a listed one a share that the seed chooses.
+/// Roles of the subjects: as listed, and at random in data sets without a listed subject.
 fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError> {
     let subjects = folds::subjects(recordings.iter().copied());
     let data = &preset.data;
@@ -185,7 +185,7 @@ fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
-                    reason = "a share of a count"
+                    reason = "a fraction of a count"
                 )]
                 counts.insert(data_set, wanted as usize);
             }
@@ -195,7 +195,7 @@ fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError
     };
     let (mut held_out, held_out_counts) = listed(&data.held_out, data.held_out_share);
     let (mut validation, validation_counts) = listed(&data.validation, data.validation_share);
-    // One draw for both, so that nobody is drawn twice, and from those who have no role yet.
+    // One draw for both roles, among subjects without a role, so that nobody is drawn twice.
     let listed = |subject: &String| held_out.contains(subject) || validation.contains(subject);
     let rest = recordings
         .iter()
@@ -243,6 +243,7 @@ fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError
     Ok(split)
 }
 
+/// Lag of the labels of each data set.
 fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<DataSet, Lag> {
     let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
     for recording in recordings {
@@ -273,7 +274,7 @@ fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<D
         .collect()
 }
 
-/// Revision of the checkout that the program runs in.
+/// Git revision of the working directory.
 fn git_revision() -> Option<String> {
     let output = std::process::Command::new("git")
         .args(["describe", "--always", "--dirty", "--abbrev=12"])

@@ -1,4 +1,4 @@
-//! The teacher's logits over the training streams: computed once, kept in the run folder.
+//! Soft targets: the teacher's logits over the training streams, computed once and kept in the run folder.
 
 use shared::pipeline::LookBackLogits;
 use shared::units::{CleanSample, PATCH};
@@ -16,11 +16,11 @@ const FILE: &str = "soft-targets.bin";
 ///
 /// # Errors
 /// When there is no teacher, the folder cannot be written or the user interrupts.
-pub fn soft_targets(
+pub(super) fn soft_targets(
     context: &RunContext,
     streams: &[&[CleanSample]],
 ) -> Result<Vec<Vec<LookBackLogits>>, StepError> {
-    let checkpoint = context.folder.model(teacher::training::NAME);
+    let checkpoint = context.folder.weights_path(teacher::training::NAME);
     let weights = std::fs::read(&checkpoint).map_err(|source| StepError::NoTeacher {
         path: checkpoint,
         source,
@@ -35,13 +35,13 @@ pub fn soft_targets(
     }
     let model = context.teacher()?;
     let device = context.inference_device();
-    let grid = context.config.preset.teacher.grid();
+    let shape = context.config.preset.teacher.window_shape();
     let targets = parallel::map(
         "soft targets",
         streams,
         &context.folder,
         &context.interrupt,
-        |emg| teacher_logits(&model, grid, emg, &device),
+        |emg| teacher_logits(&model, shape, emg, &device),
     )?;
     write_whole(&path, &pack(&targets, key))?;
     Ok(targets)
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kept_targets_are_read_back_for_the_same_weights_and_streams_alone() {
+    fn kept_targets_are_used_for_the_same_weights_and_streams_alone() {
         let stream = [[0; 8]; 25];
         let mut targets = vec![vec![LookBackLogits::default(); 2]];
         targets[0][1][5][2] = 1.5;

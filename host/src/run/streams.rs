@@ -1,4 +1,4 @@
-//! Which streams of the recordings a run trains on, validates with and is judged on.
+//! The streams that a run trains on and validates with.
 
 use std::collections::BTreeMap;
 
@@ -12,40 +12,33 @@ use crate::dataset::split::folds;
 use crate::dataset::{DataSet, Library, Recording};
 
 impl ResolvedConfig {
-    /// What is trained on.
+    /// The streams of the training subjects.
     #[must_use]
     pub fn training(&self, library: &Library) -> Corpus {
         self.corpus(library, Role::Training)
     }
 
-    /// What chooses the checkpoint.
+    /// The streams of the validation subjects, which select the checkpoint.
     #[must_use]
     pub fn validation(&self, library: &Library) -> Corpus {
         self.corpus(library, Role::Validation)
     }
 
-    /// Recordings of the subjects left out that have labels of the vocabulary.
-    #[must_use]
-    pub fn held_out<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
+    /// Recordings of the subjects of a role that have labels of the vocabulary.
+    pub(super) fn labelled_recordings<'a>(
+        &self,
+        library: &'a Library,
+        role: Role,
+    ) -> Vec<&'a Recording> {
         let vocabulary = self.preset.vocabulary();
-        let mut recordings = self.split.select(&library.recordings, Role::HeldOut);
+        let mut recordings = self.split.select(&library.recordings, role);
         recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
         recordings
     }
 
-    /// Validation recordings that have labels of the vocabulary.
-    #[must_use]
-    pub fn validation_recordings<'a>(&self, library: &'a Library) -> Vec<&'a Recording> {
-        let vocabulary = self.preset.vocabulary();
-        let mut recordings = self.split.select(&library.recordings, Role::Validation);
-        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
-        recordings
-    }
-
-    /// Recordings of one data set joined in random order and rhythm, one a subject, labels moved
-    /// by the lag.
-    #[must_use]
-    pub fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
+    /// Spliced recordings, one per subject, with lag-compensated labels; the recordings given are those of one data
+    /// set.
+    pub(super) fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
         let vocabulary = self.preset.vocabulary();
         let Some(first) = recordings.first() else {
             return Vec::new();
@@ -61,7 +54,7 @@ impl ResolvedConfig {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "checked with the preset"
+            reason = "the preset's check allows finite values from 0 on"
         )]
         let options = SpliceOptions {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
@@ -81,8 +74,8 @@ impl ResolvedConfig {
                 .or_default()
                 .push(recording);
         }
-        let people = folds::subjects(by_set.values().flatten().copied());
-        let most = people.values().map(Vec::len).max().unwrap_or(0);
+        let subjects = folds::subjects(by_set.values().flatten().copied());
+        let most = subjects.values().map(Vec::len).max().unwrap_or(0);
         let mut streams = Vec::new();
         for (data_set, recordings) in &by_set {
             if self.preset.data.as_published {
@@ -94,9 +87,9 @@ impl ResolvedConfig {
                 }));
             }
             if self.preset.data.spliced_seconds > 0.0 {
-                let share = most as f64 / people[data_set].len() as f64;
+                let ratio = most as f64 / subjects[data_set].len() as f64;
                 let seconds =
-                    self.preset.data.spliced_seconds * share.powf(self.preset.data.balance);
+                    self.preset.data.spliced_seconds * ratio.powf(self.preset.data.balance);
                 let spliced = self.spliced(recordings, seconds);
                 streams.extend(
                     spliced

@@ -7,12 +7,13 @@ use super::error::StepError;
 use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
 use crate::teacher;
+use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
 
 /// Trains the teacher.
 ///
 /// # Errors
-/// When nobody is left to validate with, the folder cannot be written or the user interrupts.
+/// When there are no validation subjects, the folder cannot be written or the user interrupts.
 pub fn train(context: &RunContext) -> Result<(), StepError> {
     let preset = &context.config.preset;
     let corpus = context.config.training(&context.library);
@@ -36,18 +37,15 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
         context.folder.save_model(teacher::training::NAME, &model)?;
         return Ok(());
     }
-    teacher::training::train(
-        model,
-        preset.teacher.grid(),
+    let learner = TeacherLearner::new(
+        preset.teacher.window_shape(),
         &corpus,
         &validation,
         &preset.teacher_training,
         preset.seed,
         &context.device,
-        &context.folder,
-        context.resume,
-        &context.interrupt,
-    )?;
+    );
+    learner.train(model, &context.folder, context.resume, &context.interrupt)?;
     Ok(())
 }
 

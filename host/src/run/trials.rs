@@ -1,40 +1,30 @@
-//! The recordings of a run that are judged, or that settings are chosen on.
+//! The recordings that a run's models are evaluated on, or that settings are chosen on.
 
 use std::collections::BTreeMap;
 
 use shared::stream::preprocess::clean;
 
 use super::config::ResolvedConfig;
+use crate::dataset::split::Role;
 use crate::dataset::{DataSet, Library, Recording};
-use crate::evaluation::trial::Trial;
+use crate::evaluation::Trial;
 
 /// Held-out recordings as published.
-#[must_use]
-pub fn published(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
-    config
-        .held_out(library)
-        .into_iter()
-        .map(|recording| trial(config, recording))
-        .collect()
+pub(super) fn published(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
+    trials(config, library, Role::HeldOut)
 }
 
-/// Validation recordings as published: what settings may be chosen on.
-#[must_use]
-pub fn validation(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
-    config
-        .validation_recordings(library)
-        .into_iter()
-        .map(|recording| trial(config, recording))
-        .collect()
+/// Validation recordings as published, on which settings may be chosen.
+pub(super) fn validation(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
+    trials(config, library, Role::Validation)
 }
 
-/// One minute of each held-out subject in random order and rhythm: what a model that has learnt
-/// the protocol by heart fails on.
-#[must_use]
-pub fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
+/// One minute of spliced recording per held-out subject. A model that has learnt the order and timing of the
+/// protocol has no advantage on it.
+pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
     const SECONDS: f64 = 60.0;
     let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-    for recording in config.held_out(library) {
+    for recording in config.labelled_recordings(library, Role::HeldOut) {
         by_set
             .entry(recording.data_set)
             .or_default()
@@ -55,15 +45,21 @@ pub fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
         .collect()
 }
 
-fn trial(config: &ResolvedConfig, recording: &Recording) -> Trial {
-    let raw = config.samples(recording);
-    Trial {
-        data_set: recording.data_set,
-        subject: recording.subject.clone(),
-        name: recording.name.clone(),
-        emg: clean(raw.iter().copied()).collect(),
-        raw,
-        published: Some(recording.labels_in(config.preset.vocabulary())),
-        lag_compensated: config.lag_compensated_labels(recording),
-    }
+fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> {
+    config
+        .labelled_recordings(library, role)
+        .into_iter()
+        .map(|recording| {
+            let raw = config.samples(recording);
+            Trial {
+                data_set: recording.data_set,
+                subject: recording.subject.clone(),
+                name: recording.name.clone(),
+                emg: clean(raw.iter().copied()).collect(),
+                raw,
+                published: Some(recording.labels_in(config.preset.vocabulary())),
+                lag_compensated: config.lag_compensated_labels(recording),
+            }
+        })
+        .collect()
 }

@@ -1,5 +1,8 @@
-//! The student: its float network, its distillation and its quantization.
+//! The student: the float twin of the device's encoder, its training by distillation, its quantization.
 
+mod batch;
 pub mod distillation;
+pub mod learner;
 pub mod model;
-pub mod quantization;
+pub(crate) mod quantization;
+mod sequence;

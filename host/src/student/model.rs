@@ -1,7 +1,7 @@
 //! Float twin of the device's streaming encoder (`shared::model::encoder`), for training.
 //!
-//! The same formulas over whole sequences at once: local causal attention is a band in the matrix
-//! of scores instead of a ring of keys.
+//! The same formulas over whole sequences: local causal attention is a band of the matrix of scores,
+//! where the device keeps a ring of keys and values.
 
 use burn::module::{Module, Param};
 use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
@@ -16,7 +16,7 @@ use crate::training::augmentation::Companding;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudentConfig {
-    /// Width of a patch's token.
+    /// Width of a token; a patch is a token.
     pub d_model: usize,
     /// Attention heads; divides `d_model`.
     pub heads: usize,
@@ -24,18 +24,18 @@ pub struct StudentConfig {
     pub layers: usize,
     /// Patches that a patch attends to, itself included.
     pub span: usize,
-    /// Compression of the input.
+    /// Companding of the input.
     pub companding: Companding,
 }
 
 impl StudentConfig {
-    /// Patches that influence one output.
+    /// Number of patches that influence an output of the encoder.
     #[must_use]
-    pub fn receptive_field(&self) -> usize {
-        self.layers * (self.span - 1) + 1
+    pub(crate) fn receptive_field(&self) -> usize {
+        self.layers * self.span.saturating_sub(1) + 1
     }
 
-    /// A fresh model for `classes` intents.
+    /// A model with random weights for `classes` intents.
     #[must_use]
     pub fn init(&self, classes: usize, device: &Device) -> Student {
         let d = self.d_model;
@@ -63,46 +63,46 @@ impl StudentConfig {
 /// The streaming encoder with its look-back head.
 #[derive(Module, Debug)]
 pub struct Student {
-    /// 80 inputs to a token.
-    pub embed: Linear,
+    /// Patch embedding: 80 inputs to a token.
+    pub(super) embed: Linear,
     /// The encoder's layers.
-    pub layers: Vec<StudentLayer>,
+    pub(super) layers: Vec<StudentLayer>,
     /// Norm before the head.
-    pub final_norm: LayerNorm,
-    /// A token to `6 * classes` logits, newest patch first.
-    pub head: Linear,
+    pub(super) final_norm: LayerNorm,
+    /// Look-back head: a token to `6 * classes` logits, newest patch first.
+    pub(super) head: Linear,
     square_root: bool,
 }
 
 /// One pre-norm layer with local causal attention.
 #[derive(Module, Debug)]
-pub struct StudentLayer {
+pub(super) struct StudentLayer {
     /// Before attention.
-    pub norm1: LayerNorm,
+    pub(super) norm1: LayerNorm,
     /// Queries, keys and values, in this order.
-    pub qkv: Linear,
-    /// Added to the score of a key so many patches back, `[heads, span]`.
-    pub relative_bias: Param<Tensor<2>>,
+    pub(super) qkv: Linear,
+    /// Relative-position bias of the scores, by the distance of the key in patches, `[heads, span]`.
+    pub(super) relative_bias: Param<Tensor<2>>,
     /// After attention.
-    pub out: Linear,
+    pub(super) out: Linear,
     /// Before the feed-forward block.
-    pub norm2: LayerNorm,
+    pub(super) norm2: LayerNorm,
     /// d to 2d.
-    pub ff1: Linear,
+    pub(super) ff1: Linear,
     /// 2d to d.
-    pub ff2: Linear,
+    pub(super) ff2: Linear,
     heads: usize,
     span: usize,
 }
 
 impl Student {
-    /// Logits of every patch's look-back head, `[b, patches, 6, classes]`, newest first.
+    /// Logits of the look-back head at every patch, `[b, patches, 6, classes]`, newest first.
     ///
     /// `emg` is cleaned EMG over 128, `[b, patches, 80]`, sample after sample.
     #[must_use]
-    pub fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
+    pub(crate) fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
         let [batch, patches, _] = emg.dims();
-        // Zero has no gradient under a root, but the input needs none.
+        // The root has no derivative at 0, but the input needs no gradient.
         let emg = if self.square_root { emg.sqrt() } else { emg };
         let mut x = self.embed.forward(emg);
         for layer in &self.layers {
@@ -118,7 +118,7 @@ impl StudentLayer {
     fn forward(&self, x: Tensor<3>) -> Tensor<3> {
         let x = x.clone() + self.attention(self.norm1.forward(x));
         let hidden = self.ff1.forward(self.norm2.forward(x.clone()));
-        // The sigmoid form of GELU costs the device one exponential and one division.
+        // GELU in its sigmoid approximation: one exponential and one division on the device.
         let hidden = hidden.clone() * sigmoid(hidden * 1.702);
         x + self.ff2.forward(hidden)
     }
@@ -141,7 +141,7 @@ impl StudentLayer {
         self.out.forward(attended)
     }
 
-    /// Relative-position bias inside the band, minus infinity (nearly) outside, `[1, heads, n, n]`.
+    /// Relative-position bias inside the band, -1e9 outside, `[1, heads, n, n]`.
     fn band(&self, patches: usize) -> Tensor<4> {
         let device = self.relative_bias.val().device();
         let mut distance = Vec::with_capacity(patches * patches);

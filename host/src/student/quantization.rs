@@ -1,4 +1,4 @@
-//! From a trained float student to the integers of a model file.
+//! Quantization of a trained float student to a model file.
 
 use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
@@ -13,11 +13,11 @@ use super::model::{Student, StudentConfig};
 use crate::training::augmentation::Companding;
 use crate::training::tensor::read_back;
 
-/// Bytes of a model file: weights rounded to i8 with one scale a row, everything else in f32.
+/// Bytes of the model file: weights rounded to i8 with one scale per output row, everything else in f32.
 ///
 /// # Errors
-/// When the student's dimensions are none that a device can run.
-pub fn quantize(
+/// When the model format does not allow the student's dimensions.
+pub(crate) fn quantize(
     student: &Student,
     config: &StudentConfig,
     vocabulary: Vocabulary,
@@ -64,7 +64,7 @@ pub fn quantize(
     .to_bytes()
 }
 
-/// Rows of a model file are outputs; Burn keeps inputs by outputs.
+/// A row of a model file's matrix is an output; Burn's matrices are inputs by outputs.
 fn linear(linear: &Linear) -> LinearParts {
     let rows = read_back(linear.weight.val().transpose());
     let bias = linear

@@ -1,14 +1,14 @@
-//! Attention of every token to every token of its window.
+//! Multi-head attention of every token to every token of its window.
 //!
-//! One meaning, two ways: `plain` says it in Burn's operations and runs anywhere; on the CPU it
-//! would write and keep 1200 x 1200 scores a head, so there `fused` does it in blocks.
+//! There are two implementations: `plain` in Burn's operations for any backend, and `fused` for the CPU
+//! backend. `plain` stores 1200 x 1200 scores per head; `fused` computes them in blocks.
 
 #[cfg(feature = "flex")]
 mod fused;
 #[cfg(feature = "flex")]
-mod product;
+mod matmul;
 #[cfg(feature = "flex")]
-mod rows;
+mod softmax;
 #[cfg(feature = "flex")]
 mod window;
 
@@ -17,12 +17,12 @@ use burn::tensor::activation::softmax;
 
 use crate::training::dropout::Mask;
 
-/// Attends, `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, heads side by side.
+/// Attention, from `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, head after head along `d`.
 ///
-/// `blocked` is 1 for windows in which nobody looks at the second half of the tokens and these
-/// look at nobody, which leaves them 0, `[b]`. `mask` says what is dropped of the weights.
+/// `blocked`, `[b]`, is 1 for windows whose second half of tokens neither attends nor is attended to; the
+/// output of these tokens is 0. `mask` is the dropout of the attention weights.
 #[must_use]
-pub fn attend(
+pub(super) fn attend(
     qkv: Tensor<3>,
     heads: usize,
     blocked: Option<&Tensor<1>>,
@@ -35,7 +35,7 @@ pub fn attend(
     plain(qkv, heads, blocked, mask)
 }
 
-/// Whether the CPU's fused operations take this tensor.
+/// Whether the CPU backend's fused operations accept this tensor.
 #[cfg(feature = "flex")]
 pub(super) fn is_flex(x: &Tensor<3>) -> bool {
     use burn::tensor::{DType, Device};
@@ -63,7 +63,7 @@ fn on_flex(
     Tensor::from_dispatch(Dispatch::fused_attention(qkv.into_dispatch(), settings))
 }
 
-/// The same in Burn's operations.
+/// Attention in Burn's operations.
 fn plain(
     qkv: Tensor<3>,
     heads: usize,
@@ -77,7 +77,7 @@ fn plain(
         .reshape([batch, tokens, 3, heads, width])
         .permute([2, 0, 3, 1, 4]);
     let part = |i: usize| qkv.clone().slice_dim(0, i..i + 1).squeeze_dim::<4>(0);
-    // Scaling the queries touches d values a token instead of one a pair.
+    // Scaling the queries takes d products per token instead of one per pair of tokens.
     let query = part(0) * (1.0 / (width as f32).sqrt());
     let mut scores = query.matmul(part(1).swap_dims(2, 3));
     let hidden = blocked.map(|blocked| hidden(blocked.clone(), tokens));

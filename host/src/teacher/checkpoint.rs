@@ -1,10 +1,10 @@
-//! Checkpoints of the reference implementation: the `.pth` that its trainer writes, and safetensors
-//! of the same tensors under the same names.
+//! Checkpoints of the reference implementation: the `.pth` that its trainer writes, or safetensors
+//! with the same tensors under the same names.
 //!
-//! Names and shapes of this crate's teacher and of the reference's model differ where the reference
-//! uses another kind of layer (a convolution of width 1 for a linear map) or keeps axes of length 1;
-//! the values lie in the same order. A checkpoint holds weights alone: the number of heads, the
-//! companding and the dropout are those of the teacher that it is loaded into.
+//! Names and shapes differ from those of this crate's teacher where the reference uses another kind of
+//! layer (a convolution of width 1 for a linear map) or keeps axes of length 1; the order of the values
+//! is the same. A checkpoint holds weights alone: the number of heads, the companding and the dropout
+//! are those of the teacher that it is loaded into.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -23,23 +23,23 @@ mod error;
 
 pub use error::CheckpointError;
 
-/// The reference keeps the positions that EMG and intents share under two names.
+/// The two names under which the reference saves the positional encoding that EMG and intents share.
 const POSITION: &str = "emg_positional_encoding";
 const POSITION_AGAIN: &str = "action_positional_encoding";
 
-/// One tensor, without the data of any device.
+/// Shape and values of a tensor in a file.
 struct Entry {
     shape: Vec<usize>,
     values: TensorData,
 }
 
-/// Reads a checkpoint's weights into a teacher of the same dimensions, `.pth`, `.pt` or `.safetensors`.
+/// Reads the weights of a checkpoint (`.pth`, `.pt` or `.safetensors`) into a teacher of the same dimensions.
 ///
 /// # Errors
 /// When the file cannot be read, or its tensors are not exactly those of this teacher.
 pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointError> {
     let mut file = read(path)?;
-    take_second_position(path, &mut file)?;
+    remove_second_position(path, &mut file)?;
     let unreadable = |reason: String| CheckpointError::Unreadable {
         path: path.to_owned(),
         reason,
@@ -47,7 +47,7 @@ pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointErro
 
     let (mut tensors, mut missing) = (Vec::new(), Vec::new());
     for own in own_tensors(&teacher) {
-        let (name, shape) = in_the_reference(&own.name, &own.shape);
+        let (name, shape) = reference_entry(&own.name, &own.shape);
         let Some(found) = file.remove(&name) else {
             missing.push(name);
             continue;
@@ -97,7 +97,7 @@ pub fn save(path: &Path, teacher: &Teacher) -> Result<(), CheckpointError> {
     };
     let mut entries = BTreeMap::new();
     for own in own_tensors(teacher) {
-        let (name, shape) = in_the_reference(&own.name, &own.shape);
+        let (name, shape) = reference_entry(&own.name, &own.shape);
         let data = bridge::into_data(own).map_err(|error| unwritable(error.to_string()))?;
         let (bytes, _, _) = data.convert_dtype(DType::F32).into_parts();
         entries.insert(name, (shape, bytes));
@@ -112,7 +112,7 @@ pub fn save(path: &Path, teacher: &Teacher) -> Result<(), CheckpointError> {
         })
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| unwritable(error.to_string()))?;
-    // Says to Hugging Face's readers which framework laid the tensors out.
+    // Hugging Face's readers expect the name of the framework that wrote the tensors.
     let metadata = HashMap::from([("format".to_owned(), "pt".to_owned())]);
     let bytes = safetensors::serialize(views, Some(metadata))
         .map_err(|error| unwritable(error.to_string()))?;
@@ -127,8 +127,8 @@ fn own_tensors(teacher: &Teacher) -> Vec<burn_pack::Tensor> {
     teacher.collect(None, Some(Box::new(BurnToPyTorchAdapter)), false)
 }
 
-/// Name and shape that the reference gives to one of this crate's tensors.
-fn in_the_reference(own: &str, shape: &[usize]) -> (String, Vec<usize>) {
+/// Name and shape of one of this crate's tensors in the reference.
+fn reference_entry(own: &str, shape: &[usize]) -> (String, Vec<usize>) {
     match (own, shape) {
         ("emg_embedding.weight", &[to, from]) => (own.to_owned(), vec![to, from, 1]),
         ("emg_head.weight", &[to, from]) => {
@@ -166,8 +166,8 @@ fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
     };
     let tensors = match path.extension().and_then(|extension| extension.to_str()) {
         Some("pth" | "pt") => {
-            // Weights that LoRA adds lie beside the state, under a key of their own: kept here, so
-            // that they are refused by name and not silently left out.
+            // LoRA adapters have a key of their own beside the model's state. They are read too, so that
+            // they are refused by name rather than ignored.
             let mut store = PytorchStore::from_file(path)
                 .with_top_level_key("model_info")
                 .map_indices_contiguous(false);
@@ -212,8 +212,8 @@ fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
         .collect()
 }
 
-/// Removes the second name of the positions, which must say what the first says.
-fn take_second_position(
+/// Removes the positional encoding's second copy, which must be equal to the first.
+fn remove_second_position(
     path: &Path,
     file: &mut BTreeMap<String, Entry>,
 ) -> Result<(), CheckpointError> {

@@ -1,18 +1,18 @@
-//! The exponential function as a loop that a compiler turns into vector code.
+//! The exponential function, written so that the compiler vectorizes a loop over it.
 //!
-//! Plain multiplications and additions: a fused multiply-add rounds otherwise, and would make the
-//! result depend on the processor.
+//! Multiplications and additions are not fused: a fused multiply-add rounds differently, and the result
+//! would depend on the processor.
 
-/// `exp(x)` for `x` up to 0 (and a rounding above it), off by at most 3e-7 of itself; 0 is not
-/// reached: what is below -87 counts as -87.
+/// `exp(x)` for `x` up to 0 (and a rounding error above it), with a relative error below 3e-7. Below -87 it is
+/// `exp(-87)`.
 ///
-/// `x = n ln 2 + r`: a power of two by its exponent bits, times the Taylor series of `exp(r)`, whose
+/// `x = n ln 2 + r`: a power of two from its exponent bits, times the Taylor series of `exp(r)`, whose
 /// next term is below `(ln 2 / 2)^7 / 7! = 1.2e-7`.
 #[inline(always)]
-pub fn exp_negative(x: f32) -> f32 {
-    /// Added to a small number it leaves the nearest integer in the lowest bits.
+pub(super) fn exp_negative(x: f32) -> f32 {
+    /// 1.5 * 2^23: the lowest bits of a small number plus this are the nearest integer.
     const ROUND: f32 = 12_582_912.0;
-    /// ln 2 in two parts, the first exact in few bits.
+    /// ln 2 in two parts, the first with few significant bits, so that its multiples are exact.
     const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
     let x = if x > -87.0 { x } else { -87.0 };
     let shifted = x * std::f32::consts::LOG2_E + ROUND;

@@ -1,17 +1,17 @@
-//! The nonlinearity between the two maps of a feed-forward block: GELU, then dropout.
+//! The nonlinearity of a feed-forward block: GELU, then dropout.
 //!
-//! It works on the widest tensor of a layer. In Burn's operations that is a scalar error function a
-//! value, a mask as large as the tensor and a product; on the CPU it is one pass forward and one
-//! back, and only its input is kept.
+//! It is applied to the widest tensor of a layer. Burn's operations compute a scalar error function for
+//! each value, a mask as large as the tensor and a product. The fused operation for the CPU takes one
+//! pass forward and one backward, and keeps its input alone.
 
 use burn::tensor::Tensor;
 use burn::tensor::activation::gelu;
 
 use crate::training::dropout::Mask;
 
-/// GELU (the exact one, by the error function) of a tensor, and what the mask drops of it.
+/// GELU of a tensor (exact, by the error function), then dropout.
 #[must_use]
-pub fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
+pub(super) fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     #[cfg(feature = "flex")]
     if super::attention::is_flex(&x) {
         use burn::backend::Dispatch;
@@ -21,7 +21,7 @@ pub fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     plain(x, mask)
 }
 
-/// The same in Burn's operations.
+/// GELU and dropout in Burn's operations.
 fn plain(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     match mask {
         Some(mask) => mask.apply(gelu(x)),
@@ -105,7 +105,7 @@ mod fused {
         };
         let mut output = x.storage::<f32>()[values(x)].to_vec();
         let gradient = gradient.map(|tensor| &tensor.storage::<f32>()[values(tensor)]);
-        // Rows that a thread takes at a time.
+        // Rows per task of a thread.
         let rows = 256;
         output
             .par_chunks_mut(rows * width)
@@ -121,7 +121,7 @@ mod fused {
         FlexTensor::from_data(TensorData::new(output, dims))
     }
 
-    /// Some rows of a tensor, and the mask's row of the first.
+    /// Some rows of a tensor, and the index of the first one in the mask.
     struct Chunk<'a> {
         output: &'a mut [f32],
         gradient: Option<&'a [f32]>,
@@ -152,7 +152,7 @@ mod fused {
         }
     }
 
-    /// `x` times the share of a normal distribution below `x`.
+    /// `x` times the normal distribution function of `x`.
     #[inline(always)]
     pub(super) fn gelu(x: f32) -> f32 {
         x * normal(x).0
@@ -161,11 +161,11 @@ mod fused {
     /// Derivative of [`gelu`].
     #[inline(always)]
     pub(super) fn gelu_slope(x: f32) -> f32 {
-        let (share, density) = normal(x);
-        share + x * density
+        let (below, density) = normal(x);
+        below + x * density
     }
 
-    /// Share of a normal distribution below `x`, and its density there; off by less than 3e-7.
+    /// Distribution function and density of the standard normal distribution; absolute error below 3e-7.
     ///
     /// Abramowitz and Stegun, Handbook of Mathematical Functions, 7.1.26, in which the error
     /// function is a polynomial times the same exponential as the density.
@@ -176,9 +176,9 @@ mod fused {
         let t = 1.0 / (1.0 + 0.327_591_1 * std::f32::consts::FRAC_1_SQRT_2 * size);
         let series = t * (1.421_413_7 + t * (-1.453_152 + t * 1.061_405_4));
         let series = t * (0.254_829_6 + t * (-0.284_496_74 + series));
-        let above = 0.5 * series * bell;
-        let share = if x < 0.0 { above } else { 1.0 - above };
-        (share, bell * 0.398_942_3)
+        let tail = 0.5 * series * bell;
+        let below = if x < 0.0 { tail } else { 1.0 - tail };
+        (below, bell * 0.398_942_3)
     }
 }
 
@@ -192,17 +192,17 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     #[test]
-    fn one_pass_gives_what_burns_operations_give() {
+    fn the_fused_operation_gives_the_same_as_burns_operations() {
         let device = Device::flex().autodiff();
-        // More rows than a thread takes at a time, of a width that is no multiple of a vector's.
+        // More rows than a thread takes at a time, and a width that is no multiple of a vector.
         let dims = [2, 300, 37];
         let values = Tensor::random(dims, Distribution::Normal(0.0, 2.0), &device);
         let weights = Tensor::<3>::random(dims, Distribution::Default, &device);
         let mut dropout = Dropout::from(ChaCha8Rng::seed_from_u64(7));
         for mask in [None, dropout.mask(0.15)] {
-            let run = |way: fn(Tensor<3>, Option<Mask>) -> Tensor<3>| {
+            let run = |implementation: fn(Tensor<3>, Option<Mask>) -> Tensor<3>| {
                 let x = Tensor::<3>::require_grad(values.clone());
-                let output = way(x.clone(), mask);
+                let output = implementation(x.clone(), mask);
                 let gradients = (output.clone() * weights.clone()).sum().backward();
                 let gradient = x.grad(&gradients).expect("a gradient of the input");
                 [read_back(output.inner()), read_back(gradient)]
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn far_from_zero_it_is_the_identity_or_nothing() {
+    fn far_from_zero_gelu_is_the_identity_or_zero() {
         for x in [20.0_f32, 1e4] {
             assert_eq!(fused::gelu(x), x);
             assert_eq!(fused::gelu_slope(x), 1.0);

@@ -1,7 +1,7 @@
-//! Which samples of a window are hidden from the model, drawn anew every time.
+//! Random masks: which samples of a window the model does not see and has to predict.
 //!
-//! The rules are those that the reference implementation runs with (its mixture with the curriculum
-//! switched off): Poisson spans, end of window, around a transition, everything.
+//! The distribution is that of the reference implementation with its curriculum switched off: Poisson
+//! spans, the end of the window, around a transition, or everything.
 
 use rand::RngExt;
 use rand_distr::{Distribution, Poisson};
@@ -12,34 +12,34 @@ const SPAN_MEAN: f64 = 7.0;
 /// Samples masked on either side of a transition.
 pub const TRANSITION_BUFFER: usize = 50;
 
-/// What the model has to fill in.
+/// A training task: what is masked and has to be predicted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
-    /// EMG is whole, intents are masked.
+    /// EMG is visible, intents are masked.
     Intent,
     /// Intents are visible, EMG is masked.
     Emg,
     /// Both are masked.
     Joint,
-    /// No labels: EMG is masked, intents are cut off from attention.
+    /// For windows without labels: EMG is masked, attention to and from intents is blocked.
     SelfSupervised,
 }
 
-/// Masks of one window, one flag a sample; `true` hides the sample and puts it into the loss.
+/// Masks of one window, one flag per sample; `true` masks the sample and puts it into the loss.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Masks {
-    /// Hidden EMG samples, all eight channels at once.
+    /// Masked EMG samples, all eight channels together.
     pub emg: Vec<bool>,
-    /// Hidden intents.
+    /// Masked intents.
     pub intent: Vec<bool>,
     /// Whether attention between EMG and intents is blocked.
     pub blocked: bool,
 }
 
-/// How the hidden samples of a mask lie.
+/// How the masked samples are arranged.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Kind {
+enum MaskType {
     PoissonSpans,
     EndOfWindow,
     AroundTransition,
@@ -47,10 +47,10 @@ enum Kind {
 }
 
 impl Task {
-    /// Draws the masks of a window of so many samples.
+    /// Draws the masks of a window of `window` samples.
     ///
-    /// `last_before_change` is the position of the window's last sample before its first label
-    /// change, if it has one.
+    /// `last_before_change` is the position of the last sample before the window's first label change,
+    /// if there is one.
     pub fn draw(
         self,
         window: usize,
@@ -60,8 +60,14 @@ impl Task {
         let none = || vec![false; window];
         match self {
             Self::Intent => {
-                let kind = intent_kind(window, last_before_change, rng);
-                let intent = draw_mask(window, kind, fraction(kind, rng), last_before_change, rng);
+                let mask_type = intent_mask_type(window, last_before_change, rng);
+                let intent = draw_mask(
+                    window,
+                    mask_type,
+                    fraction(mask_type, rng),
+                    last_before_change,
+                    rng,
+                );
                 Masks {
                     emg: none(),
                     intent,
@@ -69,8 +75,8 @@ impl Task {
                 }
             }
             Self::Emg => {
-                let kind = span_or_end(rng);
-                let emg = draw_mask(window, kind, fraction(kind, rng), None, rng);
+                let mask_type = span_or_end(rng);
+                let emg = draw_mask(window, mask_type, fraction(mask_type, rng), None, rng);
                 Masks {
                     emg,
                     intent: none(),
@@ -78,11 +84,11 @@ impl Task {
                 }
             }
             Self::Joint => {
-                // One kind and one fraction for both, but each modality draws its own spans.
-                let kind = span_or_end(rng);
-                let fraction = fraction(kind, rng);
-                let emg = draw_mask(window, kind, fraction, None, rng);
-                let intent = draw_mask(window, kind, fraction, None, rng);
+                // One type and one fraction for both modalities, but spans of their own.
+                let mask_type = span_or_end(rng);
+                let fraction = fraction(mask_type, rng);
+                let emg = draw_mask(window, mask_type, fraction, None, rng);
+                let intent = draw_mask(window, mask_type, fraction, None, rng);
                 Masks {
                     emg,
                     intent,
@@ -91,7 +97,7 @@ impl Task {
             }
             Self::SelfSupervised => {
                 let fraction = rng.random_range(0.20..0.65);
-                let emg = draw_mask(window, Kind::PoissonSpans, fraction, None, rng);
+                let emg = draw_mask(window, MaskType::PoissonSpans, fraction, None, rng);
                 Masks {
                     emg,
                     intent: none(),
@@ -102,28 +108,32 @@ impl Task {
     }
 }
 
-fn span_or_end(rng: &mut impl RngExt) -> Kind {
+fn span_or_end(rng: &mut impl RngExt) -> MaskType {
     if rng.random_bool(0.99) {
-        Kind::PoissonSpans
+        MaskType::PoissonSpans
     } else {
-        Kind::EndOfWindow
+        MaskType::EndOfWindow
     }
 }
 
-fn intent_kind(window: usize, last_before_change: Option<usize>, rng: &mut impl RngExt) -> Kind {
+fn intent_mask_type(
+    window: usize,
+    last_before_change: Option<usize>,
+    rng: &mut impl RngExt,
+) -> MaskType {
     let far = window.saturating_sub(TRANSITION_BUFFER);
     match last_before_change {
         Some(t) if t > TRANSITION_BUFFER && t < far => {
             if rng.random_bool(0.5) {
-                Kind::AroundTransition
+                MaskType::AroundTransition
             } else {
-                Kind::Everything
+                MaskType::Everything
             }
         }
-        Some(t) if t == TRANSITION_BUFFER || t == far => Kind::Everything,
+        Some(t) if t == TRANSITION_BUFFER || t == far => MaskType::Everything,
         _ => {
             if rng.random_bool(0.99) {
-                Kind::Everything
+                MaskType::Everything
             } else {
                 span_or_end(rng)
             }
@@ -131,9 +141,9 @@ fn intent_kind(window: usize, last_before_change: Option<usize>, rng: &mut impl 
     }
 }
 
-fn fraction(kind: Kind, rng: &mut impl RngExt) -> f64 {
-    match kind {
-        Kind::EndOfWindow => rng.random_range(0.30..0.60),
+fn fraction(mask_type: MaskType, rng: &mut impl RngExt) -> f64 {
+    match mask_type {
+        MaskType::EndOfWindow => rng.random_range(0.30..0.60),
         _ => rng.random_range(0.30..0.75),
     }
 }
@@ -145,40 +155,40 @@ fn fraction(kind: Kind, rng: &mut impl RngExt) -> f64 {
 )]
 fn draw_mask(
     window: usize,
-    kind: Kind,
+    mask_type: MaskType,
     fraction: f64,
     last_before_change: Option<usize>,
     rng: &mut impl RngExt,
 ) -> Vec<bool> {
-    let hidden = (window as f64 * fraction) as usize;
+    let masked = (window as f64 * fraction) as usize;
     let mut mask = vec![false; window];
-    match (kind, last_before_change) {
-        (Kind::PoissonSpans, _) => mask = poisson_spans(window, hidden, rng),
-        (Kind::EndOfWindow, _) => mask[window - hidden..].fill(true),
-        (Kind::AroundTransition, Some(t)) => {
+    match (mask_type, last_before_change) {
+        (MaskType::PoissonSpans, _) => mask = poisson_spans(window, masked, rng),
+        (MaskType::EndOfWindow, _) => mask[window - masked..].fill(true),
+        (MaskType::AroundTransition, Some(t)) => {
             mask[t - TRANSITION_BUFFER..t + TRANSITION_BUFFER].fill(true);
         }
-        (Kind::AroundTransition, None) | (Kind::Everything, _) => mask.fill(true),
+        (MaskType::AroundTransition, None) | (MaskType::Everything, _) => mask.fill(true),
     }
     mask
 }
 
-/// A mask of one window: spans are marked until exactly `hidden` distinct samples are, at most all.
+/// A mask of one window made of spans of random length, until exactly `masked` samples are masked, at most all.
 ///
-/// A span that falls wholly on marked samples adds nothing and is drawn again; this thins out the
-/// first and last samples of a window, as in the reference.
+/// Spans may overlap, so the first and last samples of a window are masked less often, as in the
+/// reference.
 ///
 /// # Panics
-/// Never: the mean length of a span is a constant that suits a Poisson draw.
+/// Never: the mean length of a span is a constant, valid for a Poisson distribution.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a Poisson draw is a small count"
 )]
-pub fn poisson_spans(window: usize, hidden: usize, rng: &mut impl RngExt) -> Vec<bool> {
+pub fn poisson_spans(window: usize, masked: usize, rng: &mut impl RngExt) -> Vec<bool> {
     let lengths = Poisson::new(SPAN_MEAN).expect("7 is a valid mean");
     let mut mask = vec![false; window];
-    let mut missing = hidden.min(window);
+    let mut missing = masked.min(window);
     while missing > 0 {
         let length = lengths.sample(rng) as usize;
         if length == 0 || length >= mask.len() {
@@ -201,27 +211,27 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use shared::units::WINDOW;
 
-    fn share(mask: &[bool]) -> usize {
-        mask.iter().filter(|&&hidden| hidden).count()
+    fn count(mask: &[bool]) -> usize {
+        mask.iter().filter(|&&masked| masked).count()
     }
 
     #[test]
-    fn spans_hide_exactly_the_asked_number_of_samples() {
+    fn spans_mask_exactly_the_given_number_of_samples() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        for hidden in [0, 1, 180, 300, 450, WINDOW] {
-            assert_eq!(share(&poisson_spans(WINDOW, hidden, &mut rng)), hidden);
+        for masked in [0, 1, 180, 300, 450, WINDOW] {
+            assert_eq!(count(&poisson_spans(WINDOW, masked, &mut rng)), masked);
         }
     }
 
     #[test]
-    fn a_transition_in_the_middle_is_hidden_alone_or_with_everything() {
+    fn a_transition_in_the_middle_is_masked_alone_or_with_everything() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         for _ in 0..200 {
             let masks = Task::Intent.draw(WINDOW, Some(300), &mut rng);
-            assert_eq!(share(&masks.emg), 0);
-            match share(&masks.intent) {
-                100 => assert!(masks.intent[250..350].iter().all(|&hidden| hidden)),
-                hidden => assert_eq!(hidden, WINDOW),
+            assert_eq!(count(&masks.emg), 0);
+            match count(&masks.intent) {
+                100 => assert!(masks.intent[250..350].iter().all(|&masked| masked)),
+                masked => assert_eq!(masked, WINDOW),
             }
         }
     }
@@ -231,8 +241,8 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..100 {
             let masks = Task::Emg.draw(WINDOW, Some(10), &mut rng);
-            assert_eq!(share(&masks.intent), 0);
-            assert!((180..450).contains(&share(&masks.emg)));
+            assert_eq!(count(&masks.intent), 0);
+            assert!((180..450).contains(&count(&masks.emg)));
         }
     }
 
@@ -244,7 +254,7 @@ mod tests {
         }
         let masks = Task::SelfSupervised.draw(WINDOW, None, &mut rng);
         assert!(masks.blocked);
-        assert_eq!(share(&masks.intent), 0);
-        assert!((120..390).contains(&share(&masks.emg)));
+        assert_eq!(count(&masks.intent), 0);
+        assert!((120..390).contains(&count(&masks.emg)));
     }
 }

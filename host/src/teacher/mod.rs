@@ -1,10 +1,13 @@
-//! The paper's transformer, whole: masks, tasks, model, training (ReactEMG, arXiv 2506.19815).
+//! The teacher: the paper's masked multimodal transformer and its training (ReactEMG, arXiv 2506.19815).
 
-pub mod attention;
+mod attention;
+pub mod batch;
 pub mod checkpoint;
 #[cfg(feature = "flex")]
 mod exponential;
-pub mod feed_forward;
+mod feed_forward;
+pub mod learner;
+pub(crate) mod lora;
 pub mod masking;
 pub mod model;
 pub mod training;

@@ -1,8 +1,7 @@
 //! The masked transformer over EMG and intent tokens.
 //!
-//! With a patch of 1 this is the paper's network, layer for layer; with a patch of 10 samples are
-//! grouped before the encoder and unfolded after it, which makes it a CPU's work. Everything else
-//! is the same code.
+//! With a patch of 1 this is the paper's network, layer by layer. With a larger patch, that many samples
+//! are one token; fewer tokens make training on a CPU feasible. Everything else is the same code.
 
 use burn::module::{Module, Param};
 use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
@@ -13,7 +12,7 @@ use shared::units::CHANNELS;
 
 use super::attention::attend;
 use super::feed_forward::activate;
-use super::window::Grid;
+use super::window::WindowShape;
 use crate::training::augmentation::Companding;
 use crate::training::dropout::Dropout;
 
@@ -23,9 +22,9 @@ use crate::training::dropout::Dropout;
 pub struct TeacherConfig {
     /// Samples in a window: 600 in the paper; 100 and 300 in its ablation.
     pub window: usize,
-    /// Samples in a token: 1 in the paper, 10 on a CPU. Divides the window.
+    /// Samples in a token: 1 in the paper, 20 in the presets for a CPU. Divides the window.
     pub patch: usize,
-    /// Compression of the EMG that the encoder sees; the reconstruction's target stays linear.
+    /// Companding of the encoder's input; the target of the reconstruction stays linear.
     pub companding: Companding,
     /// Width of a token.
     pub d_model: usize,
@@ -35,23 +34,23 @@ pub struct TeacherConfig {
     pub layers: usize,
     /// Hidden width of the feed-forward blocks.
     pub feed_forward: usize,
-    /// Dropout of the feed-forward blocks and after attention.
+    /// Dropout in the feed-forward blocks and after attention.
     pub dropout: f64,
-    /// Dropout on the attention weights; the paper uses the same number for both.
+    /// Dropout of the attention weights; the paper uses the same number for both.
     pub attention_dropout: f64,
 }
 
 impl TeacherConfig {
-    /// How a window's samples are grouped into tokens.
+    /// Samples of a window, and how they are grouped into tokens.
     #[must_use]
-    pub const fn grid(&self) -> Grid {
-        Grid {
+    pub const fn window_shape(&self) -> WindowShape {
+        WindowShape {
             window: self.window,
             patch: self.patch,
         }
     }
 
-    /// A fresh model for `classes` intents; MASK is one class more.
+    /// A model with random weights for `classes` intents, and MASK as one class more.
     #[must_use]
     pub fn init(&self, classes: usize, device: &Device) -> Teacher {
         let d = self.d_model;
@@ -65,7 +64,7 @@ impl TeacherConfig {
             emg_mask: small.init([d], device),
             emg_modality: small.init([d], device),
             intent_modality: small.init([d], device),
-            position: Param::from_tensor(waves(self.grid().tokens(), d, device)),
+            position: Param::from_tensor(sinusoids(self.window_shape().tokens(), d, device)),
             intent_embedding: Initializer::Normal {
                 mean: 0.0,
                 std: 1.0,
@@ -94,14 +93,14 @@ impl TeacherConfig {
     }
 }
 
-/// Learned positions start as waves of many lengths: from noise, a model of few steps does not
-/// find out which EMG token lies beside which intent token.
-fn waves(tokens: usize, d: usize, device: &Device) -> Tensor<2> {
+/// Initial values of the learned positional encoding: sinusoids of many wavelengths. With random values, a short
+/// training does not learn which EMG token belongs to which intent token.
+fn sinusoids(tokens: usize, d: usize, device: &Device) -> Tensor<2> {
     let values: Vec<f32> = (0..tokens * d)
         .map(|at| {
             let (token, feature) = ((at / d) as f32, at % d);
-            let length = 1000.0_f32.powf((feature / 2 * 2) as f32 / d as f32);
-            let phase = token / length;
+            let wavelength = 1000.0_f32.powf((feature / 2 * 2) as f32 / d as f32);
+            let phase = token / wavelength;
             if feature % 2 == 0 {
                 phase.sin()
             } else {
@@ -112,7 +111,7 @@ fn waves(tokens: usize, d: usize, device: &Device) -> Tensor<2> {
     Tensor::from_data(TensorData::new(values, [tokens, d]), device)
 }
 
-/// The paper's model: two token sequences of one window, concatenated, encoded together.
+/// The paper's model: the EMG tokens and the intent tokens of a window, concatenated and encoded together.
 #[derive(Module, Debug)]
 pub struct Teacher {
     emg_embedding: Linear,
@@ -130,7 +129,7 @@ pub struct Teacher {
 
 /// One pre-norm encoder layer.
 #[derive(Module, Debug)]
-pub struct TeacherLayer {
+pub(super) struct TeacherLayer {
     norm1: LayerNorm,
     qkv: Linear,
     out: Linear,
@@ -142,20 +141,44 @@ pub struct TeacherLayer {
     heads: usize,
 }
 
-/// What a teacher sees of a batch of `b` windows, in tokens of `patch` samples.
+/// A teacher's input: a batch of `b` windows in tokens of `patch` samples.
 #[derive(Clone, Debug)]
 pub struct TeacherInput {
     /// Cleaned EMG over 128, `[b, tokens, patch * 8]`, sample after sample.
     pub emg: Tensor<3>,
-    /// 1 where the token's EMG is hidden, `[b, tokens, 1]`.
+    /// 1 where the token's EMG is masked, `[b, tokens, 1]`.
     pub emg_mask: Tensor<3>,
-    /// Share of each class in the token's samples, MASK last, `[b, tokens, classes + 1]`.
+    /// Fraction of the token's samples in each class, MASK last, `[b, tokens, classes + 1]`.
     pub intent: Tensor<3>,
-    /// 1 for windows whose attention is blocked (self-supervised), `[b]`; none if there are none.
+    /// 1 for windows without attention between EMG and intents (self-supervised), `[b]`; none if there are none.
     pub blocked: Option<Tensor<1>>,
 }
 
-/// What a teacher answers.
+impl TeacherInput {
+    /// The input of inference: whole EMG, every intent masked. `emg` is that of whole windows.
+    #[must_use]
+    pub fn for_inference(
+        emg: Vec<f32>,
+        shape: WindowShape,
+        classes: usize,
+        device: &Device,
+    ) -> Self {
+        let (tokens, patch) = (shape.tokens(), shape.patch);
+        let b = emg.len() / (shape.window * CHANNELS);
+        let mut intent = vec![0.0_f32; b * tokens * (classes + 1)];
+        for token in intent.chunks_exact_mut(classes + 1) {
+            token[classes] = 1.0;
+        }
+        Self {
+            emg: Tensor::from_data(TensorData::new(emg, [b, tokens, patch * CHANNELS]), device),
+            emg_mask: Tensor::zeros([b, tokens, 1], device),
+            intent: Tensor::from_data(TensorData::new(intent, [b, tokens, classes + 1]), device),
+            blocked: None,
+        }
+    }
+}
+
+/// A teacher's output.
 #[derive(Clone, Debug)]
 pub struct TeacherOutput {
     /// Reconstructed EMG, `[b, tokens, patch * 8]`.
@@ -165,16 +188,16 @@ pub struct TeacherOutput {
 }
 
 impl Teacher {
-    /// Runs a batch of windows through the encoder, nothing dropped.
+    /// The outputs for a batch of windows, without dropout.
     #[must_use]
     pub fn forward(&self, input: TeacherInput) -> TeacherOutput {
         self.run(input, &mut Dropout::off())
     }
 
-    /// Runs a batch in training: what is dropped comes from the caller's generator, so that batches
-    /// on several threads stay reproducible.
+    /// The outputs with dropout. The caller's generator makes the masks, so that batches on several threads
+    /// stay reproducible.
     #[must_use]
-    pub fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
+    pub(super) fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
         self.run(input, &mut Dropout::from(rng))
     }
 
@@ -188,11 +211,11 @@ impl Teacher {
         } else {
             input.emg
         };
-        // The mask vector replaces the token after the norm, so it is itself not normed.
+        // As in the reference, the mask vector replaces the token after the layer norm.
         let emg = self.emg_norm.forward(self.emg_embedding.forward(emg));
-        let hidden = input.emg_mask.clone() * self.emg_mask.val().reshape([1, 1, d]);
+        let masked = input.emg_mask.clone() * self.emg_mask.val().reshape([1, 1, d]);
         let emg = emg * (input.emg_mask * -1.0 + 1.0)
-            + hidden
+            + masked
             + self.emg_modality.val().reshape([1, 1, d])
             + position.clone();
 
@@ -222,13 +245,13 @@ impl Teacher {
 
     /// Number of encoder layers.
     #[must_use]
-    pub fn depth(&self) -> usize {
+    pub(super) fn depth(&self) -> usize {
         self.layers.len()
     }
 
     /// Number of output classes, MASK included.
     #[must_use]
-    pub fn classes(&self) -> usize {
+    pub(crate) fn classes(&self) -> usize {
         self.intent_embedding.dims()[0]
     }
 }

@@ -1,51 +1,51 @@
-//! Augmentation of training examples, and the amplitude compression in front of a network.
+//! Data augmentation for training, and the companding in front of a network.
 
 use rand::RngExt;
 use rand_distr::{Distribution, LogNormal};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, CleanSample};
 
-/// How EMG amplitudes are compressed before the patch embedding.
+/// Compression of the EMG amplitude in front of the patch embedding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Companding {
     /// x
     Linear,
-    /// sqrt(x): the step from rest to a weak gesture counts as much as that to a strong one.
+    /// sqrt(x): expands low amplitudes, so that weak gestures differ from rest about as much as strong ones do.
     SquareRoot,
 }
 
-/// How training examples are varied: an armband sits tighter or looser, and turned.
+/// Random variation of training examples: gain (how tightly the armband sits) and electrode rotation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Augmentation {
-    /// Standard deviation of the logarithm of a gain, one a window; 0 leaves the EMG as it is.
+    /// Standard deviation of the natural logarithm of the gain, which is drawn once per example; 0: no gain.
     pub gain: f64,
-    /// Largest rotation of the electrodes, in places either way.
+    /// Largest rotation of the electrodes, in electrodes, in either direction.
     pub rotation: usize,
 }
 
-/// One drawn variation, applied to a whole window or sequence.
+/// One draw of an augmentation, applied to a whole window or sequence.
 #[derive(Clone, Copy, Debug)]
-pub struct Variation {
+pub(crate) struct Variation {
     gain: f32,
     rotation: usize,
 }
 
 impl Variation {
-    /// Leaves everything as it is.
-    pub const NONE: Self = Self {
+    /// No change: gain 1, no rotation.
+    pub(crate) const NONE: Self = Self {
         gain: 1.0,
         rotation: 0,
     };
 }
 
 impl Augmentation {
-    /// Draws a variation.
+    /// Draws a variation: the gain, then the rotation.
     ///
     /// # Panics
     /// Never: a preset with a negative or infinite gain is refused when it is read.
-    pub fn draw(&self, rng: &mut impl RngExt) -> Variation {
+    pub(crate) fn draw(&self, rng: &mut impl RngExt) -> Variation {
         let gain = if self.gain > 0.0 {
             let gains = LogNormal::new(0.0, self.gain).expect("presets hold a finite gain >= 0");
             gains.sample(rng) as f32
@@ -61,8 +61,8 @@ impl Augmentation {
 }
 
 impl Variation {
-    /// Writes samples as the model's input, value / 128 times the gain, at most 1.
-    pub fn write(self, samples: &[CleanSample], input: &mut Vec<f32>) {
+    /// Appends samples as a model's input: value / 128 times the gain, at most 1, channel after channel.
+    pub(crate) fn write(self, samples: &[CleanSample], input: &mut Vec<f32>) {
         for sample in samples {
             for channel in 0..CHANNELS {
                 let code = sample[(channel + self.rotation) % CHANNELS];

@@ -1,15 +1,15 @@
-//! Dropout whose masks are computed from a seed and a position, never stored.
+//! Dropout whose masks are computed from a seed and a position and never stored.
 //!
-//! Burn's own dropout draws from one generator a device, so two threads that train side by side
-//! would not draw the same twice. Here each use draws one seed from the caller's generator; whether
-//! a value is dropped is a hash of seed, row and column, so any part of a mask can be had again, in
-//! any order.
+//! Burn's own dropout draws from one generator per device, so two threads that train in parallel would
+//! not repeat their draws. Here each use draws one seed from the caller's generator; whether a value is
+//! dropped is a hash of seed, row and column, so any part of a mask can be computed again, in any
+//! order.
 
 use burn::tensor::{Tensor, TensorData};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 
-/// Drops values while training, and nothing otherwise.
+/// Source of dropout masks: a generator in training, none in inference.
 pub struct Dropout(Option<ChaCha8Rng>);
 
 impl From<ChaCha8Rng> for Dropout {
@@ -19,31 +19,31 @@ impl From<ChaCha8Rng> for Dropout {
 }
 
 impl Dropout {
-    /// Drops nothing.
+    /// No dropout, for inference.
     #[must_use]
     pub const fn off() -> Self {
         Self(None)
     }
 
-    /// The next mask, which drops about a share of the values; none if nothing is dropped.
-    pub fn mask(&mut self, share: f64) -> Option<Mask> {
-        let rng = self.0.as_mut().filter(|_| share > 0.0)?;
+    /// The next mask, which drops values with this probability; none if nothing is dropped.
+    pub(crate) fn mask(&mut self, probability: f64) -> Option<Mask> {
+        let rng = self.0.as_mut().filter(|_| probability > 0.0)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a share of 2^32"
+            reason = "a probability times 2^32"
         )]
         Some(Mask {
             seed: rng.next_u64(),
-            below: (share * f64::from(u32::MAX)) as u32,
-            scale: (1.0 / (1.0 - share)) as f32,
+            below: (probability * f64::from(u32::MAX)) as u32,
+            scale: (1.0 / (1.0 - probability)) as f32,
         })
     }
 
-    /// Sets about a share of the values to 0 and scales the others, so that the mean stays.
+    /// Sets values to 0 with this probability and scales the others, so that the expected value stays.
     #[must_use]
-    pub fn drop<const D: usize>(&mut self, x: Tensor<D>, share: f64) -> Tensor<D> {
-        match self.mask(share) {
+    pub fn drop<const D: usize>(&mut self, x: Tensor<D>, probability: f64) -> Tensor<D> {
+        match self.mask(probability) {
             Some(mask) => mask.apply(x),
             None => x,
         }
@@ -52,17 +52,17 @@ impl Dropout {
 
 /// Which values of a tensor are dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mask {
+pub(crate) struct Mask {
     seed: u64,
     below: u32,
-    /// What the values that stay are multiplied by.
+    /// Factor of the values that are kept, 1 / (1 - probability).
     pub scale: f32,
 }
 
 impl Mask {
-    /// The mask of one row of a tensor, rows counted over all leading dimensions.
+    /// The mask of one row along the last axis; rows are counted over all leading axes.
     #[must_use]
-    pub fn row(&self, row: usize) -> RowMask {
+    pub(crate) fn row(&self, row: usize) -> RowMask {
         // The finalizer of SplitMix64: neighbouring rows get unrelated keys.
         let mut key = self.seed ^ (row as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         key = (key ^ (key >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -73,16 +73,16 @@ impl Mask {
         }
     }
 
-    /// Sets what is dropped of a tensor to 0 and scales the rest.
+    /// Sets dropped values of a tensor to 0 and scales the others.
     #[must_use]
-    pub fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
+    pub(crate) fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
         let (dims, device) = (x.dims(), x.device());
         x * Tensor::from_data(TensorData::new(self.factors(dims), dims), &device)
     }
 
-    /// 0 or the scale for every value of a tensor.
+    /// The factor of every value of a tensor: 0 or the scale.
     #[must_use]
-    pub fn factors<const D: usize>(&self, dims: [usize; D]) -> Vec<f32> {
+    pub(crate) fn factors<const D: usize>(&self, dims: [usize; D]) -> Vec<f32> {
         let columns = dims[D - 1].max(1);
         let mut factors = vec![self.scale; dims.iter().product()];
         for (at, row) in factors.chunks_mut(columns).enumerate() {
@@ -94,26 +94,26 @@ impl Mask {
 
 /// Which values of a row are dropped.
 #[derive(Clone, Copy, Debug)]
-pub struct RowMask {
+pub(crate) struct RowMask {
     key: u32,
     below: u32,
 }
 
 impl RowMask {
-    /// Whether the value of a column stays.
+    /// Whether the value of a column is kept.
     #[must_use]
     #[inline(always)]
-    pub fn keeps(self, column: u32) -> bool {
-        // Multiplications and shifts only, so that a loop over columns becomes vector code.
+    pub(crate) fn keeps(self, column: u32) -> bool {
+        // Multiplications and shifts alone, so that the compiler vectorizes a loop over columns.
         let mut hash = self.key ^ column.wrapping_mul(0x9e37_79b9);
         hash = (hash ^ (hash >> 16)).wrapping_mul(0x7feb_352d);
         hash = (hash ^ (hash >> 15)).wrapping_mul(0x846c_a68b);
         hash ^ (hash >> 16) >= self.below
     }
 
-    /// Sets what is dropped to 0.
+    /// Sets dropped values to 0.
     #[inline(always)]
-    pub fn zero(self, row: &mut [f32]) {
+    pub(crate) fn zero(self, row: &mut [f32]) {
         for (column, value) in (0_u32..).zip(row) {
             *value = if self.keeps(column) { *value } else { 0.0 };
         }
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_the_mean_and_repeats_with_its_seed() {
+    fn the_mean_is_kept_and_a_seed_repeats_its_mask() {
         let x = Tensor::<2>::ones([100, 200], &Device::default());
         let drop = |seed| crate::training::tensor::read_back(dropout(seed).drop(x.clone(), 0.15));
         let once = drop(1);
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn off_leaves_everything_as_it_is() {
+    fn without_dropout_nothing_changes() {
         let x = Tensor::<1>::ones([8], &Device::default());
         assert_eq!(
             crate::training::tensor::read_back(Dropout::off().drop(x, 0.9)),

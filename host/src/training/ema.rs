@@ -1,24 +1,24 @@
-//! Exponential moving average (EMA) of a model's weights, steadier than the weights of any one step.
+//! Exponential moving average (EMA) of a model's weights.
 //!
-//! After Polyak and Juditsky (1992), recent steps weighed more: the average is validated and saved,
-//! the model itself goes on training.
+//! The average varies less from step to step than the weights themselves: it is what is validated and
+//! saved, while training continues on the weights. Source: Polyak and Juditsky (1992), here with
+//! exponentially decaying weights.
 
 use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
 use burn::tensor::{Tensor, TensorData};
 
-/// The average of all weights, in the order in which the module shows them.
+/// The average of all weights, in the order in which the module visits them.
 #[derive(Clone, Debug)]
-pub struct Ema {
+pub(super) struct Ema {
     decay: f32,
     steps: usize,
     weights: Vec<f32>,
 }
 
 impl Ema {
-    /// Begins with the model as it is, after so many steps; each later step takes over `1 - decay` of the mean, and
-    /// more at first.
-    #[must_use]
-    pub fn new(model: &impl Module, decay: f64, steps: usize) -> Self {
+    /// An average that starts from a model's weights after `steps` steps. Each later step enters it with a weight of
+    /// `1 - decay`, the first ones with more.
+    pub(super) fn new(model: &impl Module, decay: f64, steps: usize) -> Self {
         Self {
             decay: decay as f32,
             steps,
@@ -26,21 +26,20 @@ impl Ema {
         }
     }
 
-    /// Takes in the weights after another step.
-    pub fn add(&mut self, model: &impl Module) {
+    /// Adds the weights after another step.
+    pub(super) fn add(&mut self, model: &impl Module) {
         self.steps += 1;
-        // The first steps' weights are soon forgotten.
+        // A lower decay at first, so that the initial weights soon count for little.
         let decay = self
             .decay
             .min(self.steps as f32 / (self.steps as f32 + 10.0));
-        for (mean, weight) in self.weights.iter_mut().zip(weights(model)) {
-            *mean += (weight - *mean) * (1.0 - decay);
+        for (average, weight) in self.weights.iter_mut().zip(weights(model)) {
+            *average += (weight - *average) * (1.0 - decay);
         }
     }
 
-    /// The model with the mean for its weights.
-    #[must_use]
-    pub fn apply<M: Module>(&self, model: M) -> M {
+    /// The model with the average as its weights.
+    pub(super) fn apply<M: Module>(&self, model: M) -> M {
         model.map(&mut Replace(&self.weights))
     }
 }
@@ -89,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_lies_between_the_steps_and_leans_on_the_recent_ones() {
+    fn recent_steps_weigh_more() {
         let mut ema = Ema::new(&model(0.0), 0.5, 100);
         ema.add(&model(1.0));
         ema.add(&model(3.0));
@@ -98,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_young_mean_follows_its_model() {
+    fn the_initial_weights_soon_count_for_little() {
         let mut ema = Ema::new(&model(100.0), 0.999, 0);
         for _ in 0..50 {
             ema.add(&model(1.0));

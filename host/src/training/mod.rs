@@ -1,9 +1,13 @@
-//! What teacher, student and baselines share to be trained: the loop, the schedule, losses, dropout.
+//! What the training of teacher, student and baselines shares: the loop, the learning-rate schedule,
+//! weight averaging, the loss, dropout, augmentation.
 
 pub mod augmentation;
 pub mod dropout;
-pub mod ema;
+mod ema;
 pub mod fit;
+pub mod learner;
 pub mod loss;
+pub(crate) mod metrics;
+pub mod optimizer;
 pub mod schedule;
 pub mod tensor;

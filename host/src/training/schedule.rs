@@ -1,35 +1,34 @@
-//! Learning rate over the steps of a run.
+//! Learning-rate schedule.
 
 use serde::{Deserialize, Serialize};
 
-/// How the learning rate changes over a run.
+/// Shape of the learning rate over the steps of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LrSchedule {
-    /// Linear warm-up over this share of the steps, then linear decay to 0.
+    /// Linear warm-up over this fraction of the steps, then linear decay to 0.
     WarmUp(f64),
-    /// The same rate throughout.
+    /// A constant rate.
     Constant,
 }
 
-/// The learning rate of every step.
+/// The learning rate at every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearningRate {
     peak: f64,
-    /// Steps that the rate rises, and steps until it is 0; none for a rate that stays.
+    /// Steps of the warm-up, and steps until the rate is 0; none for a constant rate.
     ramp: Option<(usize, usize)>,
 }
 
 impl LearningRate {
     /// A schedule over `total` steps that reaches `peak`.
     ///
-    /// With a warm-up, as in the reference, the very first step has rate 0, and steps beyond
-    /// `total` do too.
+    /// With a warm-up, as in the reference, the first step has rate 0, and so do steps beyond `total`.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a share of a number of steps"
+        reason = "a fraction of a number of steps"
     )]
     pub fn new(peak: f64, lr_schedule: LrSchedule, total: usize) -> Self {
         let ramp = match lr_schedule {
@@ -39,7 +38,7 @@ impl LearningRate {
         Self { peak, ramp }
     }
 
-    /// Rate of a step, 0 first.
+    /// Rate at a step, counted from 0.
     #[must_use]
     pub fn rate(&self, step: usize) -> f64 {
         let Some((warm_up, total)) = self.ramp else {

@@ -1,8 +1,11 @@
-//! Reading tensors back.
+//! Values of tensors on the host.
 
 use burn::tensor::Tensor;
 
-/// Numbers of a tensor, row by row.
+/// Values of a tensor in row-major order.
+///
+/// # Panics
+/// Never on the backends of this crate, whose floats convert to f32.
 #[must_use]
 pub fn read_back<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor

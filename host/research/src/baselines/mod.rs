@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 pub use settings::{BaselineSettings, SettingsError, find_preset};
 
-use myointent::execution::run_folder::model_file;
+use myointent::execution::run_folder::weights_file;
 
 /// One of the paper's baselines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -87,7 +87,7 @@ impl Baseline {
     pub fn model_file(self) -> String {
         match self {
             Self::Lda => format!("{}-model.json", self.file()),
-            Self::Mlp | Self::Lstm | Self::EdTcn | Self::TraHgr => model_file(self.file()),
+            Self::Mlp | Self::Lstm | Self::EdTcn | Self::TraHgr => weights_file(self.file()),
         }
     }
 

@@ -23,7 +23,8 @@ use myointent::execution::progress;
 use myointent::execution::run_folder::RunFolder;
 use myointent::run::context::RunContext;
 use myointent::training::dropout::Dropout;
-use myointent::training::fit::{Learner, SHARDS, TrainConfig, WeightedMetric, fit};
+use myointent::training::fit::{TrainConfig, fit};
+use myointent::training::learner::{Learner, SHARDS, WeightedMetric};
 use myointent::training::loss::cross_entropy;
 use myointent::training::schedule::LrSchedule;
 use myointent::training::tensor::best_class;
@@ -102,7 +103,9 @@ pub fn train(baseline: Baseline, setup: &Setup<'_>) -> anyhow::Result<()> {
         // A network must never be found beside the front end of another run.
         let state = format!("{}-state.json", baseline.file());
         let stale = [baseline.model_file(), baseline.features_file(), state];
-        setup.run.forget(&stale.each_ref().map(String::as_str))?;
+        setup
+            .run
+            .remove_files(&stale.each_ref().map(String::as_str))?;
     }
     let front = match baseline {
         // Nothing of theirs is measured, and TraHGR's windows are long.

@@ -29,11 +29,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     let model = std::fs::read(context.folder.file(MODEL)).ok();
-    let (results, judged) = evaluate(&context, model.as_deref(), &|trials| {
+    let (results, evaluation) = evaluate(&context, model.as_deref(), &|trials| {
         Ok(candidates(&context, trials)?)
     })?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &judged, &page)?;
+    run_report::write(&context, &results, &evaluation, &page)?;
     let mut out = std::io::stdout().lock();
     for table in tables(&results) {
         writeln!(out, "{}", table.plain())?;

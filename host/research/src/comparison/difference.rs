@@ -5,9 +5,10 @@
 
 use super::scores::{Heading, shown};
 use super::{Column, Outcome, Row, Sheet};
-use myointent::evaluation::judge::Truth;
-use myointent::evaluation::metric::summary::{MeanSd, SubjectScore, Summary};
+use myointent::evaluation::Truth;
+use myointent::evaluation::metric::summary::{SubjectScore, Summary};
 use myointent::report::cell::{self, Cell, ONE, PAIRED};
+use myointent::statistics::MeanSd;
 
 /// A number of a person.
 type Value = fn(&SubjectScore) -> Option<f64>;

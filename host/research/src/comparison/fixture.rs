@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::{Outcome, Outcomes, load};
 use myointent::dataset::split::Split;
-use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
 use myointent::evaluation::metric::offset;
 use myointent::evaluation::metric::summary::{SubjectScore, Summary};
+use myointent::evaluation::{ALL, LookAhead, Score, Truth};
 use myointent::execution::run_folder::RunFolder;
 use myointent::run::config::{Fold, ResolvedConfig};
 use myointent::run::evaluate::{RESULTS, Results, TEACHER};

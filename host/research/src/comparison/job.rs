@@ -13,7 +13,7 @@ use myointent::dataset::Library;
 use myointent::dataset::split::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
-use myointent::execution::run_folder::{RunError, RunFolder, model_file};
+use myointent::execution::run_folder::{RunError, RunFolder, weights_file};
 use myointent::run::config::{CONFIG, ResolvedConfig};
 use myointent::run::context::RunContext;
 use myointent::run::distill::{distill, train_on_labels};
@@ -134,7 +134,7 @@ impl Study<'_> {
         config.variant = variant.to_string();
         if variant.is_pretrained() {
             let start = self.path(Variant::Pretraining, None);
-            if !start.join(model_file(teacher::training::NAME)).exists() {
+            if !start.join(weights_file(teacher::training::NAME)).exists() {
                 bail!(
                     "{}: no teacher to start from; run `myointent-research study --variant pretraining` first",
                     start.display()

@@ -6,8 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
 use myointent::evaluation::metric::summary::Summary;
+use myointent::evaluation::{ALL, LookAhead, Score, Truth};
 use myointent::run::evaluate::Results;
 
 /// Puts the results of folds together that leave different people out.

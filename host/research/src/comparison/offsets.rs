@@ -2,7 +2,7 @@
 
 use super::scores::{Heading, Line, shown};
 use super::{Column, Row, Sheet};
-use myointent::evaluation::judge::Truth;
+use myointent::evaluation::Truth;
 use myointent::evaluation::metric::summary::Summary;
 use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts};
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::StudyError;
 use super::check::check;
 use super::merge::merge;
-use myointent::evaluation::judge::{ALL, LookAhead, Score, Truth};
+use myointent::evaluation::{ALL, LookAhead, Score, Truth};
 use myointent::execution::run_folder::RunFolder;
 use myointent::run::config::{CONFIG, Fold, ResolvedConfig};
 use myointent::run::evaluate::{RESULTS, Results};

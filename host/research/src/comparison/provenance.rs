@@ -91,7 +91,7 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use crate::comparison::fixture::Fixture;
-    use myointent::evaluation::judge::LookAhead;
+    use myointent::evaluation::LookAhead;
 
     #[test]
     fn a_fold_that_is_not_there_is_told_and_counted() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{Column, Outcome, Row, Sheet};
-use myointent::evaluation::judge::{ALL, BUFFERS, Score, Truth};
+use myointent::evaluation::{ALL, BUFFERS, Score, Truth};
 use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts, SUPPORT};
 
 /// What a row shows: a model of a variant.

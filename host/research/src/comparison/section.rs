@@ -2,7 +2,7 @@
 
 use super::Sheet;
 use super::variant::Variant;
-use myointent::evaluation::judge::Truth;
+use myointent::evaluation::Truth;
 
 pub(super) const MAIN: &str = "main";
 pub(super) const WRIST: &str = "wrist";

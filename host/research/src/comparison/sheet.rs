@@ -119,8 +119,8 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myointent::evaluation::metric::summary::MeanSd;
     use myointent::report::cell::{MEAN_SD, ONE, SUPPORT, none, share, support, text};
+    use myointent::statistics::MeanSd;
 
     #[test]
     fn a_cell_without_a_number_keeps_its_fields_in_csv() {

@@ -7,7 +7,7 @@ use super::scores::{ACCURACY, BY_BUFFER, Heading, Line, Measure, scores};
 use super::section::{MAIN, Section, TRUTHS, WRIST, is_known};
 use super::{Outcome, Outcomes, Sheet, folds};
 use crate::baselines::Baseline;
-use myointent::evaluation::judge::Truth;
+use myointent::evaluation::Truth;
 use myointent::run::evaluate::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, STUDENT, TEACHER};
 
 /// The tables of a study, in the order of the page.

@@ -1,12 +1,12 @@
-//! Confusion matrix: how many samples of each true intent got each label.
+//! Confusion matrix: number of samples by true intent and predicted label.
 
 use shared::intent::{Intent, Vocabulary};
 
 use super::MetricError;
 
-/// Counts of samples by truth and prediction.
+/// Confusion matrix in samples.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
-pub struct Confusion {
+pub(crate) struct Confusion {
     /// Names of the true intents, one per row; columns are these and, last, "none".
     pub intents: Vec<&'static str>,
     /// `counts[truth][prediction]`; the last column holds samples without a label of the
@@ -17,7 +17,7 @@ pub struct Confusion {
 impl Confusion {
     /// A matrix of zeros.
     #[must_use]
-    pub fn new(vocabulary: Vocabulary) -> Self {
+    pub(crate) fn new(vocabulary: Vocabulary) -> Self {
         let classes = vocabulary.classes();
         Self {
             intents: vocabulary
@@ -29,11 +29,11 @@ impl Confusion {
         }
     }
 
-    /// Counts a recording's labelled samples in; a truth outside the vocabulary is not counted.
+    /// Adds the labelled samples of a recording; a truth outside the vocabulary is not counted.
     ///
     /// # Errors
     /// [`MetricError::Length`] if the sequences differ in length.
-    pub fn add(
+    pub(crate) fn add(
         &mut self,
         truth: &[Option<Intent>],
         prediction: &[Option<Intent>],
@@ -48,16 +48,6 @@ impl Confusion {
             row[column] += 1;
         }
         Ok(())
-    }
-
-    /// Share of the samples of a true intent that got a label; none if it has no samples.
-    #[must_use]
-    pub fn share(&self, truth: usize, prediction: usize) -> Option<f64> {
-        let row = self.counts.get(truth)?;
-        let all: u64 = row.iter().sum();
-        (all > 0)
-            .then(|| row.get(prediction).map(|&n| n as f64 / all as f64))
-            .flatten()
     }
 }
 
@@ -77,7 +67,5 @@ mod tests {
             .add(&[r, r, o, o, None, w], &[r, o, w, None, r, r])
             .unwrap();
         assert_eq!(confusion.counts, [[1, 1, 0, 0], [0, 0, 0, 2], [0, 0, 0, 0]]);
-        assert_eq!(confusion.share(0, 1), Some(0.5));
-        assert_eq!(confusion.share(2, 1), None);
     }
 }

@@ -1,9 +1,9 @@
-//! How good a predicted label sequence is: one file per number, formula first.
+//! Metrics of a predicted label sequence: a file per metric, its formula first.
 //!
-//! Every metric takes truth and prediction as one label per sample, none where nothing is known
-//! (truth) or nothing was emitted (prediction).
+//! Every metric takes truth and prediction as one label per sample: none where the truth is unknown, or
+//! where nothing was emitted.
 
-pub mod confusion;
+pub(crate) mod confusion;
 pub mod offset;
 pub mod raw_accuracy;
 pub mod summary;
@@ -24,10 +24,10 @@ pub enum MetricError {
         /// Labels of the prediction.
         prediction: usize,
     },
-    /// A buffer without room for a change.
+    /// A buffer too narrow to contain a change.
     #[error("expected a buffer of at least 2 samples, found {0}")]
     NarrowBuffer(usize),
-    /// A true label of a single sample has no buffer of its own, so its change cannot be judged.
+    /// A true label of a single sample: its change cannot have a buffer.
     #[error(
         "expected true labels of at least two samples, found one of a single sample at {at}: \
          join it to its neighbours"
@@ -38,12 +38,11 @@ pub enum MetricError {
     },
 }
 
-/// The longest labelled stretches of a truth.
+/// The stretches of a truth without unlabelled samples, as long as possible.
 ///
-/// A stretch is scored as a recording of its own, as the reference cuts unlabelled parts out; the
-/// predictions still come from the recording as a whole.
-#[must_use]
-pub fn stretches(truth: &[Option<Intent>]) -> Vec<Range<usize>> {
+/// Each is scored as a recording of its own, because the reference cuts unlabelled parts out. The
+/// predictions are those of the whole recording.
+fn stretches(truth: &[Option<Intent>]) -> Vec<Range<usize>> {
     let mut start = 0;
     let mut found = Vec::new();
     for chunk in truth.chunk_by(|a, b| a.is_some() == b.is_some()) {
@@ -56,12 +55,12 @@ pub fn stretches(truth: &[Option<Intent>]) -> Vec<Range<usize>> {
     found
 }
 
-/// Samples up to the last one with a prediction.
+/// Number of samples up to the last one with a prediction.
 ///
-/// A look-ahead leaves the last samples of a recording without a label for ever; the reference
-/// cuts them off, with their truth, before it scores.
+/// With look-ahead, the last samples of a recording never get a label. The reference removes them before
+/// it scores.
 #[must_use]
-pub fn predicted_length(prediction: &[Option<Intent>]) -> usize {
+pub(crate) fn predicted_length(prediction: &[Option<Intent>]) -> usize {
     prediction
         .iter()
         .rposition(Option::is_some)
@@ -84,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stretches_are_what_lies_between_unlabelled_samples() {
+    fn stretches_lie_between_unlabelled_samples() {
         let (r, o) = (Some(Intent::Relax), Some(Intent::Open));
         assert_eq!(stretches(&[None, r, o, None, None, o]), [1..3, 5..6]);
         assert!(stretches(&[None]).is_empty());

@@ -1,18 +1,17 @@
-//! Offset of a transition = predicted change - true change, in ms; positive is late.
+//! Offset of a transition = time of the predicted change - time of the true change, in ms; positive: late.
 //!
-//! Only changes judged `ok` have one. The paper reports absolute offsets; the signed ones tell
-//! late from early. A look-ahead's delay is not in it: labels are booked at the sample they speak
-//! of.
+//! Only changes that the prediction follows have one. The paper reports absolute offsets; signed ones
+//! separate late from early. The delay of a look-ahead is included if the labels are given at their
+//! emission times, and not if at their reference times.
 
 use shared::units::SAMPLE_PERIOD_MS;
 
-use super::summary::MeanSd;
-use crate::statistics::median;
+use crate::statistics::{MeanSd, median};
 
 /// Offsets of many transitions together, in ms.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct OffsetSummary {
-    /// Transitions.
+    /// Number of transitions.
     pub count: usize,
     /// Mean and deviation of the signed offset.
     pub signed: MeanSd,
@@ -24,7 +23,7 @@ pub struct OffsetSummary {
     pub absolute_median: f64,
 }
 
-/// Sums up signed offsets in samples; none if there are none.
+/// Statistics of signed offsets, given in samples; none without an offset.
 #[must_use]
 pub fn summary(offsets: &[i32]) -> Option<OffsetSummary> {
     let milliseconds = |samples: i32| f64::from(samples) * f64::from(SAMPLE_PERIOD_MS);

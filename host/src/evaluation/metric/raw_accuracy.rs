@@ -1,12 +1,12 @@
-//! Raw accuracy = samples whose prediction equals the truth / samples with a truth.
+//! Raw accuracy = samples whose prediction equals the truth / labelled samples.
 
 use shared::intent::Intent;
 
 use super::MetricError;
 
-/// The share of right samples, 0..=1; none if no sample has a truth.
+/// Fraction of labelled samples that are predicted correctly, 0..=1; none if no sample is labelled.
 ///
-/// A sample without a prediction is wrong.
+/// A sample without a prediction counts as wrong.
 ///
 /// # Errors
 /// [`MetricError::Length`] if the sequences differ in length.
@@ -16,12 +16,12 @@ pub fn raw_accuracy(
 ) -> Result<Option<f64>, MetricError> {
     super::same_length(truth, prediction)?;
     let labelled = truth.iter().flatten().count();
-    let right = truth
+    let correct = truth
         .iter()
         .zip(prediction)
         .filter(|(t, p)| t.is_some() && t == p)
         .count();
-    Ok((labelled > 0).then(|| right as f64 / labelled as f64))
+    Ok((labelled > 0).then(|| correct as f64 / labelled as f64))
 }
 
 #[cfg(test)]
@@ -29,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_labelled_samples_count_and_silence_is_wrong() {
+    fn only_labelled_samples_count_and_no_prediction_is_wrong() {
         let (r, o) = (Some(Intent::Relax), Some(Intent::Open));
         let accuracy = raw_accuracy(&[r, r, o, o, None], &[r, o, o, None, None]);
         assert_eq!(accuracy, Ok(Some(0.5)));

@@ -1,8 +1,8 @@
-//! Scores of many recordings, by subject, then over subjects.
+//! Scores of many recordings: per subject, then over subjects.
 //!
-//! Per subject: raw accuracy = plain mean over its recordings; transition accuracy = correct /
-//! events over all of them. Over subjects: mean and sample deviation (n - 1). So does the
-//! reference for ROAM-EMG.
+//! Per subject: raw accuracy = unweighted mean over its recordings; transition accuracy = correct /
+//! events over all of them. Over subjects: mean and sample standard deviation (n - 1), as in the
+//! reference's evaluation of ROAM-EMG.
 
 use std::collections::BTreeMap;
 
@@ -12,50 +12,27 @@ use super::offset::{self, OffsetSummary};
 use super::raw_accuracy::raw_accuracy;
 use super::transition::{Rule, TransitionScore};
 use super::{MetricError, transition};
-
-/// Mean and sample standard deviation.
-#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
-pub struct MeanSd {
-    /// Arithmetic mean.
-    pub mean: f64,
-    /// Sample deviation (n - 1); none of a single value.
-    pub sd: Option<f64>,
-}
-
-impl MeanSd {
-    /// Of at least one value.
-    #[must_use]
-    pub fn of(values: &[f64]) -> Option<Self> {
-        if values.is_empty() {
-            return None;
-        }
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        let sd = (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
-        Some(Self { mean, sd })
-    }
-}
+use crate::statistics::MeanSd;
 
 /// The scores of one recording.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
-pub struct RecordingScore {
-    /// Whose recording.
+pub(crate) struct RecordingScore {
+    /// Subject.
     pub subject: String,
-    /// Which of the subject's recordings.
+    /// Name of the recording.
     pub name: String,
-    /// Share of right samples; none without a true label.
+    /// Raw accuracy; none without a true label.
     pub raw_accuracy: Option<f64>,
-    /// Every true change and how it was judged.
+    /// Every true change, and whether the prediction follows it.
     pub transitions: TransitionScore,
 }
 
 impl RecordingScore {
-    /// Scores one recording; samples after the last predicted one are left out.
+    /// Scores one recording; samples after the last predicted one are not counted.
     ///
     /// # Errors
     /// See [`MetricError`].
-    pub fn new(
+    pub(crate) fn new(
         subject: &str,
         name: &str,
         truth: &[Option<Intent>],
@@ -77,43 +54,43 @@ impl RecordingScore {
 /// The scores of one subject.
 #[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct SubjectScore {
-    /// Who.
+    /// Subject.
     pub subject: String,
-    /// Recordings scored.
+    /// Number of recordings.
     pub recordings: usize,
     /// Mean over the recordings that have true labels.
     pub raw_accuracy: Option<f64>,
-    /// Changes judged `ok`.
+    /// Changes that the prediction follows.
     pub correct: usize,
     /// Changes in the truth.
     pub events: usize,
     /// `correct / events`; none without a change.
     pub transition_accuracy: Option<f64>,
-    /// Offset of each change judged `ok`, in samples: medians over more people need every one.
+    /// Offset of each of these changes, in samples; medians over several subjects need all of them.
     pub offsets: Vec<i32>,
-    /// The same offsets summed up.
+    /// Statistics of these offsets.
     pub offset: Option<OffsetSummary>,
 }
 
-/// The scores of everybody.
+/// The scores of all subjects.
 #[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Each subject, in alphabetical order.
     pub subjects: Vec<SubjectScore>,
-    /// Over subjects.
+    /// Mean over subjects.
     pub raw_accuracy: Option<MeanSd>,
-    /// Over subjects that have changes.
+    /// Mean over subjects that have changes.
     pub transition_accuracy: Option<MeanSd>,
-    /// Changes judged `ok`, of everybody.
+    /// Changes that the prediction follows, of all subjects.
     pub correct: usize,
-    /// Changes in the truth, of everybody.
+    /// Changes in the truth, of all subjects.
     pub events: usize,
-    /// Offsets of all changes judged `ok`, of everybody.
+    /// Statistics of the offsets of all subjects.
     pub offset: Option<OffsetSummary>,
 }
 
 impl Summary {
-    /// Of everybody's scores, each subject once; the order does not matter.
+    /// Summary of the scores of subjects, each given once, in any order.
     #[must_use]
     pub fn of_subjects(mut subjects: Vec<SubjectScore>) -> Self {
         subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
@@ -134,9 +111,9 @@ impl Summary {
     }
 }
 
-/// Sums recordings up by subject and over subjects.
+/// Summary of the scores of recordings, per subject and over subjects.
 #[must_use]
-pub fn summary(scores: &[RecordingScore]) -> Summary {
+pub(crate) fn summary(scores: &[RecordingScore]) -> Summary {
     let mut by_subject: BTreeMap<&str, Vec<&RecordingScore>> = BTreeMap::new();
     for score in scores {
         by_subject.entry(&score.subject).or_default().push(score);
@@ -184,13 +161,6 @@ mod tests {
     }
 
     #[test]
-    fn deviation_is_that_of_a_sample() {
-        let both = MeanSd::of(&[1.0, 3.0]).unwrap();
-        assert_eq!((both.mean, both.sd), (2.0, Some(2.0_f64.sqrt())));
-        assert_eq!(MeanSd::of(&[1.0]).unwrap().sd, None);
-    }
-
-    #[test]
     fn subjects_weigh_the_same_whatever_their_number_of_changes() {
         let score = |subject, late: usize| {
             RecordingScore::new(
@@ -210,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_look_ahead_never_emitted_is_left_out() {
+    fn samples_after_the_last_label_are_not_scored() {
         let mut prediction = step(500);
         prediction[950..].fill(None);
         let score =
@@ -222,7 +192,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
         #[test]
-        fn subjects_in_any_folds_sum_up_as_if_judged_together(
+        fn subjects_in_any_folds_are_summarized_as_if_scored_together(
             recordings in prop::collection::vec((0..6_usize, 0..150_usize), 1..16),
             fold_of in prop::collection::vec(0..3_usize, 6),
         ) {
@@ -241,7 +211,7 @@ mod tests {
             }
             let merged = Summary::of_subjects(merged);
             prop_assert_eq!(&merged, &summary(&scores));
-            // The naive twin: every followed change of everybody, sorted, in the middle.
+            // Naive median: all offsets of all subjects, sorted, the middle one.
             let mut late: Vec<_> = scores.iter().flat_map(|s| s.transitions.offsets()).collect();
             late.sort_unstable();
             if late.len() % 2 == 1 {

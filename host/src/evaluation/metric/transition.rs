@@ -1,111 +1,44 @@
 //! Transition accuracy = changes of the truth that the prediction follows / changes of the truth.
 //!
-//! A change follows if, within a buffer around it, the prediction goes from the old label A to the
-//! new label B and shows nothing else, and then, up to the next buffer (the maintenance), stays B.
+//! The prediction follows a change if, within a buffer around it, it goes from the old label A to the
+//! new label B and shows nothing else, and then stays B up to the next buffer (the maintenance).
 //!
-//! Source: ReactEMG (arXiv 2506.19815) and its released evaluation, odd corners included: equal on
-//! all of the reference's cases (tests/golden/transition.rs).
+//! Source: ReactEMG (arXiv 2506.19815) and its released evaluation code, special cases included: the
+//! results are equal on all of the reference's cases (tests/golden/transition.rs).
+
+mod status;
+mod windows;
 
 use std::ops::Range;
 
 use shared::intent::Intent;
 
 use super::{MetricError, same_length, stretches};
+pub use status::TransitionStatus;
+use status::status;
+pub use windows::Windows;
 
-/// A predicted or true label; none: nothing emitted.
+/// A predicted or true label; none: nothing emitted, or unknown.
 type Label = Option<Intent>;
 
-/// How strictly a change is judged.
+/// The rule that decides whether the prediction follows a change from label A to label B.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Rule {
     /// Width of the buffer in samples, both sides together; half of it lies on each side.
     pub buffer: usize,
-    /// Once B has come, nothing but B may follow; and the buffer may not start with B.
+    /// Once B has been predicted, nothing but B may follow; and the buffer may not start with B.
     pub strict: bool,
-    /// Relax is allowed too, in buffer and maintenance.
+    /// Relax is also allowed, in the buffer and in the maintenance.
     pub allow_relax: bool,
 }
 
 impl Default for Rule {
-    /// The paper's: half a second on each side, neither strict nor lenient.
+    /// The paper's: half a second on each side, not strict, relax not allowed.
     fn default() -> Self {
         Self {
             buffer: 200,
             strict: false,
             allow_relax: false,
-        }
-    }
-}
-
-/// The judgement of one change of the truth, A to B.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// The prediction follows.
-    Ok,
-    /// A label other than A and B in the buffer, or none.
-    BufferOtherClass,
-    /// No change from A straight to B in the buffer.
-    NoChangeInBuffer,
-    /// Not B throughout the maintenance.
-    MaintenanceNotHeld,
-    /// Relax allowed: a label other than B and relax in the maintenance.
-    MaintenanceOtherClass,
-    /// Relax allowed: never B in the maintenance.
-    MaintenanceOnlyRelax,
-    /// Strict: a label other than A and B in the buffer, or none.
-    StrictBufferOtherClass,
-    /// Strict: no B in the buffer.
-    StrictNoNewLabel,
-    /// Strict: the buffer starts with B.
-    StrictNewLabelAtStart,
-    /// Strict: A again after B.
-    StrictOldLabelAfterNew,
-    /// Strict: not B throughout the maintenance.
-    StrictMaintenanceNotHeld,
-    /// Strict, relax allowed: a label other than B and relax in the maintenance.
-    StrictMaintenanceOtherClass,
-}
-
-impl Verdict {
-    /// The verdict as the golden cases and `--json` write it.
-    #[must_use]
-    pub const fn code(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::BufferOtherClass => "buffer_other_class",
-            Self::NoChangeInBuffer => "no_change_in_buffer",
-            Self::MaintenanceNotHeld => "maintenance_not_held",
-            Self::MaintenanceOtherClass => "maintenance_other_class",
-            Self::MaintenanceOnlyRelax => "maintenance_only_relax",
-            Self::StrictBufferOtherClass => "strict_buffer_other_class",
-            Self::StrictNoNewLabel => "strict_no_new_label",
-            Self::StrictNewLabelAtStart => "strict_new_label_at_start",
-            Self::StrictOldLabelAfterNew => "strict_old_label_after_new",
-            Self::StrictMaintenanceNotHeld => "strict_maintenance_not_held",
-            Self::StrictMaintenanceOtherClass => "strict_maintenance_other_class",
-        }
-    }
-
-    /// The reason in words.
-    #[must_use]
-    pub const fn reason(self) -> &'static str {
-        match self {
-            Self::Ok => "follows",
-            Self::BufferOtherClass | Self::StrictBufferOtherClass => {
-                "a third label, or none, near the change"
-            }
-            Self::NoChangeInBuffer => "no change from the old label to the new one near the change",
-            Self::MaintenanceNotHeld | Self::StrictMaintenanceNotHeld => {
-                "the new label is not held until the next change"
-            }
-            Self::MaintenanceOtherClass | Self::StrictMaintenanceOtherClass => {
-                "a third label, or none, while the new one should be held"
-            }
-            Self::MaintenanceOnlyRelax => "relax alone while the new label should be held",
-            Self::StrictNoNewLabel => "the new label does not come near the change",
-            Self::StrictNewLabelAtStart => "the new label comes too early",
-            Self::StrictOldLabelAfterNew => "the old label comes back",
         }
     }
 }
@@ -121,32 +54,32 @@ pub struct Change {
     /// Name of the new label.
     #[serde(serialize_with = "by_name")]
     pub to: Intent,
-    /// Where the prediction must change.
+    /// Buffer: where the prediction has to change.
     pub buffer: Range<usize>,
-    /// Where it must hold; may be empty.
+    /// Maintenance: where it has to hold; may be empty.
     pub maintenance: Range<usize>,
-    /// The judgement.
-    pub verdict: Verdict,
-    /// Predicted minus true change in samples, if the verdict is ok; positive is late.
+    /// Whether the prediction follows, or why not.
+    pub status: TransitionStatus,
+    /// Predicted minus true time in samples, if the prediction follows; positive: late.
     pub offset: Option<i32>,
 }
 
 /// All changes of one truth.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize)]
 pub struct TransitionScore {
-    /// In order of time.
+    /// Changes in order of time.
     pub changes: Vec<Change>,
-    /// Labelled stretches without any change, and how many of them are predicted without a fault.
-    /// They are no events and weigh nothing in the accuracy.
+    /// Labelled stretches without any change, and how many of them are predicted without an error.
+    /// They do not enter the accuracy.
     pub constant: ConstantStretches,
 }
 
 /// Labelled stretches without a change.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize)]
 pub struct ConstantStretches {
-    /// How many.
+    /// Their number.
     pub count: usize,
-    /// How many have the right prediction at every sample.
+    /// Number of those predicted correctly at every sample.
     pub held: usize,
 }
 
@@ -159,10 +92,10 @@ impl TransitionScore {
 
     /// Changes that the prediction follows.
     #[must_use]
-    pub fn correct(&self) -> usize {
+    pub(crate) fn correct(&self) -> usize {
         self.changes
             .iter()
-            .filter(|change| change.verdict == Verdict::Ok)
+            .filter(|change| change.status == TransitionStatus::Ok)
             .count()
     }
 
@@ -173,14 +106,14 @@ impl TransitionScore {
     }
 
     /// Signed offsets, in samples, of the changes that have one.
-    pub fn offsets(&self) -> impl Iterator<Item = i32> {
+    pub(crate) fn offsets(&self) -> impl Iterator<Item = i32> {
         self.changes.iter().filter_map(|change| change.offset)
     }
 }
 
-/// Judges every change of the truth.
+/// Checks every change of the truth.
 ///
-/// Each labelled stretch of the truth is judged as a recording of its own ([`stretches`]).
+/// Each labelled stretch of the truth is scored as a recording of its own ([`stretches`]).
 ///
 /// # Errors
 /// [`MetricError::Length`] if the sequences differ in length; [`MetricError::NarrowBuffer`] below
@@ -206,7 +139,7 @@ pub fn score(
             score.constant.held += usize::from(held);
         }
         for index in 0..windows.changes.len() {
-            let mut change = judge(&truth, prediction, &windows, index, rule).map_err(|at| {
+            let mut change = check(&truth, prediction, &windows, index, rule).map_err(|at| {
                 MetricError::SingleSampleLabel {
                     at: stretch.start + at,
                 }
@@ -221,60 +154,8 @@ pub fn score(
     Ok(score)
 }
 
-/// Buffers and maintenance of one labelled stretch.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Windows {
-    /// First sample of every new label.
-    pub changes: Vec<usize>,
-    /// One buffer per change.
-    pub buffers: Vec<Range<usize>>,
-    /// What follows each buffer up to the next; without any change, everything.
-    pub maintenance: Vec<Range<usize>>,
-}
-
-impl Windows {
-    /// Lays the windows out for buffers of `width` samples.
-    ///
-    /// A buffer starts no earlier than the one before it ends, and stops one sample *before* the
-    /// last sample of its label where the next change is near: both are the reference's.
-    #[must_use]
-    pub fn new(truth: &[Intent], width: usize) -> Self {
-        let half = width / 2;
-        let samples = truth.len();
-        let changes: Vec<usize> = (1..samples)
-            .filter(|&at| truth[at] != truth[at - 1])
-            .collect();
-        let mut buffers: Vec<Range<usize>> = Vec::with_capacity(changes.len());
-        for (index, &change) in changes.iter().enumerate() {
-            let before = buffers.last().map_or(0, |buffer| buffer.end);
-            let start = change.saturating_sub(half).max(before);
-            let end = (change + half).min(samples);
-            let end = match changes.get(index + 1) {
-                Some(&next) if next <= end => next - 1,
-                _ => end,
-            };
-            buffers.push(start..end);
-        }
-        let maintenance = if buffers.is_empty() {
-            std::iter::once(0..samples).collect()
-        } else {
-            let next_starts = buffers.iter().skip(1).map(|b| b.start).chain([samples]);
-            buffers
-                .iter()
-                .zip(next_starts)
-                .map(|(buffer, next)| buffer.end..next)
-                .collect()
-        };
-        Self {
-            changes,
-            buffers,
-            maintenance,
-        }
-    }
-}
-
-/// Judges one change; the error is the sample of a label too short to have a buffer.
-fn judge(
+/// Checks one change; the error is the first sample of a label too short to have a buffer.
+fn check(
     truth: &[Intent],
     prediction: &[Label],
     windows: &Windows,
@@ -289,12 +170,8 @@ fn judge(
     let (from, to) = (truth[at - 1], truth[at]);
     let near = &prediction[buffer.clone()];
     let later = &prediction[maintenance.clone()];
-    let verdict = if rule.strict {
-        strict(from, to, near, later, rule.allow_relax)
-    } else {
-        lenient(from, to, near, later, rule.allow_relax)
-    };
-    let offset = (verdict == Verdict::Ok)
+    let status = status(from, to, near, later, rule);
+    let offset = (status == TransitionStatus::Ok)
         .then(|| offset(prediction, at, Some(from), Some(to), rule.buffer / 2))
         .flatten();
     Ok(Change {
@@ -303,65 +180,12 @@ fn judge(
         to,
         buffer: buffer.clone(),
         maintenance: maintenance.clone(),
-        verdict,
+        status,
         offset,
     })
 }
 
-fn lenient(from: Intent, to: Intent, near: &[Label], later: &[Label], relax: bool) -> Verdict {
-    let (from, to) = (Some(from), Some(to));
-    let allowed = |label: Label| relax && label == Some(Intent::Relax);
-    if near
-        .iter()
-        .any(|&label| label != from && label != to && !allowed(label))
-    {
-        return Verdict::BufferOtherClass;
-    }
-    if !near.windows(2).any(|pair| pair == [from, to]) {
-        return Verdict::NoChangeInBuffer;
-    }
-    if relax {
-        if later.iter().any(|&label| label != to && !allowed(label)) {
-            return Verdict::MaintenanceOtherClass;
-        }
-        if !later.is_empty() && !later.contains(&to) {
-            return Verdict::MaintenanceOnlyRelax;
-        }
-    } else if later.iter().any(|&label| label != to) {
-        return Verdict::MaintenanceNotHeld;
-    }
-    Verdict::Ok
-}
-
-fn strict(from: Intent, to: Intent, near: &[Label], later: &[Label], relax: bool) -> Verdict {
-    let (from, to) = (Some(from), Some(to));
-    let allowed = |label: Label| relax && label == Some(Intent::Relax);
-    if near
-        .iter()
-        .any(|&label| label != from && label != to && !allowed(label))
-    {
-        return Verdict::StrictBufferOtherClass;
-    }
-    let Some(first) = near.iter().position(|&label| label == to) else {
-        return Verdict::StrictNoNewLabel;
-    };
-    if first == 0 {
-        return Verdict::StrictNewLabelAtStart;
-    }
-    if near[first..]
-        .iter()
-        .any(|&label| label != to && !allowed(label))
-    {
-        return Verdict::StrictOldLabelAfterNew;
-    }
-    match later.iter().any(|&label| label != to && !allowed(label)) {
-        true if relax => Verdict::StrictMaintenanceOtherClass,
-        true => Verdict::StrictMaintenanceNotHeld,
-        false => Verdict::Ok,
-    }
-}
-
-/// The nearest predicted change A, B within half a buffer of the true one, the earliest on ties.
+/// Offset of the nearest predicted change from A to B within half a buffer of the true one, the earliest on ties.
 fn offset(prediction: &[Label], at: usize, from: Label, to: Label, half: usize) -> Option<i32> {
     let last_old = at - 1;
     let range = last_old.saturating_sub(half)..(prediction.len() - 1).min(last_old + half);
@@ -371,7 +195,7 @@ fn offset(prediction: &[Label], at: usize, from: Label, to: Label, half: usize) 
         .filter(|&i| prediction[i] == from && prediction[i + 1] == to)
         .map(distance)
         .min_by_key(|offset| offset.abs());
-    // Reached only where relax lies between A and B: the first B then, as the reference does.
+    // There is none only where relax lies between A and B: then the first B, as in the reference.
     straight.or_else(|| range.clone().find(|&i| prediction[i] == to).map(distance))
 }
 
@@ -393,23 +217,23 @@ mod tests {
             .collect()
     }
 
-    fn verdict(truth: &[(Label, usize)], prediction: &[(Label, usize)]) -> Verdict {
+    fn status(truth: &[(Label, usize)], prediction: &[(Label, usize)]) -> TransitionStatus {
         let score = score(&sequence(truth), &sequence(prediction), &Rule::default()).unwrap();
-        score.changes[0].verdict
+        score.changes[0].status
     }
 
     #[test]
     fn a_delay_below_half_the_buffer_follows_and_half_does_not() {
         let truth = [(R, 500), (O, 500)];
-        assert_eq!(verdict(&truth, &[(R, 599), (O, 401)]), Verdict::Ok);
+        assert_eq!(status(&truth, &[(R, 599), (O, 401)]), TransitionStatus::Ok);
         assert_eq!(
-            verdict(&truth, &[(R, 600), (O, 400)]),
-            Verdict::NoChangeInBuffer
+            status(&truth, &[(R, 600), (O, 400)]),
+            TransitionStatus::NoChangeInBuffer
         );
-        assert_eq!(verdict(&truth, &[(R, 401), (O, 599)]), Verdict::Ok);
+        assert_eq!(status(&truth, &[(R, 401), (O, 599)]), TransitionStatus::Ok);
         assert_eq!(
-            verdict(&truth, &[(R, 400), (O, 600)]),
-            Verdict::NoChangeInBuffer
+            status(&truth, &[(R, 400), (O, 600)]),
+            TransitionStatus::NoChangeInBuffer
         );
     }
 
@@ -417,11 +241,14 @@ mod tests {
     fn each_failure_has_its_reason() {
         let truth = [(R, 500), (O, 500)];
         let third = [(R, 480), (C, 30), (O, 490)];
-        assert_eq!(verdict(&truth, &third), Verdict::BufferOtherClass);
+        assert_eq!(status(&truth, &third), TransitionStatus::BufferOtherClass);
         let silent = [(R, 480), (None, 30), (O, 490)];
-        assert_eq!(verdict(&truth, &silent), Verdict::BufferOtherClass);
+        assert_eq!(status(&truth, &silent), TransitionStatus::BufferOtherClass);
         let dropped = [(R, 500), (O, 400), (R, 100)];
-        assert_eq!(verdict(&truth, &dropped), Verdict::MaintenanceNotHeld);
+        assert_eq!(
+            status(&truth, &dropped),
+            TransitionStatus::MaintenanceNotHeld
+        );
     }
 
     #[test]
@@ -439,13 +266,13 @@ mod tests {
         let found: Vec<_> = score
             .changes
             .iter()
-            .map(|c| (c.at, c.verdict, c.offset, c.maintenance.end))
+            .map(|c| (c.at, c.status, c.offset, c.maintenance.end))
             .collect();
         assert_eq!(
             found,
             [
-                (300, Verdict::Ok, Some(10), 600),
-                (1100, Verdict::Ok, Some(-10), 1400)
+                (300, TransitionStatus::Ok, Some(10), 600),
+                (1100, TransitionStatus::Ok, Some(-10), 1400)
             ]
         );
         assert_eq!(score.accuracy(), Some(1.0));

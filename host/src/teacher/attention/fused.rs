@@ -1,6 +1,6 @@
-//! Attention as one operation of the CPU backend: windows side by side on all threads.
+//! Attention as one operation of the CPU backend, windows in parallel on all threads.
 //!
-//! A window's sums have one order, so the result does not depend on the number of threads.
+//! The order of a window's sums is fixed, so the result does not depend on the number of threads.
 
 use burn::backend::autodiff::checkpoint::base::Checkpointer;
 use burn::backend::autodiff::checkpoint::strategy::CheckpointStrategy;
@@ -13,18 +13,18 @@ use burn::tensor::TensorData;
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::rows::Norm;
+use super::softmax::RowStatistics;
 use super::window::{Backward, Forward, Window};
 use crate::training::dropout::Mask;
 
-/// What attention is told beside its queries, keys and values.
+/// Parameters of attention.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Heads.
     pub heads: usize,
-    /// Windows whose second half looks at nothing and is looked at by nobody; empty: none.
+    /// Whether the second half of a window's tokens is blocked, window by window; empty: nowhere.
     pub blocked: Vec<bool>,
-    /// What is dropped of the weights.
+    /// Dropout of the attention weights.
     pub mask: Option<Mask>,
 }
 
@@ -45,10 +45,10 @@ impl<C: CheckpointStrategy> FusedAttention for Autodiff<Flex, C> {
     fn fused_attention(qkv: FloatTensor<Self>, settings: Settings) -> FloatTensor<Self> {
         let (qkv, node) = qkv.into_parts();
         let pass = Pass::new(&qkv, settings);
-        let (output, norms) = pass.forward();
+        let (output, statistics) = pass.forward();
         let operation = ops::Backward::prepare::<C>(FusedBackward, [node]);
         match operation.compute_bound().stateful() {
-            OpsKind::Tracked(operation) => operation.finish((pass, norms), output),
+            OpsKind::Tracked(operation) => operation.finish((pass, statistics), output),
             OpsKind::UnTracked(operation) => operation.finish(output),
         }
     }
@@ -58,8 +58,8 @@ impl<C: CheckpointStrategy> FusedAttention for Autodiff<Flex, C> {
 struct FusedBackward;
 
 impl ops::Backward<Flex, 1> for FusedBackward {
-    /// The batch, and what made weights of its scores.
-    type State = (Pass, Vec<Norm>);
+    /// The batch and its softmax statistics.
+    type State = (Pass, Vec<RowStatistics>);
 
     fn backward(
         self,
@@ -67,9 +67,9 @@ impl ops::Backward<Flex, 1> for FusedBackward {
         gradients: &mut Gradients,
         _checkpointer: &mut Checkpointer,
     ) {
-        let (pass, norms) = ops.state;
+        let (pass, statistics) = ops.state;
         unary::<Flex, _>(ops.parents, ops.node, gradients, |gradient| {
-            pass.backward(&gradient.to_contiguous(), &norms)
+            pass.backward(&gradient.to_contiguous(), &statistics)
         });
     }
 }
@@ -104,7 +104,7 @@ impl Pass {
         let rows = self.settings.heads * self.tokens;
         Window {
             qkv: part(&self.qkv, window, values),
-            seen: if blocked {
+            attending: if blocked {
                 self.tokens / 2
             } else {
                 self.tokens
@@ -116,34 +116,34 @@ impl Pass {
         }
     }
 
-    /// Values of a window's output, and its queries of all heads.
+    /// Number of values of a window's output, and of its queries over all heads.
     fn sizes(&self) -> (usize, usize) {
         (self.tokens * self.d, self.settings.heads * self.tokens)
     }
 
-    /// Attention, `[b, tokens, d]`, and what made weights of its scores, `[b, heads, tokens]`.
-    fn forward(&self) -> (FlexTensor, Vec<Norm>) {
+    /// Attention, `[b, tokens, d]`, and its softmax statistics, `[b, heads, tokens]`.
+    fn forward(&self) -> (FlexTensor, Vec<RowStatistics>) {
         let (values, queries) = self.sizes();
         let mut output = vec![0.0_f32; self.windows * values];
-        let mut norms = vec![Norm::default(); self.windows * queries];
+        let mut statistics = vec![RowStatistics::default(); self.windows * queries];
         output
             .par_chunks_mut(values.max(1))
-            .zip(norms.par_chunks_mut(queries.max(1)))
+            .zip(statistics.par_chunks_mut(queries.max(1)))
             .enumerate()
-            .for_each(|(window, (output, norms))| {
+            .for_each(|(window, (output, statistics))| {
                 Arch::new().dispatch(Forward {
                     window: self.window(window),
                     output,
-                    norms,
+                    statistics,
                 });
             });
         let dims = [self.windows, self.tokens, self.d];
         let output = FlexTensor::from_data(TensorData::new(output, dims));
-        (output, norms)
+        (output, statistics)
     }
 
     /// Gradients of queries, keys and values, `[b, tokens, 3 d]`; all tensors contiguous.
-    fn backward(&self, gradient: &FlexTensor, norms: &[Norm]) -> FlexTensor {
+    fn backward(&self, gradient: &FlexTensor, statistics: &[RowStatistics]) -> FlexTensor {
         let (values, queries) = self.sizes();
         let mut gradients = vec![0.0_f32; 3 * self.windows * values];
         gradients
@@ -152,7 +152,7 @@ impl Pass {
             .for_each(|(window, gradients)| {
                 Arch::new().dispatch(Backward {
                     window: self.window(window),
-                    norms: &norms[window * queries..][..queries],
+                    statistics: &statistics[window * queries..][..queries],
                     gradient: part(gradient, window, values),
                     gradients,
                 });
@@ -162,7 +162,7 @@ impl Pass {
     }
 }
 
-/// A window's values in a contiguous tensor of `size` values a window.
+/// The `size` values of a window in a contiguous tensor.
 fn part(of: &FlexTensor, window: usize, size: usize) -> &[f32] {
     &of.storage()[of.layout().start_offset() + window * size..][..size]
 }

@@ -15,10 +15,10 @@ fn random(dims: [usize; 3], device: &Device) -> Tensor<3> {
 
 fn mask() -> Mask {
     let mut dropout = Dropout::from(ChaCha8Rng::seed_from_u64(5));
-    dropout.mask(0.15).expect("a share above 0")
+    dropout.mask(0.15).expect("a probability above 0")
 }
 
-/// Equal up to the rounding of sums whose terms are as large as the largest value.
+/// Equal up to rounding, relative to the largest value.
 fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
     let (found, expected) = (read_back(found), read_back(expected));
     let largest = expected.iter().fold(1.0_f32, |a, b| a.max(b.abs()));
@@ -30,43 +30,44 @@ fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
     }
 }
 
-/// Both ways on the same numbers, forward and backward.
+/// Both implementations on the same numbers, forward and backward.
 fn both_agree(tokens: usize, blocked: Option<&[f32]>, mask: Option<Mask>) {
     let device = Device::flex().autodiff();
     let batch = 3;
     let values = random([batch, tokens, 3 * D], &device);
     let weights = random([batch, tokens, D], &device);
     let blocked = blocked.map(|flags| Tensor::<1>::from_floats(flags, &device));
-    let run = |way: fn(Tensor<3>, usize, Option<&Tensor<1>>, Option<Mask>) -> Tensor<3>| {
-        let qkv = values.clone().detach().require_grad();
-        let output = way(qkv.clone(), HEADS, blocked.as_ref(), mask);
-        let gradients = (output.clone() * weights.clone()).sum().backward();
-        let gradient = qkv.grad(&gradients).expect("a gradient of the input");
-        (output.inner(), gradient)
-    };
+    let run =
+        |implementation: fn(Tensor<3>, usize, Option<&Tensor<1>>, Option<Mask>) -> Tensor<3>| {
+            let qkv = values.clone().detach().require_grad();
+            let output = implementation(qkv.clone(), HEADS, blocked.as_ref(), mask);
+            let gradients = (output.clone() * weights.clone()).sum().backward();
+            let gradient = qkv.grad(&gradients).expect("a gradient of the input");
+            (output.inner(), gradient)
+        };
     let ((found, found_gradient), (expected, gradient)) = (run(attend), run(plain));
     assert_close(found, expected, "output");
     assert_close(found_gradient, gradient, "gradient");
 }
 
 #[test]
-fn blocks_give_what_the_whole_gives() {
+fn blocks_give_the_same_as_the_whole() {
     both_agree(22, None, None);
 }
 
 #[test]
-fn blocks_drop_what_the_whole_drops() {
+fn dropout_is_the_same_in_blocks() {
     both_agree(22, None, Some(mask()));
 }
 
 #[test]
-fn blocked_windows_hide_their_second_half() {
+fn the_second_half_of_a_blocked_window_is_ignored() {
     both_agree(22, Some(&[0.0, 1.0, 0.0]), None);
     both_agree(22, Some(&[1.0, 1.0, 0.0]), Some(mask()));
 }
 
 #[test]
-fn windows_of_several_blocks_are_whole() {
+fn several_blocks_give_the_same_as_the_whole() {
     // 600 queries of 600 keys take three blocks, the last one short.
     both_agree(600, Some(&[0.0, 0.0, 1.0]), Some(mask()));
 }

@@ -1,4 +1,4 @@
-//! What can go wrong between a teacher and a checkpoint.
+//! Errors of reading and writing checkpoints.
 
 use std::path::PathBuf;
 
@@ -6,16 +6,16 @@ use thiserror::Error;
 
 use super::{POSITION, POSITION_AGAIN};
 
-/// What can go wrong between a teacher and a checkpoint of the reference.
+/// Why a checkpoint of the reference cannot be read or written.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
-    /// The file's name says neither format.
+    /// The file's extension is that of no known format.
     #[error("{path}: expected a name that ends in .pth, .pt or .safetensors")]
     Format {
         /// The file.
         path: PathBuf,
     },
-    /// The file cannot be read as what its name says.
+    /// The file is not of the format that its extension says.
     #[error(
         "{path}: expected a checkpoint of the reference's trainer (model_info, model_state_dict) or its \
          tensors as safetensors, found: {reason}"
@@ -23,7 +23,7 @@ pub enum CheckpointError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the reader says.
+        /// The reader's message.
         reason: String,
     },
     /// The file cannot be written.
@@ -31,7 +31,7 @@ pub enum CheckpointError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the writer says.
+        /// The writer's message.
         reason: String,
     },
     /// The file lacks tensors.
@@ -42,12 +42,12 @@ pub enum CheckpointError {
     Missing {
         /// The file.
         path: PathBuf,
-        /// Names that the reference gives them.
+        /// Their names in the reference.
         names: Vec<String>,
     },
-    /// The file has tensors that the teacher has no place for.
+    /// The file has tensors that the teacher does not have.
     #[error(
-        "{path}: the teacher has no place for these tensors: {}; a model of more layers, or one with \
+        "{path}: the teacher does not have these tensors: {}; a model of more layers, or one with \
          adapters (LoRA)? Set [teacher] in the preset to the checkpoint's dimensions, and merge adapters first",
         names.join(", ")
     )]
@@ -65,14 +65,14 @@ pub enum CheckpointError {
     Shape {
         /// The file.
         path: PathBuf,
-        /// Name that the reference gives it.
+        /// Its name in the reference.
         name: String,
         /// Shape in a checkpoint of this teacher.
         expected: Vec<usize>,
         /// Shape in the file.
         found: Vec<usize>,
     },
-    /// EMG and intents have positional encodings of their own.
+    /// EMG and intents have different positional encodings.
     #[error(
         "{path}: {POSITION} and {POSITION_AGAIN} differ, expected one encoding under two names; train the \
          reference with a shared positional encoding, as the paper's models were"

@@ -27,7 +27,7 @@ fn teacher(config: &TeacherConfig) -> Teacher {
     config.init(CLASSES, &Device::default())
 }
 
-/// A checkpoint of [`config`] whose tensors `change` has seen.
+/// A checkpoint of [`config`] whose tensors `change` has edited.
 fn changed(change: impl Fn(&mut BTreeMap<String, (Vec<usize>, Vec<f32>)>)) -> (TempDir, PathBuf) {
     let folder = tempdir().unwrap();
     let path = folder.path().join("teacher.safetensors");
@@ -64,7 +64,7 @@ fn weights(teacher: &Teacher) -> BTreeMap<String, Vec<f32>> {
 }
 
 #[test]
-fn what_was_saved_is_loaded() {
+fn saved_weights_are_loaded() {
     for patch in [1, 20] {
         let config = TeacherConfig { patch, ..config() };
         let folder = tempdir().unwrap();
@@ -97,7 +97,7 @@ fn missing_tensors_are_named() {
 }
 
 #[test]
-fn tensors_without_a_place_are_named() {
+fn unknown_tensors_are_named() {
     let (_folder, path) = changed(|tensors| {
         let more = tensors["emg_in_layer_norm.bias"].clone();
         tensors.insert("final_norm.bias".into(), more);
@@ -109,7 +109,7 @@ fn tensors_without_a_place_are_named() {
 }
 
 #[test]
-fn another_number_of_classes_is_told_with_both_shapes() {
+fn another_number_of_classes_is_reported_with_both_shapes() {
     let (_folder, path) = changed(|_| {});
     let six = config().init(6, &Device::default());
     let Err(CheckpointError::Shape {

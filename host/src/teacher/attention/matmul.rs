@@ -1,38 +1,38 @@
-//! Products of matrices that lie in the cache, added up in vector registers.
+//! Products of small matrices in the cache, accumulated in vector registers.
 //!
-//! A backend's product allocates its result and packs its factors, which costs more than the
-//! product itself where a head's width, 32, is one of the three sizes.
+//! Burn's matrix product allocates its result and repacks its operands. Where one of the three sizes is
+//! the width of a head, 32, that takes longer than the multiplication.
 
 use pulp::Simd;
 
-/// Rows are padded to a multiple of this many values, whole vectors on every processor.
-pub const PAD: usize = 16;
+/// Rows are padded to a multiple of this many values: whole vectors on every processor.
+const PAD: usize = 16;
 
 /// Rows of a result that are computed together.
 const TILE: usize = 8;
 
-/// A padded number of values.
-pub const fn padded(values: usize) -> usize {
+/// A number of values, padded.
+pub(super) const fn padded(values: usize) -> usize {
     values.next_multiple_of(PAD)
 }
 
-/// The left factor of a product.
-pub trait Left: Copy {
-    /// `M` values below each other: rows from `row` on, one column.
+/// The left operand of a product.
+pub(super) trait Left: Copy {
+    /// `M` values of one column, from row `row` on.
     fn values<const M: usize>(self, row: usize, column: usize) -> [f32; M];
 }
 
 /// A matrix whose rows start `stride` values apart.
 #[derive(Clone, Copy)]
-pub struct Rows<'a> {
+pub(super) struct Rows<'a> {
     pub values: &'a [f32],
     pub stride: usize,
 }
 
 impl<'a> Rows<'a> {
-    /// A row's first values.
+    /// The first `width` values of a row.
     #[inline(always)]
-    pub fn row(self, row: usize, width: usize) -> &'a [f32] {
+    pub(super) fn row(self, row: usize, width: usize) -> &'a [f32] {
         &self.values[row * self.stride..][..width]
     }
 }
@@ -52,7 +52,7 @@ impl Left for Rows<'_> {
 
 /// The transpose of a matrix whose rows start `stride` values apart.
 #[derive(Clone, Copy)]
-pub struct Transposed<'a>(pub Rows<'a>);
+pub(super) struct Transposed<'a>(pub Rows<'a>);
 
 impl Left for Transposed<'_> {
     #[inline(always)]
@@ -64,10 +64,10 @@ impl Left for Transposed<'_> {
     }
 }
 
-/// Writes to `result`, `[rows, width]`, or adds to it (`ADD`), the product of `left`,
-/// `[rows, depth]`, and `right`, `[depth, width]`; `width` is padded.
+/// Writes the product of `left`, `[rows, depth]`, and `right`, `[depth, width]`, to `result`,
+/// `[rows, width]`, or adds it there (`ADD`); `width` is padded.
 #[inline(always)]
-pub fn product<S: Simd, const ADD: bool>(
+pub(super) fn product<S: Simd, const ADD: bool>(
     simd: S,
     result: &mut [f32],
     left: impl Left,
@@ -79,7 +79,7 @@ pub fn product<S: Simd, const ADD: bool>(
     let (result, _) = S::as_mut_simd_f32s(result);
     let mut vector = 0;
     while vector < vectors {
-        // Two vectors side by side, where there are two.
+        // Two vectors at a time, where there are two.
         let wide = vector + 2 <= vectors;
         let mut row = 0;
         while row < rows {
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, WithSimd};
 
-    /// Twice the product: once written, once added.
+    /// The product written and then added: twice the product.
     struct Twice<'a, L: Left>(&'a mut [f32], L, &'a [f32], [usize; 3]);
 
     impl<L: Left> WithSimd for Twice<'_, L> {

@@ -1,43 +1,49 @@
-//! Softmax over a row of scores, and back, as loops that a compiler turns into vector code.
+//! Softmax over a row of attention scores, forward and backward, as loops that the compiler vectorizes.
 
 use crate::teacher::exponential::exp_negative;
 
-/// Independent sums of a row, so that additions need not wait for each other.
+/// Independent partial sums of a row: without them each addition would wait for the one before.
 const LANES: usize = 16;
 
-/// What makes weights of a row's scores `x`: `exp((x - top) * scale) * inverse`.
+/// Softmax statistics of a row of scores `x`, whose weights are `exp((x - max) * scale) * inverse_sum`.
 ///
-/// Kept in two numbers: their one logarithm would be too coarse to make the same weights again.
+/// Two numbers, because their sum as one logarithm, in f32, would not reproduce the weights.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Norm {
+pub(super) struct RowStatistics {
     /// The largest score.
-    pub top: f32,
+    pub max: f32,
     /// One over the sum of the exponentials.
-    pub inverse: f32,
+    pub inverse_sum: f32,
 }
 
-/// Replaces a row's scores by weights that are yet to be multiplied by the norm's `inverse`.
+/// Replaces a row's scores by their exponentials: the weights, not yet multiplied by `inverse_sum`.
 #[inline(always)]
-pub fn weigh(row: &mut [f32], scale: f32) -> Norm {
-    let top = fold(row, f32::NEG_INFINITY, |a, b| if a > b { a } else { b });
+pub(super) fn exponentials(row: &mut [f32], scale: f32) -> RowStatistics {
+    let max = fold(row, f32::NEG_INFINITY, |a, b| if a > b { a } else { b });
     for x in row.iter_mut() {
-        *x = exp_negative((*x - top) * scale);
+        *x = exp_negative((*x - max) * scale);
     }
-    let inverse = 1.0 / fold(row, 0.0, |a, b| a + b);
-    Norm { top, inverse }
+    let inverse_sum = 1.0 / fold(row, 0.0, |a, b| a + b);
+    RowStatistics { max, inverse_sum }
 }
 
-/// From a row's scores and the gradients of its used weights to what the products of the backward
-/// pass need: the used weights, and the gradients of the scores.
+/// Backward pass of a row: replaces the scores by the weights after dropout, and the gradients of these
+/// weights by the gradients of the scores.
 ///
-/// A weight is used times its factor, which is 0 where it is dropped.
+/// `factors` are those of dropout, 0 where a weight is dropped.
 #[inline(always)]
-pub fn unweigh(scores: &mut [f32], gradients: &mut [f32], factors: &[f32], norm: Norm, scale: f32) {
+pub(super) fn backward(
+    scores: &mut [f32],
+    gradients: &mut [f32],
+    factors: &[f32],
+    statistics: RowStatistics,
+    scale: f32,
+) {
     for ((x, gradient), factor) in scores.iter_mut().zip(&mut *gradients).zip(factors) {
-        *x = exp_negative((*x - norm.top) * scale) * norm.inverse;
+        *x = exp_negative((*x - statistics.max) * scale) * statistics.inverse_sum;
         *gradient *= factor;
     }
-    // Of the weights themselves, so that the gradients of a row add up to 0 but for rounding.
+    // With the weights before dropout: the gradients of a row then add up to 0 but for rounding.
     let mean = dot(scores, gradients);
     for ((weight, gradient), factor) in scores.iter_mut().zip(gradients).zip(factors) {
         *gradient = *weight * (*gradient - mean) * scale;
@@ -78,15 +84,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_are_those_of_a_softmax() {
+    fn weights_are_the_softmax_of_the_scores() {
         let scores: Vec<f32> = (0..37).map(|i| ((i * 29) % 31) as f32 - 11.0).collect();
         let mut row = scores.clone();
-        let norm = weigh(&mut row, 0.3);
-        assert_eq!(norm.top, 19.0);
+        let statistics = exponentials(&mut row, 0.3);
+        assert_eq!(statistics.max, 19.0);
         let naive: Vec<f64> = scores.iter().map(|&x| (f64::from(x) * 0.3).exp()).collect();
         let total: f64 = naive.iter().sum();
         for (found, expected) in row.iter().zip(naive) {
-            assert!((f64::from(found * norm.inverse) - expected / total).abs() < 1e-6);
+            assert!((f64::from(found * statistics.inverse_sum) - expected / total).abs() < 1e-6);
         }
     }
 }

@@ -1,0 +1,55 @@
+//! A model under evaluation.
+
+use shared::pipeline::LookBackLogits;
+
+use super::condition::LookAhead;
+
+/// A model under evaluation: its logits over every trial.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Name in tables.
+    pub name: String,
+    /// Whether it gives logits of past patches too. Without them a label cannot be based on later windows, so there
+    /// is no look-ahead.
+    pub looks_back: bool,
+    /// Logits at each patch of each trial, in the order of the trials.
+    pub logits: Vec<Vec<LookBackLogits>>,
+}
+
+impl Candidate {
+    /// The look-ahead conditions that it can be evaluated under.
+    pub(crate) fn conditions(&self) -> impl Iterator<Item = LookAhead> {
+        LookAhead::ALL
+            .into_iter()
+            .filter(|&look_ahead| self.looks_back || look_ahead == LookAhead::None)
+    }
+
+    /// The condition `wanted`, or no look-ahead where that is all it can do.
+    #[must_use]
+    pub(crate) fn condition(&self, wanted: LookAhead) -> LookAhead {
+        if self.looks_back {
+            wanted
+        } else {
+            LookAhead::None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_without_past_patches_is_evaluated_without_look_ahead_alone() {
+        let conditions = |looks_back| {
+            let candidate = Candidate {
+                name: "any".to_owned(),
+                looks_back,
+                logits: Vec::new(),
+            };
+            candidate.conditions().collect::<Vec<_>>()
+        };
+        assert_eq!(conditions(false), [LookAhead::None]);
+        assert_eq!(conditions(true), LookAhead::ALL);
+    }
+}

@@ -1,0 +1,61 @@
+//! Conditions of an evaluation: which labels are the truth, and how logits are smoothed to labels.
+
+use serde::{Deserialize, Serialize};
+use shared::stream::smoother::{AggregationMode, Settings};
+
+/// Which labels predictions are compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Truth {
+    /// Labels as published: the times of the cues, as in the paper's evaluation.
+    Published,
+    /// Lag-compensated labels: shifted by one constant per data set, to the onset of muscle activity.
+    LagCompensated,
+}
+
+/// Look-ahead and aggregation mode: which logits a label is based on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LookAhead {
+    /// No look-ahead: the logits of the newest patch.
+    None,
+    /// 0.25 s of look-ahead, aggregation [`AllRowsFrom`](AggregationMode::AllRowsFrom).
+    AllRows,
+    /// 0.25 s of look-ahead, aggregation [`SameInstant`](AggregationMode::SameInstant).
+    SameInstant,
+}
+
+impl LookAhead {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::None, Self::AllRows, Self::SameInstant];
+
+    /// Name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "0",
+            Self::AllRows => "0.25 s, all rows",
+            Self::SameInstant => "0.25 s, same instant",
+        }
+    }
+
+    /// The smoother's settings; each label is held for 0.1 s in all of them.
+    #[must_use]
+    pub(crate) const fn settings(self) -> Settings {
+        let paper = Settings::PAPER_IN_PATCHES;
+        match self {
+            Self::None => Settings {
+                look_ahead: 0,
+                ..paper
+            },
+            Self::AllRows => Settings {
+                aggregation: AggregationMode::AllRowsFrom,
+                ..paper
+            },
+            Self::SameInstant => Settings {
+                aggregation: AggregationMode::SameInstant,
+                ..paper
+            },
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Scores of a model on subjects that it was not trained on, under every condition.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use shared::intent::{Intent, Vocabulary};
+use shared::pipeline::LookBackLogits;
+use shared::stream::smoother::{Settings, SettingsError};
+use thiserror::Error;
+
+use super::candidate::Candidate;
+use super::condition::{LookAhead, Truth};
+use super::metric::MetricError;
+use super::metric::confusion::Confusion;
+use super::metric::summary::{RecordingScore, Summary, summary};
+use super::metric::transition::Rule;
+use super::smoothing::{SmoothedLabels, smooth};
+use super::trial::Trial;
+
+/// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
+pub const BUFFERS: [usize; 3] = [60, 120, 200];
+
+/// [`Score::data_set`] of the scores over all data sets.
+pub const ALL: &str = "all";
+
+/// One row of results: one model under one condition, on one data set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Name of the model.
+    pub model: String,
+    /// Name of the data set, or [`ALL`].
+    pub data_set: String,
+    /// Look-ahead and aggregation mode.
+    pub look_ahead: LookAhead,
+    /// Labels that predictions were compared with.
+    pub truth: Truth,
+    /// Scores with each buffer of [`BUFFERS`], each label at its reference time.
+    pub reference: [Summary; BUFFERS.len()],
+    /// Scores with the widest buffer, each label at its emission time.
+    pub emitted: Summary,
+}
+
+impl Score {
+    /// The paper's score: the widest buffer, each label at its reference time.
+    #[must_use]
+    pub const fn widest(&self) -> &Summary {
+        &self.reference[BUFFERS.len() - 1]
+    }
+}
+
+/// Why a model cannot be evaluated.
+#[derive(Debug, Error)]
+pub enum EvaluationError {
+    /// The label sequences cannot be compared.
+    #[error(transparent)]
+    Metric(#[from] MetricError),
+    /// The smoother's settings are invalid.
+    #[error(transparent)]
+    Smoother(#[from] SettingsError),
+}
+
+/// Scores a candidate under one condition: a row for each data set among the trials, and one over all of them if
+/// there are several.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub(crate) fn score(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+    truth: Truth,
+) -> Result<Vec<Score>, EvaluationError> {
+    let scored: Vec<_> = trials
+        .par_iter()
+        .zip(&candidate.logits)
+        .filter_map(|(trial, logits)| {
+            let labels = match truth {
+                Truth::Published => trial.published.as_ref()?,
+                Truth::LagCompensated => &trial.lag_compensated,
+            };
+            Some(
+                score_trial(trial, logits, labels, vocabulary, look_ahead.settings())
+                    .map(|scores| (trial.data_set.name(), scores)),
+            )
+        })
+        .collect::<Result<_, _>>()?;
+    let mut sets: Vec<&str> = scored.iter().map(|(set, _)| *set).collect();
+    sets.sort_unstable();
+    sets.dedup();
+    if sets.len() != 1 {
+        sets.push(ALL);
+    }
+    let row = |set: &str| {
+        let own = || {
+            scored
+                .iter()
+                .filter(move |(own, _)| set == ALL || *own == set)
+        };
+        let summary_of = |index: usize| {
+            summary(
+                &own()
+                    .map(|(_, scores)| scores[index].clone())
+                    .collect::<Vec<_>>(),
+            )
+        };
+        Score {
+            model: candidate.name.clone(),
+            data_set: set.to_owned(),
+            look_ahead,
+            truth,
+            reference: std::array::from_fn(summary_of),
+            emitted: summary_of(BUFFERS.len()),
+        }
+    };
+    Ok(sets.into_iter().map(row).collect())
+}
+
+/// Scores of one trial: at reference times with each buffer, then at emission times with the widest.
+fn score_trial(
+    trial: &Trial,
+    logits: &[LookBackLogits],
+    truth: &[Option<Intent>],
+    vocabulary: Vocabulary,
+    settings: Settings,
+) -> Result<Vec<RecordingScore>, EvaluationError> {
+    let SmoothedLabels { reference, emitted } =
+        smooth(logits, trial.emg.len(), vocabulary.classes(), settings)?;
+    // Samples before the first label are not scored, as the reference does with those after the last one.
+    let first = reference.iter().position(Option::is_some).unwrap_or(0);
+    let score = |prediction: &[Option<Intent>], buffer| {
+        let rule = Rule {
+            buffer,
+            ..Rule::default()
+        };
+        RecordingScore::new(
+            &trial.subject,
+            &trial.name,
+            &truth[first..],
+            &prediction[first..],
+            &rule,
+        )
+    };
+    let mut scores = Vec::with_capacity(BUFFERS.len() + 1);
+    for buffer in BUFFERS {
+        scores.push(score(&reference, buffer)?);
+    }
+    scores.push(score(&emitted, BUFFERS[BUFFERS.len() - 1])?);
+    Ok(scores)
+}
+
+/// Offsets, in samples, of the transitions that a candidate follows: widest buffer, lag-compensated labels, each
+/// predicted label at its reference time.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub(crate) fn offsets(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Vec<i32>, EvaluationError> {
+    let mut offsets = Vec::new();
+    for (trial, logits) in trials.iter().zip(&candidate.logits) {
+        let scores = score_trial(
+            trial,
+            logits,
+            &trial.lag_compensated,
+            vocabulary,
+            look_ahead.settings(),
+        )?;
+        offsets.extend(scores[BUFFERS.len() - 1].transitions.offsets());
+    }
+    Ok(offsets)
+}
+
+/// Confusion matrix of a candidate over all trials: lag-compensated labels, each predicted label at its reference
+/// time.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub(crate) fn confusion(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Confusion, EvaluationError> {
+    let mut confusion = Confusion::new(vocabulary);
+    for (trial, logits) in trials.iter().zip(&candidate.logits) {
+        let labels = smooth(
+            logits,
+            trial.emg.len(),
+            vocabulary.classes(),
+            look_ahead.settings(),
+        )?;
+        confusion.add(&trial.lag_compensated, &labels.reference)?;
+    }
+    Ok(confusion)
+}

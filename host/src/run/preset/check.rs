@@ -1,0 +1,252 @@
+//! Which values of a preset are valid.
+
+use shared::intent::Vocabulary;
+use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
+
+use super::Preset;
+
+/// A value that a run cannot use.
+pub(super) struct Invalid {
+    pub(super) key: &'static str,
+    /// Its value.
+    pub(super) found: String,
+    /// Valid values.
+    pub(super) expected: &'static str,
+}
+
+/// Refuses a value that is not valid.
+fn require(
+    valid: bool,
+    key: &'static str,
+    found: impl std::fmt::Debug,
+    expected: &'static str,
+) -> Option<Invalid> {
+    (!valid).then(|| Invalid {
+        key,
+        found: format!("{found:?}"),
+        expected,
+    })
+}
+
+impl Preset {
+    /// The first invalid value, if there is one.
+    pub(super) fn invalid(&self) -> Option<Invalid> {
+        let classes = require(
+            Vocabulary::with_classes(self.classes).is_some(),
+            "classes",
+            self.classes,
+            "3 or 6",
+        );
+        classes
+            .or_else(|| self.invalid_teacher())
+            .or_else(|| self.invalid_teacher_training())
+            .or_else(|| self.invalid_student())
+            .or_else(|| self.invalid_distillation())
+            .or_else(|| self.invalid_augmentation())
+            .or_else(|| self.invalid_data())
+    }
+
+    fn invalid_teacher(&self) -> Option<Invalid> {
+        let teacher = &self.teacher;
+        [
+            require(
+                (LOOK_BACK * PATCH..=WINDOW).contains(&teacher.window),
+                "teacher.window",
+                teacher.window,
+                "60 to 600 samples",
+            ),
+            require(
+                teacher.patch > 0 && teacher.window.is_multiple_of(teacher.patch),
+                "teacher.patch",
+                teacher.patch,
+                "a divisor of the window",
+            ),
+            require(
+                are_heads(teacher.heads, teacher.d_model),
+                "teacher.heads",
+                teacher.heads,
+                "a divisor of d_model",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .next()
+    }
+
+    fn invalid_teacher_training(&self) -> Option<Invalid> {
+        let training = &self.teacher_training;
+        [
+            require(
+                training.stride > 0 && training.batch > 0 && training.epochs > 0,
+                "teacher_training",
+                0,
+                "stride, batch and epochs of 1 or more",
+            ),
+            require(
+                self.fine_tuning.lora.rank > 0,
+                "fine_tuning.lora.rank",
+                0,
+                "1 or more",
+            ),
+            require(
+                !training.tasks.is_empty(),
+                "teacher_training.tasks",
+                &training.tasks,
+                "one task or more",
+            ),
+            require(
+                (0.0..1.0).contains(&training.ema_decay),
+                "teacher_training.ema_decay",
+                training.ema_decay,
+                "0 or more, below 1",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .next()
+    }
+
+    fn invalid_student(&self) -> Option<Invalid> {
+        let student = &self.student;
+        [
+            require(
+                are_heads(student.heads, student.d_model),
+                "student.heads",
+                student.heads,
+                "a divisor of d_model",
+            ),
+            require(
+                student.span > 0
+                    && student.layers > 0
+                    && student.receptive_field() + LOOK_BACK - 1 <= WINDOW_PATCHES,
+                "student.span",
+                student.receptive_field(),
+                "layers * (span - 1) + 1 of at most 55 patches",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .next()
+    }
+
+    fn invalid_distillation(&self) -> Option<Invalid> {
+        let distillation = &self.distillation;
+        [
+            require(
+                distillation.patches > self.student.span
+                    && distillation.batch > 0
+                    && distillation.steps > 0
+                    && distillation.epochs > 0,
+                "distillation",
+                distillation.patches,
+                "patches above the span; batch, steps and epochs of 1 or more",
+            ),
+            require(
+                (0.0..=1.0).contains(&distillation.teacher_share),
+                "distillation.teacher_share",
+                distillation.teacher_share,
+                "0 to 1",
+            ),
+            require(
+                distillation.temperature.is_finite() && distillation.temperature > 0.0,
+                "distillation.temperature",
+                distillation.temperature,
+                "a positive number",
+            ),
+            require(
+                (0.0..1.0).contains(&distillation.ema_decay),
+                "distillation.ema_decay",
+                distillation.ema_decay,
+                "0 or more, below 1",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .next()
+    }
+
+    fn invalid_augmentation(&self) -> Option<Invalid> {
+        let (training, distillation) = (&self.teacher_training, &self.distillation);
+        [&training.augmentation, &distillation.augmentation]
+            .into_iter()
+            .flatten()
+            .find_map(|augmentation| {
+                let gain = augmentation.gain;
+                require(
+                    gain.is_finite() && gain >= 0.0 && augmentation.rotation <= 3,
+                    "augmentation",
+                    augmentation,
+                    "a gain of 0 or more and a rotation of 0 to 3",
+                )
+            })
+    }
+
+    fn invalid_data(&self) -> Option<Invalid> {
+        let data = &self.data;
+        let seconds = data.spliced_seconds;
+        [
+            require(
+                (0.0..1.0).contains(&data.held_out_share),
+                "data.held_out_share",
+                data.held_out_share,
+                "0 or more, below 1",
+            ),
+            require(
+                (0.0..1.0).contains(&data.validation_share),
+                "data.validation_share",
+                data.validation_share,
+                "0 or more, below 1",
+            ),
+            require(
+                (0.0..=1.0).contains(&data.balance),
+                "data.balance",
+                data.balance,
+                "0 to 1",
+            ),
+            require(
+                seconds.is_finite() && seconds >= 0.0 && (seconds >= 10.0 || data.as_published),
+                "data.spliced_seconds",
+                seconds,
+                "10 or more, or as_published = true",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .next()
+    }
+}
+
+/// Whether tokens of this width can be divided into this number of attention heads.
+fn are_heads(heads: usize, d_model: usize) -> bool {
+    heads > 0 && d_model > 0 && d_model.is_multiple_of(heads)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::run::preset::{BUILT_IN, Preset, PresetError};
+
+    /// The key that is refused after an edit of the quickstart preset.
+    fn refused(from: &str, to: &str) -> &'static str {
+        let text = BUILT_IN[0].1.replace(from, to);
+        match Preset::parse("mine", &text) {
+            Err(PresetError::Value { key, .. }) => key,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_receptive_field_beyond_the_window_is_refused() {
+        assert_eq!(refused("span = 27", "span = 30"), "student.span");
+    }
+
+    #[test]
+    fn a_span_of_zero_is_refused() {
+        assert_eq!(refused("span = 27", "span = 0"), "student.span");
+    }
+
+    #[test]
+    fn a_patch_that_does_not_divide_the_window_is_refused() {
+        assert_eq!(refused("patch = 20", "patch = 7"), "teacher.patch");
+        assert_eq!(refused("patch = 20", "patch = 0"), "teacher.patch");
+    }
+}

@@ -1,0 +1,204 @@
+//! Batches of excerpts as tensors.
+
+use burn::tensor::{Device, Int, Tensor, TensorData};
+use shared::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
+
+use super::sequence::{Excerpt, Sequence};
+
+/// A batch of excerpts: the student's input and the targets of its outputs.
+///
+/// An output is the head's estimate at one patch of the intent at that patch or at one of the five before.
+pub struct Batch {
+    /// `[b, patches, 80]`.
+    pub(super) emg: Tensor<3>,
+    /// Class of the label, 0 where there is none, `[b, patches, 6, 1]`.
+    pub(super) targets: Tensor<4, Int>,
+    /// 1 where there is a label, `[b, patches, 6]`.
+    pub(super) label_mask: Tensor<3>,
+    /// Number of labelled outputs that the label loss is a mean over.
+    pub(super) labelled: f64,
+    /// The teacher's logits, if there is a teacher.
+    pub(super) soft_targets: Option<SoftTargets>,
+}
+
+/// The teacher's logits as targets.
+pub(super) struct SoftTargets {
+    /// `[b, patches, 6, classes]`.
+    pub(super) logits: Tensor<4>,
+    /// Distillation mask: 1 where there are logits, `[b, patches, 6]`.
+    pub(super) mask: Tensor<3>,
+    /// Number of outputs that the distillation loss is a mean over.
+    pub(super) distilled: f64,
+}
+
+/// Sizes that every batch of a training shares.
+#[derive(Clone, Copy)]
+pub(super) struct BatchShape {
+    /// Patches of an excerpt.
+    pub(super) patches: usize,
+    /// Patches at the start of an excerpt whose outputs have no target, for want of context.
+    pub(super) context: usize,
+    pub(super) classes: usize,
+}
+
+impl Batch {
+    /// Assembles a batch; where a sequence ends before its excerpt, the rest is zeros without targets.
+    pub(super) fn new(
+        sequences: &[Sequence],
+        excerpts: &[Excerpt],
+        shape: BatchShape,
+        device: &Device,
+    ) -> Self {
+        let BatchShape {
+            patches,
+            context,
+            classes,
+        } = shape;
+        let b = excerpts.len();
+        let mut emg = Vec::with_capacity(b * patches * PATCH * CHANNELS);
+        let mut targets = vec![0_i32; b * patches * LOOK_BACK];
+        let mut label_mask = vec![0.0_f32; b * patches * LOOK_BACK];
+        let mut logits = vec![0.0_f32; b * patches * LOOK_BACK * classes];
+        let mut distillation_mask = vec![0.0_f32; b * patches * LOOK_BACK];
+        let (mut labelled, mut distilled) = (0.0, 0.0);
+        for (row, excerpt) in excerpts.iter().enumerate() {
+            let sequence = &sequences[excerpt.sequence];
+            let end = (excerpt.start + patches).min(sequence.patches());
+            excerpt
+                .variation
+                .write(&sequence.emg[excerpt.start * PATCH..end * PATCH], &mut emg);
+            emg.resize((row + 1) * patches * PATCH * CHANNELS, 0.0);
+            for patch in excerpt.start + context..end {
+                for back in 0..LOOK_BACK {
+                    // No targets in the lead-in, which repeats EMG of the stream.
+                    let Some(estimated) = patch
+                        .checked_sub(back)
+                        .filter(|&estimated| estimated >= WINDOW_PATCHES)
+                    else {
+                        continue;
+                    };
+                    let output = (row * patches + patch - excerpt.start) * LOOK_BACK + back;
+                    if let Some(intent) = sequence.labels[estimated] {
+                        targets[output] = intent.class() as i32;
+                        label_mask[output] = 1.0;
+                        labelled += 1.0;
+                    }
+                    if let Some(soft_targets) = &sequence.soft_targets {
+                        distillation_mask[output] = 1.0;
+                        distilled += 1.0;
+                        logits[output * classes..(output + 1) * classes].copy_from_slice(
+                            &soft_targets[patch - WINDOW_PATCHES][back][..classes],
+                        );
+                    }
+                }
+            }
+        }
+        let outputs = [b, patches, LOOK_BACK];
+        let has_teacher = sequences
+            .iter()
+            .any(|sequence| sequence.soft_targets.is_some());
+        Self {
+            emg: Tensor::from_data(TensorData::new(emg, [b, patches, PATCH * CHANNELS]), device),
+            targets: Tensor::from_data(
+                TensorData::new(targets, [b, patches, LOOK_BACK, 1]),
+                device,
+            ),
+            label_mask: Tensor::from_data(TensorData::new(label_mask, outputs), device),
+            labelled,
+            soft_targets: has_teacher.then(|| SoftTargets {
+                logits: Tensor::from_data(
+                    TensorData::new(logits, [b, patches, LOOK_BACK, classes]),
+                    device,
+                ),
+                mask: Tensor::from_data(TensorData::new(distillation_mask, outputs), device),
+                distilled,
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::intent::{Intent, Vocabulary};
+    use shared::pipeline::LookBackLogits;
+
+    use super::*;
+    use crate::dataset::corpus::{Corpus, Stream};
+    use crate::student::sequence::sequences;
+    use crate::training::augmentation::Variation;
+    use crate::training::tensor::read_back;
+
+    const SHAPE: BatchShape = BatchShape {
+        patches: 70,
+        context: 3,
+        classes: 3,
+    };
+
+    /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
+    fn sequence() -> Vec<Sequence> {
+        let samples = 20 * PATCH;
+        let corpus = Corpus {
+            vocabulary: Vocabulary::Three,
+            streams: vec![Stream::new(
+                vec![[1; CHANNELS]; samples],
+                vec![Some(Intent::Open); samples],
+            )],
+        };
+        let soft_targets = (0..20)
+            .map(|patch| {
+                let mut logits = LookBackLogits::default();
+                for logits in &mut logits {
+                    logits[0] = patch as f32;
+                }
+                logits
+            })
+            .collect();
+        sequences(&corpus, Some(vec![soft_targets]))
+    }
+
+    fn excerpt(start: usize) -> Excerpt {
+        Excerpt {
+            sequence: 0,
+            start,
+            variation: Variation::NONE,
+        }
+    }
+
+    #[test]
+    fn targets_begin_after_the_lead_in_and_need_context() {
+        let device = Device::default();
+        let batch = Batch::new(&sequence(), &[excerpt(0), excerpt(62)], SHAPE, &device);
+        // The first excerpt ends after 10 patches of the stream, of which the first five cannot look back on five
+        // others. The second one has the last 18 patches of the stream, less three of context.
+        let expected = (1 + 2 + 3 + 4 + 5 + 5 * 6) + (18 - 3) * 6;
+        assert_eq!(batch.labelled, f64::from(expected));
+        let mask = read_back(batch.label_mask);
+        assert_eq!(mask.iter().sum::<f32>(), expected as f32);
+        let second = 70 * LOOK_BACK;
+        assert!(
+            mask[second..second + 3 * LOOK_BACK]
+                .iter()
+                .all(|&m| m == 0.0)
+        );
+        assert!(mask[second + 18 * LOOK_BACK..].iter().all(|&m| m == 0.0));
+    }
+
+    #[test]
+    fn soft_targets_are_those_of_the_patch() {
+        let device = Device::default();
+        let batch = Batch::new(&sequence(), &[excerpt(62)], SHAPE, &device);
+        let soft_targets = batch.soft_targets.unwrap();
+        assert_eq!(soft_targets.distilled, batch.labelled);
+        assert_eq!(
+            read_back(soft_targets.mask),
+            read_back(batch.label_mask.clone())
+        );
+        let logits = read_back(soft_targets.logits);
+        for patch in 3..18 {
+            for back in 0..LOOK_BACK {
+                let output = patch * LOOK_BACK + back;
+                assert_eq!(logits[output * 3], (62 + patch - WINDOW_PATCHES) as f32);
+            }
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Training sequences of a student, and the excerpts that batches are made of.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use shared::intent::Intent;
+use shared::pipeline::LookBackLogits;
+use shared::units::{CHANNELS, PATCH, WINDOW_PATCHES};
+
+use super::distillation::Distillation;
+use crate::dataset::corpus::{Corpus, patch_labels};
+use crate::dataset::lead_in::padded;
+use crate::training::augmentation::Variation;
+
+/// A stream cut into patches, with a lead-in of one window in front.
+pub(super) struct Sequence {
+    pub(super) emg: Vec<[u8; CHANNELS]>,
+    /// Label of every patch; none in the lead-in.
+    pub(super) labels: Vec<Option<Intent>>,
+    /// The teacher's logits at every patch after the lead-in.
+    pub(super) soft_targets: Option<Vec<LookBackLogits>>,
+}
+
+impl Sequence {
+    pub(super) fn patches(&self) -> usize {
+        self.labels.len()
+    }
+}
+
+/// The sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream.
+pub(super) fn sequences(
+    corpus: &Corpus,
+    soft_targets: Option<Vec<Vec<LookBackLogits>>>,
+) -> Vec<Sequence> {
+    let mut soft_targets = soft_targets.map(Vec::into_iter);
+    corpus
+        .streams
+        .iter()
+        .map(|stream| {
+            let own = patch_labels(&stream.labels);
+            let whole = own.len() * PATCH;
+            let unknown = std::iter::repeat_n(None, WINDOW_PATCHES);
+            Sequence {
+                emg: padded(&stream.emg[..whole]),
+                labels: unknown.chain(own).collect(),
+                soft_targets: soft_targets
+                    .as_mut()
+                    .map(|streams| streams.next().unwrap_or_default()),
+            }
+        })
+        .filter(|sequence| sequence.patches() > WINDOW_PATCHES)
+        .collect()
+}
+
+/// Part of a sequence, and the variation of its EMG.
+#[derive(Clone, Copy)]
+pub struct Excerpt {
+    /// Index of the sequence.
+    pub(super) sequence: usize,
+    /// First patch.
+    pub(super) start: usize,
+    pub(super) variation: Variation,
+}
+
+impl Excerpt {
+    /// Draws an excerpt of `config.patches` patches.
+    pub(super) fn draw(
+        sequences: &[Sequence],
+        config: &Distillation,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        // Uniform over all patches, so that a sequence is drawn in proportion to its length.
+        let total = sequences.iter().map(Sequence::patches).sum();
+        let mut patch = rng.random_range(0..total);
+        let mut sequence = 0;
+        while patch >= sequences[sequence].patches() {
+            patch -= sequences[sequence].patches();
+            sequence += 1;
+        }
+        let last_start = sequences[sequence].patches().saturating_sub(config.patches);
+        let variation = match &config.augmentation {
+            Some(augmentation) => augmentation.draw(rng),
+            None => Variation::NONE,
+        };
+        Self {
+            sequence,
+            start: rng.random_range(0..=last_start),
+            variation,
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Metrics of an epoch: means over its steps, and the line that is kept of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::learner::WeightedMetric;
+
+/// One line of `NAME.jsonl`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct EpochMetrics {
+    /// Epoch, from 1 on.
+    pub epoch: usize,
+    /// Optimizer steps so far.
+    pub step: usize,
+    /// Learning rate of the epoch's last step.
+    pub learning_rate: f64,
+    /// Metrics of training, means over the epoch.
+    pub train: Vec<(String, f64)>,
+    /// The loss that selects the checkpoint.
+    pub validation_loss: f64,
+    /// Metrics of validation.
+    pub validation: Vec<(String, f64)>,
+}
+
+/// Weighted means by name, in the order of first appearance.
+#[derive(Default)]
+pub(super) struct RunningMeans(Vec<WeightedMetric>);
+
+impl RunningMeans {
+    pub(super) fn add(&mut self, metrics: &[WeightedMetric]) {
+        for metric in metrics {
+            match self.0.iter_mut().find(|known| known.name == metric.name) {
+                Some(known) => {
+                    let weight = known.weight + metric.weight;
+                    if weight > 0.0 {
+                        known.mean += (metric.mean - known.mean) * metric.weight / weight;
+                    }
+                    known.weight = weight;
+                }
+                None => self.0.push(*metric),
+            }
+        }
+    }
+
+    pub(super) fn by_name(&self) -> Vec<(String, f64)> {
+        self.0
+            .iter()
+            .map(|metric| (metric.name.to_owned(), metric.mean))
+            .collect()
+    }
+}
+
+impl std::fmt::Display for RunningMeans {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (position, metric) in self.0.iter().enumerate() {
+            let gap = if position == 0 { "" } else { ", " };
+            write!(f, "{gap}{} {:.4}", metric.name, metric.mean)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_weighted() {
+        let metric = |name, mean, weight| WeightedMetric { name, mean, weight };
+        let mut means = RunningMeans::default();
+        means.add(&[metric("a", 1.0, 1.0)]);
+        means.add(&[metric("a", 4.0, 2.0), metric("b", 0.0, 0.0)]);
+        assert_eq!(
+            means.by_name(),
+            [("a".to_owned(), 3.0), ("b".to_owned(), 0.0)]
+        );
+    }
+}
