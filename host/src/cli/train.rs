@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{BackendArguments, DataArguments, open_run};
-use crate::dataset::split::folds::Protocol;
+use crate::dataset::folds::Protocol;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;

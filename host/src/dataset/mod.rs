@@ -22,3 +22,4 @@ pub use library::{Library, LoadOptions, Repeat, load};
 pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;
 pub use recording::{DataSet, Recording};
+pub use split::folds;

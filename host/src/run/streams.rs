@@ -8,7 +8,7 @@ use super::config::ResolvedConfig;
 use crate::dataset::corpus::{Corpus, Stream};
 use crate::dataset::splice::{self, SpliceOptions};
 use crate::dataset::split::Role;
-use crate::dataset::split::folds;
+use crate::dataset::folds;
 use crate::dataset::{DataSet, Library, Recording};
 
 impl ResolvedConfig {

@@ -10,7 +10,7 @@ use crate::baselines::find_preset;
 use crate::comparison::job::Study;
 use crate::comparison::variant::Variant;
 use myointent::cli::arguments::{BackendArguments, DataArguments};
-use myointent::dataset::split::folds::Protocol;
+use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
 
 /// Arguments of `study`.

@@ -10,7 +10,7 @@ use anyhow::bail;
 use burn::tensor::Device;
 
 use myointent::dataset::Library;
-use myointent::dataset::split::folds::Protocol;
+use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::{RunError, RunFolder, weights_file};
