@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::{
-    Fault, Library, LoadError, LoadOptions, Place, Recording, Remedy, lag, load, runs,
+    Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs,
 };
 use myointent_tests::{data, skip};
 use shared::intent::{Intent, Vocabulary};

@@ -143,7 +143,7 @@ pub fn recordings(data: Option<&Path>, strict: bool, preset: &Preset) -> anyhow:
         progress::log(&format!(
             "damaged files left out: {}; the first: {} (`myointent data inspect` lists all, --strict refuses them)",
             library.skipped.len(),
-            first.error
+            first
         ));
     }
     progress::log(&format!(

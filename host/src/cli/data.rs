@@ -8,10 +8,9 @@ use clap::{Args, Subcommand};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::dataset::LoadOptions;
-use crate::dataset::inspection::{Inspection, SetInspection};
-use crate::dataset::load;
+use crate::dataset::library::inspection::{Inspection, SetInspection};
 use crate::dataset::synthetic::{self, SynthOptions};
+use crate::dataset::{LoadOptions, load};
 use crate::report::Table;
 
 /// How many files of one oddity are listed for people; `--json` has all.

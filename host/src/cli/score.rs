@@ -5,10 +5,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
-use shared::intent::{Intent, Vocabulary};
 use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
-use crate::dataset::label_file;
+use crate::dataset::labels::vocabulary;
+use crate::dataset::readers::label_file;
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::offset;
 use crate::evaluation::metric::predicted_length;
@@ -69,7 +69,7 @@ pub fn run(args: Arguments) -> anyhow::Result<()> {
     let name = args.prediction.display().to_string();
     let score = RecordingScore::new("", &name, &truth, &prediction, &rule)
         .with_context(|| format!("cannot score {} against {}", name, args.truth.display()))?;
-    let mut confusion = Confusion::new(vocabulary(&truth, &prediction));
+    let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
     let report = if args.json {
@@ -79,16 +79,6 @@ pub fn run(args: Arguments) -> anyhow::Result<()> {
     };
     std::io::stdout().write_all(report.as_bytes())?;
     Ok(())
-}
-
-/// Three classes unless a label needs six.
-fn vocabulary(truth: &[Option<Intent>], prediction: &[Option<Intent>]) -> Vocabulary {
-    let mut labels = truth.iter().chain(prediction).flatten();
-    if labels.all(|&intent| Vocabulary::Three.contains(intent)) {
-        Vocabulary::Three
-    } else {
-        Vocabulary::Six
-    }
 }
 
 fn json(score: &RecordingScore, rule: &Rule, confusion: &Confusion) -> serde_json::Result<String> {
@@ -174,6 +164,8 @@ fn matrix(confusion: &Confusion) -> Table {
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Intent;
+
     use super::*;
 
     #[test]
@@ -182,7 +174,7 @@ mod tests {
         let truth = [vec![r; 300], vec![o; 300], vec![r; 300]].concat();
         let prediction = [vec![r; 310], vec![o; 540], vec![None; 50]].concat();
         let score = RecordingScore::new("", "", &truth, &prediction, &Rule::default()).unwrap();
-        let mut confusion = Confusion::new(vocabulary(&truth, &prediction));
+        let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
         confusion.add(&truth[..850], &prediction[..850]).unwrap();
         let text = tables(&score, 50, &confusion);
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");

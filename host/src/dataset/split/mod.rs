@@ -1,26 +1,26 @@
-//! Who trains, who picks the checkpoint, who is measured. Whole people, never files.
+//! Split of subjects into training, validation and held out. Whole people, never files.
 //!
-//! Recordings of one person resemble each other far more than two people do; a split by file would
-//! measure recognition of a person.
+//! Recordings of one person resemble each other far more than those of two people; a split by file
+//! would measure recognition of a person.
+
+pub mod folds;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 
-use super::splice::fnv;
-use super::{DataSet, Recording};
+use super::recording::{DataSet, Recording};
+use super::seed;
 
-/// What a subject is for.
+/// What a subject is used for.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
-    /// Weights are fitted to it.
+    /// Weights are trained on it.
     Training,
-    /// Its loss picks the checkpoint.
+    /// Its loss selects the checkpoint.
     Validation,
-    /// Only measured, at the very end.
+    /// Evaluated, never trained or validated on.
     HeldOut,
 }
 
@@ -30,16 +30,16 @@ pub enum Role {
 pub enum Choice {
     /// These, as [`Recording::subject`] names them.
     Subjects(Vec<String>),
-    /// So many of each data set, drawn by the seed. A set's draw does not depend on the others.
+    /// A number of each data set, drawn by the seed. A set's draw does not depend on the others.
     PerDataSet(BTreeMap<DataSet, usize>),
 }
 
-/// What to hold out and what to validate on.
+/// Whom to hold out and whom to validate on.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct SplitOptions {
-    /// Drives every draw.
+    /// Seed of every draw.
     pub seed: u64,
-    /// Chosen first, from everybody.
+    /// Chosen first, from all subjects.
     pub held_out: Choice,
     /// Chosen second, from those that remain.
     pub validation: Choice,
@@ -48,21 +48,21 @@ pub struct SplitOptions {
 /// Subjects by role, each list in alphabetical order; no subject is in two.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Split {
-    /// Fit on these.
+    /// Trained on.
     pub training: Vec<String>,
-    /// Pick the checkpoint on these.
+    /// Select the checkpoint.
     pub validation: Vec<String>,
-    /// Measure on these.
+    /// Evaluated.
     pub held_out: Vec<String>,
 }
 
 /// Why there is no such split.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SplitError {
-    /// A name that no recording carries.
+    /// A subject without a recording.
     #[error("expected a subject of the recordings at hand ({known}), found {subject:?}")]
     UnknownSubject {
-        /// The name asked for.
+        /// The subject requested.
         subject: String,
         /// Names that resemble it, or how many there are.
         known: String,
@@ -70,19 +70,17 @@ pub enum SplitError {
     /// One subject in two lists.
     #[error("{0} is both held out and for validation: take it from one list")]
     TwoRoles(String),
-    /// More asked for than there are.
-    #[error(
-        "expected at most {available} subjects of {data_set} to choose from, {wanted} are wanted"
-    )]
+    /// More subjects requested than there are.
+    #[error("expected at most {available} subjects of {data_set}, found a request for {wanted}")]
     TooFew {
         /// The data set.
         data_set: &'static str,
         /// Subjects that may still be chosen.
         available: usize,
-        /// Subjects asked for.
+        /// Subjects requested.
         wanted: usize,
     },
-    /// Nobody left.
+    /// No subject left to train on.
     #[error("no training subject is left: hold out or validate on fewer, or add recordings")]
     NothingToTrainOn,
 }
@@ -174,7 +172,7 @@ fn choose(
                         wanted,
                     });
                 }
-                subjects.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ fnv(data_set.name())));
+                subjects.shuffle(&mut seed::generator(seed, data_set.name()));
                 chosen.extend(subjects[..wanted].iter().map(|&s| s.to_owned()));
             }
         }
@@ -239,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn every_subject_has_one_role_and_brings_all_its_recordings() {
+    fn every_subject_has_one_role_with_all_its_recordings() {
         let all = recordings(&[(DataSet::Roshambo, 8), (DataSet::SsStm, 3)]);
         let split = Split::new(&all, &options(42, 2, 1)).unwrap();
         assert_eq!(

@@ -1,14 +1,19 @@
 //! `myo-readings`: one text per minute and gesture, eight integers and the label in each line.
+//!
+//! Files of a motion outside the six classes (labels 3 to 6: radial and ulnar deviation, pronation,
+//! supination) are not read.
 
 use std::path::Path;
 
 use shared::intent::Intent;
 use shared::units::Sample;
 
-use super::error::{Damage, Fault};
-use super::{DataSet, Recording, library, table};
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
 
-/// People whose labels do not say when the gesture happens, and why.
+/// People whose labels do not mark when the gesture happens, and why.
 const UNUSABLE: [(&str, &str); 4] = [
     ("32185", "runs of 6 s, steadily 1.6 s late"),
     ("35622", "the muscle drifts 4 s late within a file"),
@@ -32,22 +37,25 @@ const PUBLISHED_DAMAGE: [&str; 4] = [
     "64917-2/1.txt",
     "64917-3/7.txt",
 ];
+/// Names and labels of files with a motion outside the six classes.
+const OUTSIDE: [(&str, f64); 4] = [("3", 3.0), ("4", 4.0), ("5", 5.0), ("6", 6.0)];
 /// Share of repeated rows from which a file was polled faster than the armband sends: at 250 Hz
 /// every fifth row repeats; a true repeat of eight values is rare outside silence.
 const POLLED_TOO_FAST: f64 = 0.15;
 
-pub(super) fn is_damaged_as_published(path: &Path) -> bool {
-    PUBLISHED_DAMAGE.iter().any(|name| path.ends_with(name))
+/// Reads a recording; none if its motion is outside the six classes.
+pub(crate) fn read(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
+    recording(path, text).map_err(|damage| Damage {
+        as_published: PUBLISHED_DAMAGE.iter().any(|name| path.ends_with(name)),
+        ..damage
+    })
 }
 
-pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
+fn recording(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
     const LAYOUT: &str = "12345-1/7.txt";
     let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
-    let name = path
-        .file_stem()
-        .and_then(|n| n.to_str())
-        .ok_or_else(misplaced)?;
-    let sitting = library::folder_name(path, 1).ok_or_else(misplaced)?;
+    let name = stem(path).ok_or_else(misplaced)?;
+    let sitting = folder(path, 1).ok_or_else(misplaced)?;
     let (person, sitting) = sitting.rsplit_once('-').ok_or_else(misplaced)?;
 
     let mut samples = Vec::new();
@@ -55,6 +63,9 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     for (line, row) in table::rows(text) {
         let values = table::numbers::<9>(line, row)?;
         samples.push(table::sample(&values[..8], 1).map_err(|fault| Damage::at_line(line, fault))?);
+        if OUTSIDE.contains(&(name, values[8])) {
+            return Ok(None);
+        }
         labels.push(intent(values[8]).map_err(|fault| Damage::at_line(line, fault))?);
     }
     let mut notes = Vec::new();
@@ -70,7 +81,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     if gestures && WEAK.contains(&person) {
         notes.push("little muscle signal in the gestures".to_owned());
     }
-    Ok(Recording {
+    Ok(Some(Recording {
         data_set: DataSet::MyoReadings,
         subject: format!("myo-readings/{person}"),
         name: format!("{sitting}/{name}"),
@@ -78,7 +89,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         samples,
         labels,
         notes,
-    })
+    }))
 }
 
 fn intent(label: f64) -> Result<Option<Intent>, Fault> {
@@ -114,11 +125,12 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, labels: &mut Vec<Option<Inten
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::readers::error::Place;
 
     #[test]
     fn either_line_end_and_spaces_are_taken() {
         let text = "-3, 1, -2, 4, 0, 2, 0, -2, 0\r\n1,2,3,4,5,6,7,-128,7";
-        let recording = read(Path::new("/d/12345-2/7.txt"), text).unwrap();
+        let recording = read(Path::new("/d/12345-2/7.txt"), text).unwrap().unwrap();
         assert_eq!(
             recording.samples,
             [[-3, 1, -2, 4, 0, 2, 0, -2], [1, 2, 3, 4, 5, 6, 7, -128]]
@@ -133,19 +145,22 @@ mod tests {
     #[test]
     fn a_lost_newline_names_its_line() {
         let text = "0,0,0,0,0,0,0,0,0\n4,2,1,0,-1,0,0,0,00,3,2,0,1,1,-1,0,0\n";
-        let damage = read(Path::new("/d/19999-2/2.txt"), text).unwrap_err();
-        assert_eq!(
-            damage,
-            Damage::at_line(
-                2,
-                Fault::Fields {
-                    expected: 9,
-                    found: 17
-                }
-            )
-        );
-        assert!(is_damaged_as_published(Path::new("/any/19999-2/2.txt")));
-        assert!(!is_damaged_as_published(Path::new("/any/19999-2/12.txt")));
+        let fault = Fault::Fields {
+            expected: 9,
+            found: 17,
+        };
+        let own = read(Path::new("/d/19999-2/12.txt"), text).unwrap_err();
+        assert_eq!(own, Damage::at_line(2, fault));
+        let published = read(Path::new("/d/19999-2/2.txt"), text).unwrap_err();
+        assert!(published.as_published);
+    }
+
+    #[test]
+    fn a_motion_outside_the_six_classes_is_not_read() {
+        let text = "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,4\n";
+        assert_eq!(read(Path::new("/d/12345-1/4.txt"), text), Ok(None));
+        let misplaced = read(Path::new("/d/12345-1/7.txt"), text).unwrap_err();
+        assert_eq!(misplaced.place, Place::Line(2));
     }
 
     #[test]
@@ -159,7 +174,7 @@ mod tests {
                 )
             })
             .collect();
-        let recording = read(Path::new("/d/69069-1/1.txt"), &text).unwrap();
+        let recording = read(Path::new("/d/69069-1/1.txt"), &text).unwrap().unwrap();
         let naive: Vec<i8> = (0..81).collect();
         let first: Vec<i8> = recording.samples.iter().map(|s| s[0]).collect();
         assert_eq!(first, naive[..first.len()]);
@@ -173,6 +188,7 @@ mod tests {
             Path::new("/d/35622-1/1.txt"),
             "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,1",
         )
+        .unwrap()
         .unwrap();
         assert!(!gesture.has_labels());
         assert_eq!(gesture.notes.len(), 1);
@@ -180,6 +196,7 @@ mod tests {
             Path::new("/d/35622-1/0.txt"),
             "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,0",
         )
+        .unwrap()
         .unwrap();
         assert!(rest.has_labels());
     }

@@ -2,17 +2,18 @@
 //!
 //! npy: one axis of class numbers or names, or (n, 9) in ReactEMG's layout. Text: one label per
 //! line, or csv with a header that names the column. A label is a class number, a name
-//! (`wave-in`), or for nothing -1, `none` or an empty field.
+//! (`wave-in`), or for no label -1, `none` or an empty field.
 
 use std::path::Path;
 
 use shared::intent::Intent;
 
-use super::error::{Damage, Fault, LoadError, Place, Remedy};
+use super::error::{Damage, Fault, LoadError};
+use super::labels::{from_number, from_text};
 use super::npy::{self, Values};
-use super::{react_emg, table};
+use super::table;
 
-/// Columns of a csv that may hold the labels, the first found counts.
+/// Columns of a csv that may hold the labels; the first of them that is found is read.
 const COLUMNS: [&str; 5] = ["label", "prediction", "predicted", "gt", "truth"];
 
 /// Reads the labels of a file.
@@ -20,17 +21,12 @@ const COLUMNS: [&str; 5] = ["label", "prediction", "predicted", "gt", "truth"];
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first label that is
 /// none.
-pub fn read(path: &Path) -> Result<Vec<Option<Intent>>, LoadError> {
+pub(crate) fn read(path: &Path) -> Result<Vec<Option<Intent>>, LoadError> {
     let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
     })?;
-    parse(&bytes).map_err(|damage| LoadError::Damaged {
-        path: path.to_owned(),
-        place: damage.place,
-        fault: damage.fault,
-        remedy: Remedy::Mend,
-    })
+    parse(&bytes).map_err(|damage| damage.in_file(path))
 }
 
 fn parse(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
@@ -65,7 +61,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
                 };
                 return Err(Damage::at_line(line, fault));
             }
-            label(fields[column]).map_err(|fault| Damage::at_line(line, fault))
+            from_text(fields[column]).map_err(|fault| Damage::at_line(line, fault))
         })
         .collect::<Result<_, _>>()?;
     if labels.is_empty() {
@@ -88,47 +84,30 @@ fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
             }));
         }
     };
-    let place = |row: usize| Place::Byte(array.byte_of_row(row));
     let damage = |row: usize| {
-        move |fault| Damage {
-            place: place(row),
-            fault,
-        }
+        let byte = array.byte_of_row(row);
+        move |fault| Damage::at_byte(byte, fault)
     };
     match &array.values {
         Values::Numbers(values) => values
             .iter()
             .step_by(columns)
             .enumerate()
-            .map(|(row, &value)| react_emg::label(value).map_err(damage(row)))
+            .map(|(row, &value)| from_number(value).map_err(damage(row)))
             .collect(),
-        Values::Text(words) => {
-            let words = words.iter().step_by(columns).enumerate();
-            words
-                .map(|(row, word)| label(word).map_err(damage(row)))
-                .collect()
-        }
+        Values::Text(names) => names
+            .iter()
+            .step_by(columns)
+            .enumerate()
+            .map(|(row, name)| from_text(name).map_err(damage(row)))
+            .collect(),
     }
-}
-
-fn label(text: &str) -> Result<Option<Intent>, Fault> {
-    if text.is_empty() || text == "none" {
-        return Ok(None);
-    }
-    if let Some(intent) = Intent::from_name(text) {
-        return Ok(Some(intent));
-    }
-    let expected = "-1 to 5, an intent's name, or none";
-    let fault = || Fault::Label {
-        expected,
-        found: text.to_owned(),
-    };
-    react_emg::label(text.parse().map_err(|_| fault())?).map_err(|_| fault())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::readers::error::Place;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const W: Option<Intent> = Some(Intent::WaveIn);

@@ -1,46 +1,65 @@
-//! How much later than its label the muscle acts, and labels moved by that much.
+//! Label lag: how much later than its label the muscle acts, and labels compensated for it.
 //!
 //! Labels of the public sets are cues: people react 0.2 to 0.9 s after them. One constant per data
-//! set, measured on training subjects alone, moves the labels to where the muscle usually is. It
-//! does not undo the spread between people, which is as large again.
+//! set, estimated on training subjects alone, shifts the labels to where the muscle usually acts.
+//! It does not remove the spread between people, which is as large again.
 //!
 //! Rule: envelope e = mean over channels of ln(1 + moving average of |x| over 50 ms). For a change
 //! between rest and a gesture, the levels before and after are the medians of e over the second
-//! half of either run (the muscle has settled there in spite of the lag). The crossing is where e
-//! first gets to the far side of the half-way level and stays for 50 ms.
+//! half of either run (there the muscle has settled in spite of the lag). The crossing is the first
+//! sample from which e stays on the far side of the half-way level for 50 ms.
 
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
-use super::{Recording, Run, runs};
+use super::runs::{Run, runs};
+use crate::dataset::recording::{DataSet, Recording};
 use crate::statistics::median;
 
-/// Samples of the moving average, and of the stay beyond the half-way level: 50 ms.
+/// Samples of the moving average, and for which the envelope stays beyond the half-way level: 50 ms.
 const SMOOTHING: usize = 10;
-/// Samples before a label change in which an early crossing is looked for: 0.5 s.
+/// Samples before a label change that are searched for an early crossing: 0.5 s.
 const EARLIEST: usize = 100;
 /// Samples after it: 2 s, beyond the latest release (1.5 s, `ss-stm` M8).
 const LATEST: usize = 400;
-/// Least difference of the levels (natural logarithm: a factor of 1.35). Below it the crossing is
-/// that of noise.
+/// Least difference of the levels (natural logarithm: a factor of 1.35); below it, noise decides
+/// where the crossing is.
 const LEAST_CONTRAST: f64 = 0.3;
 
-/// Median lateness of the muscle after the label.
+impl DataSet {
+    /// Nominal label lag in samples: [`estimate`] over all subjects of the published recordings.
+    ///
+    /// Training estimates it on its own training subjects; this is the fallback when none of them
+    /// has a transition. Sets of steady holds have no transition that could be late; EMG-EPN-612
+    /// and ROAM-EMG were segmented by their authors and count as 0.
+    #[must_use]
+    pub const fn label_lag(self) -> usize {
+        match self {
+            Self::Roshambo => 62,
+            Self::SsStm => 145,
+            Self::MyoReadings => 54,
+            Self::Synthetic => 50,
+            Self::CoteAllard | Self::OneSubjectMyo | Self::EmgEpn612 | Self::ReactEmg => 0,
+        }
+    }
+}
+
+/// Median lag of the muscle after the label.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct LagEstimate {
     /// Median over changes from rest to a gesture, in ms; negative where the muscle comes first.
     pub onset_ms: f64,
     /// Median over changes from a gesture to rest, in ms.
     pub release_ms: f64,
-    /// Median over both together, in samples, at least 0: what labels are moved by.
+    /// Median over both together, in samples, at least 0: the shift of lag-compensated labels.
     pub lag_samples: usize,
-    /// Changes that counted; those of weak contrast or without a crossing did not.
+    /// Changes measured; those of weak contrast or without a crossing are left out.
     pub transitions: usize,
 }
 
-/// Measures the lag over recordings of one data set; pass training subjects only.
+/// Estimates the lag over recordings of one data set; pass training subjects only.
 ///
-/// None if no change between rest and a gesture could be measured in either direction.
+/// None if no change between rest and a gesture has a crossing.
 #[must_use]
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let mut onsets = Vec::new();
@@ -53,7 +72,7 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
                 (Some(_), Some(Intent::Relax)) => &mut releases,
                 _ => continue,
             };
-            list.extend(lateness(&envelope, &pair[0], &pair[1]));
+            list.extend(lag_of(&envelope, &pair[0], &pair[1]));
         }
     }
     let pooled: Vec<f64> = onsets.iter().chain(&releases).copied().collect();
@@ -67,25 +86,25 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     })
 }
 
-/// The labels, each `lag_samples` later.
+/// Lag-compensated labels: each `lag_samples` later.
 ///
 /// The first `lag_samples` had their label before the recording began: relax if the first label
-/// is relax (rest goes on), else none, because nobody knows when that gesture was begun.
+/// is relax (rest goes on), else none, because the start of that gesture is unknown.
 #[must_use]
-pub fn shifted(labels: &[Option<Intent>], lag_samples: usize) -> Vec<Option<Intent>> {
+pub fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<Option<Intent>> {
     let lag = lag_samples.min(labels.len());
     let start = labels
         .first()
         .copied()
         .flatten()
         .filter(|&label| label == Intent::Relax);
-    let mut moved = vec![start; lag];
-    moved.extend_from_slice(&labels[..labels.len() - lag]);
-    moved
+    let mut compensated = vec![start; lag];
+    compensated.extend_from_slice(&labels[..labels.len() - lag]);
+    compensated
 }
 
 /// Samples by which the muscle follows the change between two runs; negative if it comes first.
-fn lateness(envelope: &[f64], before: &Run, after: &Run) -> Option<f64> {
+fn lag_of(envelope: &[f64], before: &Run, after: &Run) -> Option<f64> {
     let level = |run: &Run| median(&envelope[run.middle()..run.end]);
     let (from, to) = (level(before)?, level(after)?);
     if (to - from).abs() < LEAST_CONTRAST {
@@ -133,12 +152,11 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::dataset::DataSet;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const C: Option<Intent> = Some(Intent::Close);
 
-    /// Rest and closing in turn, 200 samples each; the muscle follows `late` samples after.
+    /// Rest and closing in turn, 200 samples each; the muscle follows `late` samples later.
     fn recording(late: usize, weak: bool) -> Recording {
         let count = 2000;
         let labels: Vec<_> = (0..count)
@@ -181,11 +199,11 @@ mod tests {
     }
 
     #[test]
-    fn moved_labels_start_with_rest_or_with_nothing() {
-        assert_eq!(shifted(&[R, C, C, R], 2), [R, R, R, C]);
-        assert_eq!(shifted(&[C, R, R], 1), [None, C, R]);
-        assert_eq!(shifted(&[C, R], 9), [None, None]);
-        assert_eq!(shifted(&[C, R], 0), [C, R]);
-        assert!(shifted(&[], 3).is_empty());
+    fn compensated_labels_start_with_rest_or_with_nothing() {
+        assert_eq!(compensated(&[R, C, C, R], 2), [R, R, R, C]);
+        assert_eq!(compensated(&[C, R, R], 1), [None, C, R]);
+        assert_eq!(compensated(&[C, R], 9), [None, None]);
+        assert_eq!(compensated(&[C, R], 0), [C, R]);
+        assert!(compensated(&[], 3).is_empty());
     }
 }

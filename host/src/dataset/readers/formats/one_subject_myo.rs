@@ -7,20 +7,22 @@ use std::path::Path;
 use serde_json::Value;
 use shared::intent::Intent;
 
-use super::error::{Damage, Fault};
-use super::{DataSet, Recording, library, table};
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::folder;
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
 
 /// A file whose hold starts late, and the sample at which it does.
 const LATE_HOLD: (&str, usize) = ("trial_1/R_1_C_3.csv", 60);
 
 /// Reads a recording; `metadata` is the text of the `metadata.json` in its folder, if there is one.
-pub(super) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Recording, Damage> {
+pub(crate) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Recording, Damage> {
     let misplaced = || Damage::of_file(Fault::Path("trial_1/R_0_C_3.csv"));
     let file = path
         .file_name()
         .and_then(|n| n.to_str())
         .ok_or_else(misplaced)?;
-    let folder = library::folder_name(path, 1).unwrap_or_default();
+    let session = folder(path, 1).unwrap_or_default();
     let mut samples = Vec::new();
     for (line, row) in table::rows(text) {
         let counts = table::numbers::<8>(line, row)?;
@@ -40,7 +42,7 @@ pub(super) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Re
     Ok(Recording {
         data_set: DataSet::OneSubjectMyo,
         subject: "one-subject-myo/1".to_owned(),
-        name: format!("{folder}/{}", file.trim_end_matches(".csv")),
+        name: format!("{session}/{}", file.trim_end_matches(".csv")),
         path: path.to_owned(),
         samples,
         labels,
@@ -48,7 +50,7 @@ pub(super) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Re
     })
 }
 
-/// The class of a file: the metadata's keys are the recorder's paths, of which the last part counts.
+/// The class of a file: the metadata's keys are the recorder's paths, of which the last part is compared.
 fn class_name(metadata: &str, file: &str) -> Option<String> {
     let metadata: Value = serde_json::from_str(metadata).ok()?;
     let (_, entry) = metadata

@@ -1,20 +1,23 @@
 //! ReactEMG's preprocessed layout (ROAM-EMG and what the reference converts): csv with columns
 //! `gt` and `emg_0`..`emg_7` (or `emg0`..`emg7`), or npy with the label first, then eight channels.
 //!
-//! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, but for
-//! [`MUSCLE_COLUMN`], which marks recordings that our own generator wrote.
+//! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, except
+//! [`MUSCLE_COLUMN`], which marks synthetic recordings.
 
 use std::path::Path;
 
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample};
 
-use super::error::{Damage, Fault, Place};
-use super::npy::{Array, Values};
-use super::{DataSet, Recording, library, table};
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::labels::from_number;
+use crate::dataset::readers::npy::{Array, Values};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
 
-/// Column that generated recordings have besides: what the muscle did, which labels only follow.
-pub(super) const MUSCLE_COLUMN: &str = "synthetic_muscle";
+/// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
+pub(crate) const MUSCLE_COLUMN: &str = "synthetic_muscle";
 
 /// Where the columns are.
 struct Columns {
@@ -43,13 +46,13 @@ impl Columns {
 }
 
 /// Whether a text starts with the layout's header.
-pub(super) fn has_header(text: &str) -> bool {
+pub(crate) fn has_header(text: &str) -> bool {
     text.lines()
         .next()
         .is_some_and(|header| Columns::find(header).is_some())
 }
 
-pub(super) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
+pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
     let mut rows = table::rows(text);
     let columns = rows.next().and_then(|(_, header)| Columns::find(header));
     let columns = columns.ok_or_else(|| Damage::at_line(1, Fault::Empty))?;
@@ -70,7 +73,7 @@ pub(super) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
         }
         let at_line = |fault| Damage::at_line(line, fault);
         samples.push(table::sample(&counts, columns.channels[0] + 1).map_err(at_line)?);
-        labels.push(label(number(columns.label)?).map_err(at_line)?);
+        labels.push(from_number(number(columns.label)?).map_err(at_line)?);
     }
     let data_set = if columns.synthetic {
         DataSet::Synthetic
@@ -81,13 +84,13 @@ pub(super) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
 }
 
 /// Whether an array has the layout's shape: label and eight channels, or the channels alone.
-pub(super) fn is_recording(array: &Array) -> bool {
+pub(crate) fn is_recording(array: &Array) -> bool {
     matches!(array.values, Values::Numbers(_))
         && matches!(array.shape[..], [_, columns] if columns == CHANNELS || columns == CHANNELS + 1)
 }
 
 /// Reads (n, 9): label and channels; or (n, 8): channels alone, unlabelled.
-pub(super) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> {
+pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> {
     let expected = "numbers, (n, 9) or (n, 8)";
     let (Values::Numbers(values), &[_, columns]) = (&array.values, &array.shape[..]) else {
         return Err(Damage::of_file(Fault::Array {
@@ -99,35 +102,16 @@ pub(super) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> 
     let (mut samples, mut labels) = (Vec::new(), Vec::new());
     for (row, values) in values.chunks_exact(columns.max(1)).enumerate() {
         let byte = array.byte_of_row(row);
-        let in_row = |fault| Damage {
-            place: Place::Byte(byte),
-            fault,
-        };
+        let in_row = |fault| Damage::at_byte(byte, fault);
         let counts = &values[usize::from(labelled)..];
         samples.push(table::sample(counts, 1 + usize::from(labelled)).map_err(in_row)?);
         labels.push(if labelled {
-            label(values[0]).map_err(in_row)?
+            from_number(values[0]).map_err(in_row)?
         } else {
             None
         });
     }
     recording(path, DataSet::ReactEmg, samples, labels)
-}
-
-/// A class number of the six, or -1.
-pub(super) fn label(value: f64) -> Result<Option<Intent>, Fault> {
-    let fault = || Fault::Label {
-        expected: "-1, 0, 1, 2, 3, 4, 5",
-        found: value.to_string(),
-    };
-    if value == -1.0 {
-        return Ok(None);
-    }
-    let class = (value.fract() == 0.0 && value >= 0.0).then_some(value as usize);
-    class
-        .and_then(Intent::from_class)
-        .map(Some)
-        .ok_or_else(fault)
 }
 
 fn recording(
@@ -140,13 +124,10 @@ fn recording(
         return Err(Damage::of_file(Fault::Empty));
     }
     let misplaced = || Damage::of_file(Fault::Path("s3/s3_grasp_1.csv"));
-    let name = path
-        .file_stem()
-        .and_then(|n| n.to_str())
-        .ok_or_else(misplaced)?;
+    let name = stem(path).ok_or_else(misplaced)?;
     // EMG-EPN-612, converted, has one folder a person and no person in the name.
     let person = if name.starts_with("trainingSamples") || name.starts_with("testingSamples") {
-        library::folder_name(path, 1).ok_or_else(misplaced)?
+        folder(path, 1).ok_or_else(misplaced)?
     } else {
         name.split('_').next().unwrap_or(name)
     };
@@ -168,7 +149,8 @@ fn recording(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::npy::Layout;
+    use crate::dataset::readers::error::Place;
+    use crate::dataset::readers::npy::Layout;
 
     #[test]
     fn columns_are_found_by_name_and_others_ignored() {

@@ -1,8 +1,8 @@
-//! Stretches of equal labels.
+//! Runs of equal labels.
 
 use shared::intent::Intent;
 
-/// A longest stretch of one label: samples `start..end`.
+/// A longest run of one label: samples `start..end`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Run {
     /// The label of every sample in it.

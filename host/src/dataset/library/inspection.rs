@@ -1,20 +1,22 @@
-//! What a library of recordings holds, and what looks odd in it: `myointent data inspect`.
+//! Contents of a library by data set, and anomalies in it: `myointent data inspect`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, WINDOW};
 
-use super::lag::{self, LagEstimate};
-use super::{DataSet, Library, Recording, runs};
+use super::Library;
+use crate::dataset::labels::lag::{self, LagEstimate};
+use crate::dataset::labels::runs::{Run, runs};
+use crate::dataset::recording::{DataSet, Recording};
 
-/// Share of a channel's samples at -128 or 127 from which a recording is called saturated.
+/// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
 const SATURATED: f64 = 0.02;
 
-/// One data set.
+/// Contents of one data set.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
-pub struct SetInspection {
-    /// Which.
+pub(crate) struct SetInspection {
+    /// The data set.
     pub data_set: DataSet,
     /// People.
     pub subjects: usize,
@@ -34,58 +36,59 @@ pub struct SetInspection {
     pub label_lag: Option<LagEstimate>,
 }
 
-/// Something to know before trusting some recordings.
+/// An anomaly, and the recordings that have it.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
-pub struct Suspicion {
-    /// What is odd.
+pub(crate) struct Suspicion {
+    /// The anomaly.
     pub what: String,
-    /// Which recordings or files.
+    /// Recordings or files.
     pub which: Vec<String>,
 }
 
-/// Everything that is to be said about a library.
+/// Contents of a library and its anomalies.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
-pub struct Inspection {
+pub(crate) struct Inspection {
     /// By data set.
     pub sets: Vec<SetInspection>,
-    /// Odd things, recordings of the same oddity together.
+    /// Anomalies, recordings with the same anomaly together.
     pub suspicions: Vec<Suspicion>,
-    /// Files that no reader knows.
+    /// Files that are no recordings.
     pub ignored: usize,
 }
 
 impl Inspection {
-    /// Looks at every sample of a library.
+    /// Examines every sample of a library.
     #[must_use]
     pub fn new(library: &Library) -> Self {
         let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-        let mut odd: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        let mut by_anomaly: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for recording in &library.recordings {
             by_set
                 .entry(recording.data_set)
                 .or_default()
                 .push(recording);
-            for what in oddities(recording) {
+            for what in anomalies(recording) {
                 let which = format!("{} {}", recording.subject, recording.name);
-                odd.entry(what).or_default().push(which);
+                by_anomaly.entry(what).or_default().push(which);
             }
         }
         for skipped in &library.skipped {
-            odd.entry("damaged, left out".into())
+            by_anomaly
+                .entry("damaged, left out".into())
                 .or_default()
-                .push(skipped.error.to_string());
+                .push(skipped.to_string());
         }
         for repeat in &library.repeats {
             let what = "same samples as another subject's, left out";
             let which = format!("{} = {}", repeat.path.display(), repeat.kept.display());
-            odd.entry(what.into()).or_default().push(which);
+            by_anomaly.entry(what.into()).or_default().push(which);
         }
         Self {
             sets: by_set
                 .into_iter()
                 .map(|(set, recordings)| inspect(set, &recordings))
                 .collect(),
-            suspicions: odd
+            suspicions: by_anomaly
                 .into_iter()
                 .map(|(what, which)| Suspicion { what, which })
                 .collect(),
@@ -105,7 +108,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
                 None => unlabelled += run.samples(),
             }
         }
-        let straight = |pair: &&[super::Run]| pair.iter().all(|run| run.label.is_some());
+        let straight = |pair: &&[Run]| pair.iter().all(|run| run.label.is_some());
         transitions += runs.windows(2).filter(straight).count();
     }
     let seconds = |samples: usize| samples as f64 / f64::from(SAMPLE_RATE_HZ);
@@ -144,13 +147,13 @@ fn saturation(recording: &Recording) -> [f64; CHANNELS] {
     ends.map(|count| count as f64 / recording.samples.len().max(1) as f64)
 }
 
-fn oddities(recording: &Recording) -> Vec<String> {
-    let mut odd = recording.notes.clone();
+fn anomalies(recording: &Recording) -> Vec<String> {
+    let mut anomalies = recording.notes.clone();
     if recording.samples.len() < WINDOW {
-        odd.push(format!("shorter than a window ({WINDOW} samples)"));
+        anomalies.push(format!("shorter than a window ({WINDOW} samples)"));
     }
     if saturation(recording).iter().any(|&share| share > SATURATED) {
-        odd.push(format!(
+        anomalies.push(format!(
             "more than {:.0} % of a channel saturated",
             100.0 * SATURATED
         ));
@@ -162,11 +165,11 @@ fn oddities(recording: &Recording) -> Vec<String> {
                 .iter()
                 .all(|sample| sample[channel] == first[channel])
             {
-                odd.push(format!("channel {channel} never changes"));
+                anomalies.push(format!("channel {channel} never changes"));
             }
         }
     }
-    odd
+    anomalies
 }
 
 #[cfg(test)]

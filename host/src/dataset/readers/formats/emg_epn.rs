@@ -1,8 +1,8 @@
 //! EMG-EPN-612: one JSON per user, 150 trials in `trainingSamples`, 150 in `testingSamples`.
 //!
 //! Written from the public descriptions of the set, without a copy at hand, and tested on small
-//! files of the same structure. A trial has `gestureName`, `emg` with `ch1`..`ch8`, and where the
-//! gesture lies as `groundTruth` (0 or 1 per sample) or `groundTruthIndex` (first and last sample,
+//! files of the same structure. A trial has `gestureName`, `emg` with `ch1`..`ch8`, and the place
+//! of the gesture as `groundTruth` (0 or 1 per sample) or `groundTruthIndex` (first and last sample,
 //! 1 first). `noGesture` has neither and is rest throughout; trials without a name are unlabelled.
 //! The same user number in the training and the testing part is two people.
 
@@ -11,10 +11,12 @@ use std::path::Path;
 
 use serde::Deserialize;
 use shared::intent::Intent;
-use shared::units::CHANNELS;
+use shared::units::{CHANNELS, Sample};
 
-use super::error::{Damage, Fault};
-use super::{DataSet, Recording, table};
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::stem;
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
 
 #[derive(Deserialize)]
 struct User {
@@ -36,11 +38,11 @@ struct Trial {
 }
 
 /// Whether a JSON text is a user of the set.
-pub(super) fn looks_like(text: &str) -> bool {
+pub(crate) fn looks_like(text: &str) -> bool {
     text.contains("\"trainingSamples\"") || text.contains("\"testingSamples\"")
 }
 
-pub(super) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
+pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
     let subject = subject(path)
         .ok_or_else(|| Damage::of_file(Fault::Path("trainingJSON/user7/user7.json")))?;
     let user: User = serde_json::from_str(text)
@@ -74,7 +76,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
 
 /// `emg-epn-612/training-user7`, from the file's name and the part among its folders.
 fn subject(path: &Path) -> Option<String> {
-    let user = path.file_stem()?.to_str()?;
+    let user = stem(path)?;
     let part = path
         .ancestors()
         .skip(1)
@@ -95,7 +97,7 @@ fn index(key: &str) -> usize {
         .unwrap_or(usize::MAX)
 }
 
-fn samples(trial: &Trial) -> Result<Vec<shared::units::Sample>, Fault> {
+fn samples(trial: &Trial) -> Result<Vec<Sample>, Fault> {
     let mut channels = Vec::with_capacity(CHANNELS);
     for number in 1..=CHANNELS {
         let name = format!("ch{number}");
@@ -162,7 +164,7 @@ fn labels(trial: &Trial, samples: usize) -> Result<Labels, Fault> {
     }
     Ok((
         vec![None; samples],
-        Some("nothing says where the gesture lies: unlabelled"),
+        Some("start and end of the gesture are missing: unlabelled"),
     ))
 }
 
@@ -177,6 +179,7 @@ fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::readers::error::Place;
 
     fn trial(fields: &str) -> String {
         let channels: Vec<_> = (1..=8)
@@ -238,7 +241,7 @@ mod tests {
         );
         let cut = user(&[trial("")]);
         let damage = read(Path::new(PATH), &cut[..cut.len() - 4]).unwrap_err();
-        assert_eq!(damage.place, super::super::Place::Line(2));
+        assert_eq!(damage.place, Place::Line(2));
         let unknown = user(&[trial("\"gestureName\": \"wink\",")]);
         assert!(read(Path::new(PATH), &unknown).is_err());
     }

@@ -1,4 +1,4 @@
-//! Rows of comma-separated numbers: the common ground of the text formats.
+//! Rows of comma-separated numbers: what the text formats share.
 
 use shared::units::{CHANNELS, Sample};
 
@@ -7,7 +7,7 @@ use super::error::{Damage, Fault};
 /// The rows of a text, each with its line number; empty lines at the end are no rows.
 ///
 /// Takes LF, CRLF, spaces around values, and a last line with or without an end.
-pub(super) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub(crate) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.trim_end()
         .lines()
         .enumerate()
@@ -15,7 +15,7 @@ pub(super) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// One row as numbers; it has exactly `N`.
-pub(super) fn numbers<const N: usize>(line: usize, row: &str) -> Result<[f64; N], Damage> {
+pub(crate) fn numbers<const N: usize>(line: usize, row: &str) -> Result<[f64; N], Damage> {
     let mut values = [0.0; N];
     let mut found = 0;
     for (index, text) in row.split(',').map(str::trim).enumerate() {
@@ -31,8 +31,8 @@ pub(super) fn numbers<const N: usize>(line: usize, row: &str) -> Result<[f64; N]
     }
 }
 
-/// One field as a finite number. Whole numbers take the short way: files have millions of them.
-pub(super) fn number(line: usize, field: usize, text: &str) -> Result<f64, Damage> {
+/// One field as a finite number; whole numbers first, which parse faster: files have millions of them.
+pub(crate) fn number(line: usize, field: usize, text: &str) -> Result<f64, Damage> {
     if let Ok(whole) = text.parse::<i32>() {
         return Ok(f64::from(whole));
     }
@@ -52,7 +52,7 @@ pub(super) fn number(line: usize, field: usize, text: &str) -> Result<f64, Damag
 ///
 /// Counts off a whole number by up to 0.01 are rounded (decimals were printed short); +128, which
 /// a rescaled source may hold, is the armband's 127.
-pub(super) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault> {
+pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault> {
     let mut sample = [0; CHANNELS];
     for (channel, (to, &value)) in sample.iter_mut().zip(counts).enumerate() {
         let whole = value.round();

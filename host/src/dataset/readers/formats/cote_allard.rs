@@ -7,23 +7,19 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::CHANNELS;
 
-use super::error::{Damage, Fault};
-use super::library::folder_name;
-use super::{DataSet, Recording};
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::recording::{DataSet, Recording};
 
 const ROW_BYTES: usize = 2 * CHANNELS;
 
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
+pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
     const LAYOUT: &str = "EvaluationDataset/Male3/training0/classe_12.dat";
     let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
-    let class = path
-        .file_stem()
-        .and_then(|n| n.to_str())
-        .and_then(class_number);
-    let class = class.ok_or_else(misplaced)?;
-    let session = folder_name(path, 1).ok_or_else(misplaced)?;
-    let person = folder_name(path, 2).ok_or_else(misplaced)?;
-    let part = match folder_name(path, 3) {
+    let class = stem(path).and_then(class_number).ok_or_else(misplaced)?;
+    let session = folder(path, 1).ok_or_else(misplaced)?;
+    let person = folder(path, 2).ok_or_else(misplaced)?;
+    let part = match folder(path, 3) {
         Some("EvaluationDataset") => 'E',
         Some("PreTrainingDataset") => 'P',
         _ => return Err(misplaced()),
@@ -67,13 +63,13 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
 
 fn notes(part: char, person: &str) -> Vec<String> {
     match (part, person) {
-        ('E', "Male7") => vec!["wears the band turned by about four channels".to_owned()],
+        ('E', "Male7") => vec!["wears the band rotated by about four channels".to_owned()],
         _ => Vec::new(),
     }
 }
 
 /// `N` of a name `classe_N`.
-pub(super) fn class_number(name: &str) -> Option<usize> {
+fn class_number(name: &str) -> Option<usize> {
     name.strip_prefix("classe_")?.parse().ok()
 }
 

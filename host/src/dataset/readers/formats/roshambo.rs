@@ -1,4 +1,4 @@
-//! `roshambo`: pairs of npy files, samples (n, 8) of integers and one word per sample.
+//! `roshambo`: pairs of npy files, samples (n, 8) of integers and one name of a gesture per sample.
 //!
 //! `scissor` is outside the six classes and stays in place unlabelled: cutting it out would leave
 //! no window that ends within the gesture after it.
@@ -6,34 +6,31 @@
 use std::path::Path;
 
 use shared::intent::Intent;
-use shared::units::CHANNELS;
+use shared::units::{CHANNELS, Sample};
 
-use super::error::{Damage, Fault, LoadError, Place};
-use super::npy::{self, Array, Values};
-use super::{DataSet, Recording, library, table};
+use crate::dataset::readers::error::{Damage, Fault, LoadError};
+use crate::dataset::readers::npy::{self, Array, Values};
+use crate::dataset::readers::path::stem;
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
 
 /// Whether an array holds samples of the set: whole numbers, (n, 8), in a file `*_emg.npy`.
-pub(super) fn is_samples(path: &Path, array: &Array) -> bool {
+pub(crate) fn is_samples(path: &Path, array: &Array) -> bool {
     matches!(array.shape[..], [_, CHANNELS])
         && matches!(array.values, Values::Numbers(_))
         && array.descr.contains('i')
-        && path
-            .file_stem()
-            .and_then(|n| n.to_str())
-            .is_some_and(|n| n.ends_with("_emg"))
+        && stem(path).is_some_and(|name| name.ends_with("_emg"))
 }
 
 /// Reads the samples at `path` with the annotations of the same name beside it.
-pub(super) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
-    let damage = |damage| library::damaged(path, damage);
+pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
     let whole = |fault| damage(Damage::of_file(fault));
     const LAYOUT: &str = "subject03_session01_emg.npy";
     let misplaced = || whole(Fault::Path(LAYOUT));
-    let stem = path
-        .file_stem()
-        .and_then(|n| n.to_str())
+    let name = stem(path)
+        .and_then(|stem| stem.strip_suffix("_emg"))
         .ok_or_else(misplaced)?;
-    let name = stem.strip_suffix("_emg").ok_or_else(misplaced)?;
     let (person, session) = name.split_once('_').ok_or_else(misplaced)?;
     let person = person.strip_prefix("subject").ok_or_else(misplaced)?;
 
@@ -47,14 +44,14 @@ pub(super) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
         },
     })?;
     let labels = npy::parse(&bytes)
-        .and_then(|words| labels(&words))
-        .map_err(|damage| library::damaged(&partner, damage))?;
+        .and_then(|annotations| labels(&annotations))
+        .map_err(|damage| damage.in_file(&partner))?;
     if labels.len() != samples.len() {
         let fault = Fault::LabelCount {
             samples: samples.len(),
             labels: labels.len(),
         };
-        return Err(library::damaged(&partner, Damage::of_file(fault)));
+        return Err(Damage::of_file(fault).in_file(&partner));
     }
     Ok(Recording {
         data_set: DataSet::Roshambo,
@@ -67,7 +64,7 @@ pub(super) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
     })
 }
 
-fn samples(array: &Array) -> Result<Vec<shared::units::Sample>, Damage> {
+fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
     let Values::Numbers(values) = &array.values else {
         return Ok(Vec::new());
     };
@@ -75,29 +72,23 @@ fn samples(array: &Array) -> Result<Vec<shared::units::Sample>, Damage> {
         .chunks_exact(CHANNELS)
         .enumerate()
         .map(|(row, counts)| {
-            table::sample(counts, 1).map_err(|fault| {
-                let byte = array.byte_of_row(row);
-                Damage {
-                    place: Place::Byte(byte),
-                    fault,
-                }
-            })
+            table::sample(counts, 1).map_err(|fault| Damage::at_byte(array.byte_of_row(row), fault))
         })
         .collect()
 }
 
 fn labels(array: &Array) -> Result<Vec<Option<Intent>>, Damage> {
-    let Values::Text(words) = &array.values else {
-        let expected = "one word per sample";
+    let Values::Text(names) = &array.values else {
+        let expected = "one gesture's name per sample";
         return Err(Damage::of_file(Fault::Array {
             expected,
             found: array.describe(),
         }));
     };
-    words
+    names
         .iter()
         .enumerate()
-        .map(|(index, word)| match word.as_str() {
+        .map(|(index, name)| match name.as_str() {
             "none" => Ok(Some(Intent::Relax)),
             "paper" => Ok(Some(Intent::Open)),
             "rock" => Ok(Some(Intent::Close)),
@@ -132,15 +123,15 @@ mod tests {
     use super::*;
 
     /// Four samples, each channel the number of the sample, with these annotations.
-    fn read_with(words: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {
+    fn read_with(annotations: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {
         let folder =
             std::env::temp_dir().join(format!("myointent-roshambo-{tag}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("subject07_session03_emg.npy");
         let data: Vec<u8> = (0..4i64).flat_map(|n| n.to_le_bytes().repeat(8)).collect();
-        let array = npy::parse(&npy::file("<i8", "4, 8", &data)).unwrap();
+        let array = npy::parse(&npy::encode("<i8", &[4, 8], &data)).unwrap();
         let partner = folder.join("subject07_session03_ann.npy");
-        std::fs::write(partner, npy::file("|S7", &format!("{count},"), words)).unwrap();
+        std::fs::write(partner, npy::encode("|S7", &[count], annotations)).unwrap();
         let result = read(&path, &array);
         std::fs::remove_dir_all(&folder).unwrap();
         result
@@ -148,8 +139,8 @@ mod tests {
 
     #[test]
     fn scissor_is_unlabelled_and_stays_in_place() {
-        let words = b"none\0\0\0paper\0\0rock\0\0\0scissor";
-        let recording = read_with(words, 4, "words").unwrap();
+        let annotations = b"none\0\0\0paper\0\0rock\0\0\0scissor";
+        let recording = read_with(annotations, 4, "names").unwrap();
         let expected = [
             Some(Intent::Relax),
             Some(Intent::Open),
@@ -165,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn other_words_and_other_counts_are_refused() {
+    fn unknown_names_and_other_counts_are_refused() {
         let error = read_with(b"none\0\0\0lizard\0", 2, "lizard")
             .unwrap_err()
             .to_string();

@@ -1,28 +1,27 @@
 //! `ss-stm`: one csv per trial, 1000 rows of eight decimals (byte / 128), gesture in the name.
 //!
 //! Times are nominal: rest 0-1 s, motion 1-3 s, rest 3-5 s. A motion outside the six classes is
-//! let go at an unknown time, so nothing after its start is labelled.
+//! released at an unknown time, so nothing after its start is labelled.
 
 use std::path::Path;
 
 use shared::intent::Intent;
 
-use super::error::{Damage, Fault};
-use super::{DataSet, Recording, table};
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
 
 /// First sample of the motion, and of the rest after it.
 const MOTION: std::ops::Range<usize> = 200..600;
 /// Rows of every published file.
 const ROWS: usize = 1000;
 
-pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
+pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     const LAYOUT: &str = "sub7/M8T1.csv";
     let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
-    let name = path
-        .file_stem()
-        .and_then(|n| n.to_str())
-        .ok_or_else(misplaced)?;
-    let person = super::library::folder_name(path, 1).ok_or_else(misplaced)?;
+    let name = stem(path).ok_or_else(misplaced)?;
+    let person = folder(path, 1).ok_or_else(misplaced)?;
     let motion = motion_number(name).ok_or_else(misplaced)?;
 
     let mut samples = Vec::with_capacity(ROWS);
@@ -49,7 +48,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
 }
 
 /// `M` of a name `MxTy`, 1..=8.
-pub(super) fn motion_number(name: &str) -> Option<usize> {
+fn motion_number(name: &str) -> Option<usize> {
     let (motion, trial) = name.strip_prefix('M')?.split_once('T')?;
     trial.parse::<usize>().ok()?;
     motion.parse().ok().filter(|m| (1..=8).contains(m))

@@ -1,7 +1,7 @@
 //! What can be wrong with a file of recordings, and where.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Place of a fault in its file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -24,10 +24,10 @@ impl fmt::Display for Place {
     }
 }
 
-/// One cause of a refusal.
+/// What is wrong with a file.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Fault {
-    /// A row of another length.
+    /// A row with another number of fields.
     #[error("expected {expected} comma-separated values, found {found}")]
     Fields {
         /// Values that this layout has in a row.
@@ -40,10 +40,10 @@ pub enum Fault {
     Number {
         /// Field of the row, 1 first.
         field: usize,
-        /// What stands there.
+        /// Content of the field.
         text: String,
     },
-    /// A sample that no armband sends.
+    /// A sample outside the armband's range.
     #[error("expected a sample in -128..=127 in field {field}, found {value}")]
     Range {
         /// Field of the row, 1 first.
@@ -56,7 +56,7 @@ pub enum Fault {
     Label {
         /// The labels of the set.
         expected: &'static str,
-        /// What stands there.
+        /// The label found.
         found: String,
     },
     /// An array of another shape or element type.
@@ -89,7 +89,7 @@ pub enum Fault {
     /// The other file of a pair is not there.
     #[error("expected {0} beside it, found no such file")]
     Partner(String),
-    /// A place in the folders that does not tell whose recording it is.
+    /// A path that does not name the person.
     #[error("expected a path like {0}: the path names person and gesture")]
     Path(&'static str),
     /// Bytes that are no text.
@@ -113,52 +113,42 @@ pub enum Fault {
 
 /// A fault and its place, before the file is known.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Damage {
+pub(crate) struct Damage {
     pub place: Place,
     pub fault: Fault,
+    /// The published copy has it too.
+    pub as_published: bool,
 }
 
 impl Damage {
-    pub const fn at_line(line: usize, fault: Fault) -> Self {
+    pub const fn at(place: Place, fault: Fault) -> Self {
         Self {
-            place: Place::Line(line),
+            place,
             fault,
+            as_published: false,
         }
+    }
+
+    pub const fn at_line(line: usize, fault: Fault) -> Self {
+        Self::at(Place::Line(line), fault)
     }
 
     pub const fn at_byte(byte: u64, fault: Fault) -> Self {
-        Self {
-            place: Place::Byte(byte),
-            fault,
-        }
+        Self::at(Place::Byte(byte), fault)
     }
 
     pub const fn of_file(fault: Fault) -> Self {
-        Self {
-            place: Place::File,
-            fault,
-        }
+        Self::at(Place::File, fault)
     }
-}
 
-/// What can be done about a damaged file.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Remedy {
-    /// One of many: it can be left out.
-    MendOrSkip,
-    /// Damaged in the published copy already.
-    SkipAsPublished,
-    /// The only file there is.
-    Mend,
-}
-
-impl fmt::Display for Remedy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::MendOrSkip => "Mend the file, or leave it out with --skip-bad",
-            Self::SkipAsPublished => "The file is broken as published; --skip-bad leaves it out",
-            Self::Mend => "Mend the file",
-        })
+    /// The error, now that the file is known.
+    pub fn in_file(self, path: &Path) -> LoadError {
+        LoadError::Damaged {
+            path: path.to_owned(),
+            place: self.place,
+            fault: self.fault,
+            as_published: self.as_published,
+        }
     }
 }
 
@@ -166,14 +156,14 @@ impl fmt::Display for Remedy {
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file system refused.
-    #[error("cannot read or write {}", path.display())]
+    #[error("cannot read {}", path.display())]
     Io {
         /// File or folder.
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
     },
-    /// Nothing that any reader knows.
+    /// No file in a format that is read here.
     #[error(
         "no recordings in {}: expected one of the published layouts (npy pairs, csv, txt, dat or \
          json; see `myointent data inspect --help`)",
@@ -185,7 +175,10 @@ pub enum LoadError {
     },
     /// A damaged file.
     #[error(
-        "{}, {place}: {fault}. {remedy}", path.display())]
+        "{}, {place}: {fault}{}",
+        path.display(),
+        if *as_published { " (damaged as published)" } else { "" }
+    )]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -193,19 +186,7 @@ pub enum LoadError {
         place: Place,
         /// What is wrong there.
         fault: Fault,
-        /// What can be done.
-        remedy: Remedy,
+        /// The published copy has the same damage: downloading it again does not help.
+        as_published: bool,
     },
-}
-
-impl LoadError {
-    /// The file or folder of which it speaks.
-    #[must_use]
-    pub fn path(&self) -> &std::path::Path {
-        match self {
-            Self::Io { path, .. } | Self::NoRecordings { path } | Self::Damaged { path, .. } => {
-                path
-            }
-        }
-    }
 }

@@ -1,27 +1,25 @@
-//! Everybody left out once: the groups of subjects that the runs of a protocol leave out in turn.
+//! Cross-validation: the groups of subjects that the folds of a protocol hold out in turn.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 
-use super::splice::fnv;
-use super::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::seed;
 
-/// How everybody is left out in turn.
+/// A cross-validation protocol: every subject is held out in one of its folds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Protocol {
-    /// One subject of each data set a run, in as many runs as the largest set has subjects.
+    /// One subject of each data set a fold, in as many folds as the largest set has subjects.
     LeaveOneSubjectOut,
-    /// A group of subjects a run, in so many runs: where training once for every subject costs too much.
+    /// A group of subjects a fold, in this number of folds: where training once per subject costs too much.
     LeaveGroupsOut(usize),
 }
 
 impl Protocol {
-    /// Runs that leave everybody in the recordings out once.
+    /// Number of folds that hold out every subject of the recordings once.
     #[must_use]
     pub fn folds<'a>(self, recordings: impl IntoIterator<Item = &'a Recording>) -> usize {
         match self {
@@ -40,10 +38,15 @@ impl fmt::Display for Protocol {
     }
 }
 
-impl FromStr for Protocol {
-    type Err = String;
+/// A protocol of an unknown name.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("expected `loso`, or `4-fold` with any number from 2 on, found {0:?}")]
+pub struct ProtocolError(String);
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Protocol {
+    type Err = ProtocolError;
+
+    fn from_str(text: &str) -> Result<Self, ProtocolError> {
         if text == "loso" {
             return Ok(Self::LeaveOneSubjectOut);
         }
@@ -51,18 +54,16 @@ impl FromStr for Protocol {
             .and_then(|folds| folds.parse().ok())
             .filter(|&folds| folds >= 2)
             .map(Self::LeaveGroupsOut)
-            .ok_or_else(|| {
-                format!("expected `loso`, or `4-fold` with any number from 2 on, found {text:?}")
-            })
+            .ok_or_else(|| ProtocolError(text.to_owned()))
     }
 }
 
-/// The subjects that each of `folds` runs leaves out, in alphabetical order.
+/// The subjects that each of `folds` folds holds out, in alphabetical order.
 ///
 /// Every subject is in exactly one group, and each group has its share of every data set's
-/// subjects: with as many folds as the largest set has people, that is leave one subject out, and
-/// smaller sets leave nobody out in some runs. The seed deals the subjects; a set's deal does not
-/// depend on the other sets.
+/// subjects: with as many folds as the largest set has people, that is leave-one-subject-out, and
+/// smaller sets hold out nobody in some folds. The seed assigns the subjects; a set's assignment
+/// does not depend on the other sets.
 #[must_use]
 pub fn folds<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
@@ -71,7 +72,7 @@ pub fn folds<'a>(
 ) -> Vec<Vec<String>> {
     let mut groups = vec![Vec::new(); folds];
     for (data_set, mut subjects) in subjects(recordings) {
-        subjects.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ fnv(data_set.name())));
+        subjects.shuffle(&mut seed::generator(seed, data_set.name()));
         for (at, subject) in subjects.into_iter().enumerate() {
             groups[at % folds].push(subject.to_owned());
         }
@@ -136,7 +137,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn everybody_is_left_out_once_and_sets_are_dealt_evenly(
+        fn everybody_is_held_out_once_and_sets_are_divided_evenly(
             people in (1..9_usize, 1..25_usize), count in 1..12_usize, seed: u64
         ) {
             let all = recordings(people.0, people.1);
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_folds_as_people_leave_one_out_each() {
+    fn as_many_folds_as_people_hold_one_out_each() {
         let all = recordings(3, 5);
         assert_eq!(most_subjects(&all), 5);
         let groups = folds(&all, most_subjects(&all), 42);
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn the_seed_deals() {
+    fn the_seed_assigns_the_subjects() {
         let all = recordings(8, 20);
         assert_ne!(folds(&all, 4, 1), folds(&all, 4, 2));
         assert_eq!(folds(&all, 4, 1), folds(&all, 4, 1));
