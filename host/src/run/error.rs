@@ -53,7 +53,7 @@ pub enum StepError {
 impl StepError {
     /// Whether the user interrupted.
     #[must_use]
-    pub(crate) const fn is_interrupt(&self) -> bool {
+    pub const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Run(RunError::Interrupted { .. }))
     }
 }
