@@ -90,10 +90,11 @@ impl JobError {
     /// Whether the user interrupted.
     pub(crate) const fn is_interrupt(&self) -> bool {
         match self {
-            Self::Run(error) => matches!(error, RunError::Interrupted { .. }),
-            Self::Step(error) => error.is_interrupt(),
+            Self::Run(error) | Self::Step(StepError::Run(error)) => {
+                matches!(error, RunError::Interrupted { .. })
+            }
             Self::Baseline(error) => error.is_interrupt(),
-            Self::Config(_) | Self::NoPretraining { .. } | Self::OtherRun { .. } => false,
+            _ => false,
         }
     }
 }
