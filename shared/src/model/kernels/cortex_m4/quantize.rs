@@ -84,8 +84,8 @@ macro_rules! four_codes {
 /// The values up to `end` are readable, a multiple of four, not 0; as many codes are writable, at a
 /// multiple of four bytes.
 // SAFETY: the body is a whole function of the C calling convention with float arguments in registers,
-// which every `eabihf` target has: it takes `factor` from s0, the others from r0 to r2, uses no register
-// that a caller keeps, and returns to lr.
+// which every `eabihf` target has: it takes `factor` from s0 and the others from r0 to r2, changes only
+// registers that a function may change, and returns to lr.
 #[unsafe(naked)]
 pub(super) unsafe extern "C" fn round_to_codes(
     values: *const f32,

@@ -11,7 +11,7 @@
 extern crate alloc;
 
 #[cfg(target_os = "none")]
-mod line;
+mod pipeline;
 #[cfg(target_os = "none")]
 mod spans;
 
@@ -25,7 +25,7 @@ mod image {
     use shared::model::file::Model;
     use shared::units::{CHANNELS, Sample};
 
-    use crate::line;
+    use crate::pipeline;
 
     /// The model that the project ships, aligned as in flash: at a multiple of four.
     static MODEL: &Aligned<[u8]> =
@@ -55,12 +55,12 @@ mod image {
         // Wider models than a device holds are counted with the host's capacity.
         let (counts, state) = match DeviceEncoder::new(&model) {
             Ok(encoder) => (
-                line::count(encoder, &model, &samples),
+                pipeline::count(encoder, &model, &samples),
                 size_of::<DeviceState>(),
             ),
             Err(_) => {
                 let encoder = HostEncoder::new(&model).expect("room for every model");
-                let counts = line::count(encoder, &model, &samples);
+                let counts = pipeline::count(encoder, &model, &samples);
                 (counts, size_of_val(&encoder.fresh()))
             }
         };

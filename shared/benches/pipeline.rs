@@ -92,5 +92,5 @@ fn smoother(bench: &mut Criterion) {
     });
 }
 
-criterion_group!(line, preprocessing, encoders, smoother);
-criterion_main!(line);
+criterion_group!(parts, preprocessing, encoders, smoother);
+criterion_main!(parts);
