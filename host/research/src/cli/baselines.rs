@@ -20,7 +20,7 @@ use crate::baselines::training::train_all;
 /// Arguments of `baselines`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Recordings, split, label lag and seed are those of the run; the table [baselines] of --preset has the\n\
+    after_help = "Recordings, split, label lag and seed are those of the run; the table `[baselines]` of --preset has the\n\
     training settings. The models are saved in the run folder; `myointent-research evaluate` evaluates them beside\n\
     teacher and students.\n\n\
     Examples:\n  \
@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<Baseline>,
     /// Preset with the training settings: study, a preset of `myointent`, or a TOML file. Without a table
-    /// [baselines] they are the reference's.
+    /// `[baselines]` they are the reference's.
     #[arg(long, default_value = "study")]
     preset: String,
     /// Begin a new run in the folder, with --preset and --data.
