@@ -13,7 +13,7 @@ fn emitted_lines_equal_replays(test: &str, recording: &str, seconds: usize) -> a
         return Ok(());
     };
     let model = super::model();
-    let expected = replay::lines_of(&model, &samples)?;
+    let expected = replay::lines(&model, &samples)?;
     let expected: Vec<_> = expected.split_inclusive('\n').collect();
     let mut run = super::play(&bench, &model, &samples, super::TIME_SCALE, json!([]))?;
     run.wait_for("the line after those of the recording", |run| {
@@ -37,7 +37,7 @@ fn the_oracle_of_misbehaviour_agrees_with_replay_where_nothing_happens() -> anyh
         .collect();
     let model = super::model();
     let lines = expected_lines(&model, &[Input::Samples(&samples)])?;
-    assert_eq!(lines.concat(), replay::lines_of(&model, &samples)?);
+    assert_eq!(lines.concat(), replay::lines(&model, &samples)?);
     Ok(())
 }
 

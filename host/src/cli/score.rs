@@ -19,17 +19,17 @@ use crate::report::Table;
 /// Arguments of `myointent score`.
 #[derive(clap::Args, Debug)]
 #[command(
-    // Here and not in `long_about`: the one line of the subcommand would hide that.
+    // Not in `long_about`, which the one line of the subcommand hides.
     after_help = "Scores one recording's predicted labels against the true ones: raw accuracy, \
         transition accuracy with the reason of every failure, signed offsets.\n\n\
         Files: npy (one axis of class numbers or names, or ReactEMG's n x 9), or text with one \
         label per line, or csv with a column label, prediction, predicted, gt or truth. Labels \
         are class numbers (0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch) or names; \
         -1 or none: no label. Both files have one label per sample at 200 Hz.\n\n\
-        A change of the truth is followed if the prediction changes the same way within the \
-        buffer around it, shows no third label there, and then holds the new label until the \
-        next buffer. Unlabelled stretches of the truth divide it into parts that are scored \
-        apart; samples after the last prediction are not scored.\n\nExamples:\n  \
+        A transition of the truth is followed if the prediction changes the same way within the \
+        buffer around it, without a third label there, and then holds the new label until the \
+        next buffer. Unlabelled samples divide the truth into parts that are scored \
+        separately; samples after the last prediction are not scored.\n\nExamples:\n  \
         myointent score --truth s1_grasp.csv --prediction labels.npy\n  \
         myointent score --truth truth.npy --prediction labels.csv --buffer 120 --json"
 )]
@@ -40,16 +40,16 @@ pub struct Arguments {
     /// Predicted labels
     #[arg(long)]
     prediction: PathBuf,
-    /// Width of the buffer around a change, both sides together, in samples (paper: 200)
+    /// Width of the buffer around a transition, both sides together, in samples (paper: 200)
     #[arg(long, default_value_t = Rule::default().buffer)]
     buffer: usize,
-    /// Once the new label has come, nothing else may follow
+    /// After the new label, allow no other
     #[arg(long)]
     strict: bool,
-    /// Allow relax in buffer and maintenance
+    /// Allow relax in the buffer and while the new label is held
     #[arg(long)]
     allow_relax: bool,
-    /// Print JSON for programs
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
@@ -58,7 +58,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// If a file cannot be read or the two do not fit.
-pub fn run(args: Arguments) -> anyhow::Result<()> {
+pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     let truth = label_file::read(&args.truth)?;
     let prediction = label_file::read(&args.prediction)?;
     let rule = Rule {
@@ -115,7 +115,8 @@ fn tables(score: &RecordingScore, unscored: usize, confusion: &Confusion) -> Str
         );
     }
     if unscored > 0 {
-        text += &format!("not scored           the last {unscored} samples, never predicted\n");
+        text +=
+            &format!("not scored           the last {unscored} samples, without a prediction\n");
     }
     if !transitions.changes.is_empty() {
         text += &format!("\n{}", changes(&transitions.changes).plain());

@@ -6,9 +6,9 @@ use shared::units::SAMPLE_RATE_HZ;
 
 use super::config::ResolvedConfig;
 use crate::dataset::corpus::{Corpus, Stream};
+use crate::dataset::folds;
 use crate::dataset::splice::{self, SpliceOptions};
 use crate::dataset::split::Role;
-use crate::dataset::folds;
 use crate::dataset::{DataSet, Library, Recording};
 
 impl ResolvedConfig {

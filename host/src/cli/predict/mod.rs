@@ -1,49 +1,48 @@
-//! `myointent predict`: a model's logits and labels, for other programs to look at.
+//! `myointent predict`: a model's labels and logits, for other programs.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+mod matrix;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
-use npyz::WriterBuilder as _;
 use shared::intent::Intent;
 use shared::model::file::Model;
+use shared::model::LookBackLogits;
 use shared::stream::preprocess::clean;
 use shared::stream::smoother::Settings;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
 
+use self::matrix::{Format, Matrix};
 use super::arguments::BackendArguments;
 use super::replay::one_recording;
+use crate::dataset::npy::{self, Values};
 use crate::evaluation::smooth;
-use crate::execution::run_folder::RunFolder;
-use crate::inference::integer_logits;
-use crate::inference::student_logits;
-use crate::inference::teacher_logits;
+use crate::execution::run_folder::{RunFolder, write_whole};
+use crate::inference::{integer_logits, student_logits, teacher_logits};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::{RunContext, load_student, load_teacher};
 use crate::student::distillation;
 use crate::teacher::model::TeacherInput;
 use crate::training::augmentation::Variation;
 use crate::training::tensor::read_back;
-use shared::model::LookBackLogits;
 
-/// Which checkpoint of a run folder.
+/// A checkpoint of a run folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Which {
     /// The masked transformer.
     Teacher,
-    /// The float twin of the device's encoder.
+    /// The float student.
     Student,
 }
 
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Over a recording: one line a sample, `label` (class number of the smoothed label booked at the instant it\n\
-    speaks of, -1 before the first) and the logits of the sample's patch when it was the newest.\n\
-    Over a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
-    Examples:\n  myointent predict --model m.intent --recording r.npy --out labels.csv\n  \
+    after_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
+    time (-1 before the first), and the logits of the sample's patch when it was the newest.\n\
+    For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
+    Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
     myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
 )]
 pub struct Arguments {
@@ -55,16 +54,16 @@ pub struct Arguments {
         required_unless_present = "run"
     )]
     model: Option<PathBuf>,
-    /// Run folder whose checkpoint is used.
+    /// Run folder with a checkpoint.
     #[arg(long, value_name = "DIR")]
     run: Option<PathBuf>,
     /// Which checkpoint of the run folder.
     #[arg(long, value_enum, default_value = "student")]
     which: Which,
-    /// A recording, any format that `data inspect` reads.
+    /// A recording, in any format that `myointent data inspect` reads.
     #[arg(long, conflicts_with = "window", required_unless_present = "window")]
     recording: Option<PathBuf>,
-    /// Which recording, where the path holds several.
+    /// Which recording, if the path holds several, as data-set/subject/name.
     #[arg(long)]
     name: Option<String>,
     /// One window of raw samples as npy, 600 x 8.
@@ -77,38 +76,21 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// A table of numbers with named columns.
-struct Matrix {
-    columns: Vec<String>,
-    values: Vec<f32>,
-}
-
-/// Runs a model and writes what it says.
+/// Runs a model and writes its labels and logits.
 ///
 /// # Errors
 /// When the model is refused, the input cannot be read or the output cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if !matches!(extension(&arguments.out), "npy" | "csv") {
-        bail!(
-            "{}: expected a name that ends in .npy or .csv",
-            arguments.out.display()
-        );
-    }
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let format = Format::of(&arguments.out)?;
     let matrix = if let Some(path) = &arguments.window {
         over_window(arguments, &window(path)?)?
     } else if let Some(path) = &arguments.recording {
         let recording = one_recording(path, arguments.name.as_deref())?;
         over_recording(arguments, &clean(recording.samples).collect::<Vec<_>>())?
     } else {
-        bail!("nothing to look at: give --recording or --window");
+        bail!("no input: give --recording or --window");
     };
-    write(&matrix, &arguments.out).with_context(|| arguments.out.display().to_string())
-}
-
-fn extension(path: &Path) -> &str {
-    path.extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or_default()
+    Ok(write_whole(&arguments.out, &matrix.encode(format))?)
 }
 
 /// Logits of every patch, number of classes and how they are smoothed.
@@ -210,24 +192,14 @@ fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
 
 /// Raw samples of a window: integers or floats, values -128..=127.
 fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-    let shape = npyz::NpyFile::new(&bytes[..])
-        .with_context(|| path.display().to_string())?
-        .shape()
-        .to_vec();
-    if shape != [WINDOW as u64, CHANNELS as u64] {
+    let array = npy::read(path)?;
+    let (&[WINDOW, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
         bail!(
-            "{}: expected {WINDOW} x {CHANNELS} raw samples, found shape {shape:?}",
-            path.display()
+            "{}: expected {WINDOW} x {CHANNELS} raw samples, found {}",
+            path.display(),
+            array.describe()
         );
-    }
-    let values = values::<i8>(&bytes)
-        .or_else(|| values::<i16>(&bytes))
-        .or_else(|| values::<i32>(&bytes))
-        .or_else(|| values::<i64>(&bytes))
-        .or_else(|| values::<f32>(&bytes))
-        .or_else(|| values::<f64>(&bytes))
-        .with_context(|| format!("{}: expected integers or floats", path.display()))?;
+    };
     if let Some(at) = values
         .iter()
         .position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value))
@@ -245,53 +217,4 @@ fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
         .iter()
         .map(|row| row.map(|value| value as i8))
         .collect())
-}
-
-/// Values in row order, if the file holds this type.
-fn values<T: npyz::Deserialize + Copy + num_traits::AsPrimitive<f64>>(
-    bytes: &[u8],
-) -> Option<Vec<f64>> {
-    let file = npyz::NpyFile::new(bytes).ok()?;
-    let by_column = file.order() == npyz::Order::Fortran;
-    let values: Vec<f64> = file
-        .into_vec::<T>()
-        .ok()?
-        .into_iter()
-        .map(num_traits::AsPrimitive::as_)
-        .collect();
-    if by_column {
-        return Some(
-            (0..values.len())
-                .map(|at| values[at % CHANNELS * WINDOW + at / CHANNELS])
-                .collect(),
-        );
-    }
-    Some(values)
-}
-
-fn write(matrix: &Matrix, path: &Path) -> anyhow::Result<()> {
-    let width = matrix.columns.len();
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let mut out = BufWriter::new(File::create(&partial)?);
-    if extension(path) == "npy" {
-        let shape = [(matrix.values.len() / width) as u64, width as u64];
-        let mut npy = npyz::WriteOptions::new()
-            .default_dtype()
-            .shape(&shape)
-            .writer(&mut out)
-            .begin_nd()?;
-        npy.extend(matrix.values.iter().copied())?;
-        npy.finish()?;
-        out.flush()?;
-    } else {
-        let mut csv = csv::Writer::from_writer(&mut out);
-        csv.write_record(&matrix.columns)?;
-        for row in matrix.values.chunks_exact(width) {
-            csv.write_record(row.iter().map(f32::to_string))?;
-        }
-        csv.flush()?;
-    }
-    std::fs::rename(&partial, path)?;
-    Ok(())
 }
