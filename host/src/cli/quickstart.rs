@@ -90,25 +90,30 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             writeln!(out, "{}", table.plain())?;
         }
     }
-    write!(out, "{}", last_screen(&context, &results, &model, &page))?;
+    let recordings = recordings_used(&context);
+    write!(out, "{}", last_screen(&results, &recordings, &model, &page))?;
     Ok(())
 }
 
-/// The end of the output, at most 20 lines: scores of the model file, and where everything is.
-fn last_screen(context: &RunContext, results: &Results, model: &Path, page: &Path) -> String {
+/// Where the recordings come from, and how many files were left out.
+fn recordings_used(context: &RunContext) -> String {
     let recordings = match &context.config.data {
         Some(path) => path.display().to_string(),
         None => "synthetic".to_owned(),
     };
-    let damaged = match context.library.skipped.len() {
-        0 => String::new(),
-        files => format!("; damaged files left out: {files}"),
-    };
+    match context.library.skipped.len() {
+        0 => recordings,
+        files => format!("{recordings}; damaged files left out: {files}"),
+    }
+}
+
+/// The end of the output, at most 20 lines: scores of the model file, and where everything is.
+fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -> String {
     let (model, page) = (model.display(), page.display());
     format!(
-        "{INTEGER} on held-out subjects, lag-compensated labels; mean (deviation) over subjects\n\n\
+        "{INTEGER}, held-out subjects, lag-compensated labels; mean (deviation)\n\n\
         {}\n\
-        recordings: {recordings}{damaged}\n\
+        recordings: {recordings}\n\
         held out:   {}\n\
         model file: {model}\n\
         report:     {page}\n\
@@ -162,5 +167,74 @@ fn log_start(context: &RunContext) {
             data_set.name(),
             lag.samples * SAMPLE_PERIOD_MS as usize
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::metric::offset;
+    use crate::evaluation::metric::summary::{SubjectScore, Summary};
+    use crate::evaluation::{ALL, LookAhead, Score, Truth};
+
+    fn score(data_set: &str) -> Score {
+        let subject = |subject: &str, offset| SubjectScore {
+            subject: subject.to_owned(),
+            recordings: 3,
+            raw_accuracy: Some(0.865),
+            correct: 1,
+            events: 2,
+            transition_accuracy: Some(0.525),
+            offsets: vec![offset],
+            offset: offset::summary(&[offset]),
+        };
+        let summary = Summary::of_subjects(vec![subject("1", -30), subject("2", -34)]);
+        Score {
+            model: INTEGER.to_owned(),
+            data_set: data_set.to_owned(),
+            look_ahead: LookAhead::SameInstant,
+            truth: Truth::LagCompensated,
+            reference: std::array::from_fn(|_| summary.clone()),
+            emitted: summary,
+        }
+    }
+
+    #[test]
+    fn the_last_screen_has_at_most_20_lines_and_its_table_80_columns() {
+        let sets = [
+            "cote-allard",
+            "emg-epn-612",
+            "myo-readings",
+            "one-subject-myo",
+            "react-emg",
+            "roshambo",
+            "ss-stm",
+            "synthetic",
+            ALL,
+        ];
+        let results = Results {
+            held_out: vec![
+                "ss-stm/sub3".into(),
+                "roshambo/03".into(),
+                "roshambo/06".into(),
+            ],
+            aggregation: LookAhead::SameInstant,
+            published: sets.map(score).to_vec(),
+            spliced: Vec::new(),
+        };
+        let (model, page) = (Path::new("m.intent"), Path::new("report.html"));
+        let screen = last_screen(&results, "recordings", model, page);
+        let lines: Vec<&str> = screen.lines().collect();
+        assert!(lines.len() <= 20, "{screen}");
+        assert!(
+            lines[..lines.len() - 5].iter().all(|line| line.len() <= 80),
+            "{screen}"
+        );
+        assert!(
+            screen.contains("held out:   roshambo 03, 06; ss-stm sub3\n"),
+            "{screen}"
+        );
+        let row = "roshambo         0.865 (0.00)  0.525 (0.00)          -160        -160         2";
+        assert!(lines.contains(&row), "{screen}");
     }
 }

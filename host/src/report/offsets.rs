@@ -1,4 +1,4 @@
-//! How late the emitted transitions are.
+//! Histogram of the offsets of transitions.
 
 use plotters::{
     prelude::*,
@@ -13,7 +13,7 @@ use crate::statistics::median;
 
 const SIZE: (i32, i32) = (520, 340);
 
-/// A histogram of the offsets in milliseconds, the median marked. Values that are not finite do not count.
+/// A histogram of the offsets in milliseconds, the median marked. Values that are not finite are left out.
 pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
     let mut sorted: Vec<f64> = offsets_ms
         .iter()
