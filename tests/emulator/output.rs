@@ -6,10 +6,9 @@ use anyhow::Context as _;
 use serde_json::Value;
 use shared::uart_line::Report;
 
+use super::run::ARMBAND_LOG;
 use super::{Pins, Run, machine};
 
-/// The armband's log.
-pub const ARMBAND_LOG: &str = "armband";
 /// Lines of each file in the message of a failure.
 const TAIL: usize = 12;
 /// Start of the first line that the program writes.

@@ -10,10 +10,11 @@ use tempfile::TempDir;
 use xtask::emulator;
 
 use super::machine::{Machine, Straps};
-use super::output::ARMBAND_LOG;
 use super::process::KillOnDrop;
 use super::{Bench, Board, Scenario};
 
+/// The armband's log in a run's folder.
+pub const ARMBAND_LOG: &str = "armband";
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
 const POLL: Duration = Duration::from_millis(10);
