@@ -10,7 +10,7 @@ use shared::stream::smoother::SettingsError;
 /// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub enum ModelRefused {
-    /// It is no model file, or a damaged one, or of a shape that is not compiled in.
+    /// It is no model file, or a damaged one, or one too large for the device.
     #[error("model refused: {0}")]
     Model(#[from] ModelError),
     /// Its header asks for smoother settings that are out of range.

@@ -68,7 +68,7 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
             bytes.truncate(good.len() / 2)
         }),
         Damage {
-            name: "a good model of a shape that is not compiled in",
+            name: "a good model wider than the device has room for",
             bytes: too_wide.expect("a writable model"),
         },
     ]

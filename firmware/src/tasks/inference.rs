@@ -29,7 +29,7 @@ static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::f
 /// read and short enough for a terminal that is connected late.
 const REPEAT: u32 = 2;
 
-/// From sample to report, with an encoder of any shape that is compiled in.
+/// From sample to report, for a model of any dimensions that the device has room for.
 pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
 
 /// The pipeline of the model in flash, before the first sample. To be called once.

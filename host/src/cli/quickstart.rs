@@ -234,7 +234,7 @@ mod tests {
             screen.contains("held out:   roshambo 03, 06; ss-stm sub3\n"),
             "{screen}"
         );
-        let row = "roshambo         0.865 (0.00)  0.525 (0.00)          -160        -160         2";
+        let row = "roshambo         0.865 (0.00)     0.525 (0.00)       -160        -160         2";
         assert!(lines.contains(&row), "{screen}");
     }
 }
