@@ -1,23 +1,19 @@
-//! The command line: parse, call, print; one file a subcommand.
+//! The command line: parse, call, print. One file a subcommand; those of a run folder are in `steps`.
 
 pub mod arguments;
 mod data;
-mod distill;
-mod evaluate;
-mod export;
 mod info;
 mod predict;
 mod presets;
-mod quantize;
-mod quickstart;
 pub mod replay;
 mod score;
-mod train;
+mod steps;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use self::steps::{distill, evaluate, export, quantize, quickstart, train};
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
 

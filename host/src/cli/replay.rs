@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The UART lines that a model gives for samples.
+/// The UART lines of a model over samples.
 ///
 /// # Errors
 /// When the model is refused.

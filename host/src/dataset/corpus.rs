@@ -39,7 +39,7 @@ pub struct Corpus {
 impl Corpus {
     /// Seconds of EMG.
     #[must_use]
-    pub fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.streams
             .iter()
             .map(|stream| stream.emg.len())
@@ -50,7 +50,7 @@ impl Corpus {
 
 /// The label of a patch: that of most of its samples, none if most have none.
 #[must_use]
-pub fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
+fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
     Intent::ALL
         .into_iter()
         .map(|intent| {
@@ -69,7 +69,7 @@ pub fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
 
 /// The label of each patch; a partial last patch is left out.
 #[must_use]
-pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
+pub(crate) fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
     labels.chunks_exact(PATCH).map(patch_label).collect()
 }
 

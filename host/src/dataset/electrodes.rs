@@ -1,4 +1,4 @@
-//! Electrode rotation: the armband is worn with another electrode on top in every set.
+//! Electrode rotation: which electrode lies on top of the arm differs between the sets.
 
 use shared::units::{CHANNELS, Sample};
 
@@ -23,7 +23,7 @@ impl DataSet {
 impl Recording {
     /// The samples with the electrodes rotated into the common frame of all data sets.
     #[must_use]
-    pub fn aligned_samples(&self) -> Vec<Sample> {
+    pub(crate) fn aligned_samples(&self) -> Vec<Sample> {
         let rotation = self.data_set.electrode_rotation();
         let rotated = |mut sample: Sample| {
             sample.rotate_right(rotation);

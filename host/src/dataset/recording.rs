@@ -55,7 +55,7 @@ pub struct Recording {
     /// The person, unique over all data sets: `roshambo/03`, `ss-stm/sub7`, `cote-allard/E-Male3`.
     ///
     /// `cote-allard` numbers the people of its evaluation (`E-`) and pre-training (`P-`) parts
-    /// apart and does not say whether somebody is in both: hold out whole parts where that matters.
+    /// apart and does not state whether somebody is in both: hold out whole parts where that matters.
     pub subject: String,
     /// Name within the subject.
     pub name: String,

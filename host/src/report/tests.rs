@@ -183,7 +183,7 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
         1,
         "the temporary file is gone"
     );
-    // To look at it: MYOINTENT_KEEP_REPORT=folder cargo test report
+    // To view the page: MYOINTENT_KEEP_REPORT=folder cargo test report
     if let Some(keep) = std::env::var_os("MYOINTENT_KEEP_REPORT") {
         fs::write(std::path::Path::new(&keep).join("report.html"), &html)?;
         let picture = timeline_svg(&synthetic_report().timelines[0])?;

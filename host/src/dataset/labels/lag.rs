@@ -91,7 +91,7 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
 /// The first `lag_samples` had their label before the recording began: relax if the first label
 /// is relax (rest goes on), else none, because the start of that gesture is unknown.
 #[must_use]
-pub fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<Option<Intent>> {
+pub(crate) fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<Option<Intent>> {
     let lag = lag_samples.min(labels.len());
     let start = labels
         .first()

@@ -70,7 +70,7 @@ pub enum Fault {
     /// Bytes that are no npy file.
     #[error("expected an npy file (format 1 to 3), but {0}")]
     Npy(String),
-    /// Fewer bytes than the layout or the header says.
+    /// Another number of bytes than the layout or the header requires.
     #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
     Length {
         /// Bytes that should be there.

@@ -1,4 +1,4 @@
-//! What the published sets say in the names of files and folders.
+//! Names of files and folders, which identify person and gesture in the published sets.
 
 use std::path::Path;
 

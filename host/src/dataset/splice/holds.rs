@@ -1,7 +1,7 @@
 //! Steady holds: recordings of a single label.
 //!
-//! Random crops of them are joined, rest between two gestures or not. That gives the changes
-//! between open and close that the public sets lack; they are abrupt, unlike those of a muscle.
+//! Random crops of them are joined, with or without rest between two gestures. The result has the
+//! changes between open and close that the public sets lack; they are abrupt, unlike those of a muscle.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -4,8 +4,8 @@
 //! learns to predict the next gesture from the order. Spliced, only the muscle activity predicts it.
 //!
 //! A person's recordings, with lag-compensated labels, are cut into pieces of one transition each
-//! ([`transitions`]) and joined at random so that labels fit. Where no transition was recorded
-//! (`cote-allard`: steady holds), random crops of the holds are joined instead ([`holds`]).
+//! (`transitions`) and joined at random so that labels fit. Where no transition was recorded
+//! (`cote-allard`: steady holds), random crops of the holds are joined instead (`holds`).
 
 mod holds;
 mod source;
@@ -31,7 +31,7 @@ pub struct SpliceOptions {
     pub samples: usize,
     /// Spliced recordings of every subject.
     pub count: usize,
-    /// Label lag: labels are compensated for it before cutting ([`compensated`](super::labels::lag::compensated)).
+    /// Label lag in samples: labels are compensated for it before cutting.
     pub lag_samples: usize,
     /// Seed of every draw; a subject's draws do not depend on the other subjects.
     pub seed: u64,
@@ -39,7 +39,7 @@ pub struct SpliceOptions {
 
 /// Splices every subject's labelled recordings; pass recordings of one data set.
 ///
-/// Gives `count` recordings, `spliced-0` and on, for each subject with at least one usable
+/// Returns `count` recordings, `spliced-0` and on, for each subject with at least one usable
 /// transition or two different steady holds, in alphabetical order of subjects. Their path is
 /// empty: they come from no file.
 #[must_use]

@@ -65,7 +65,7 @@ impl FromStr for Protocol {
 /// smaller sets hold out nobody in some folds. The seed assigns the subjects; a set's assignment
 /// does not depend on the other sets.
 #[must_use]
-pub fn folds<'a>(
+pub(crate) fn folds<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
     folds: usize,
     seed: u64,
@@ -93,7 +93,7 @@ fn most_subjects<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> usi
 
 /// The subjects of each data set, in alphabetical order.
 #[must_use]
-pub fn subjects<'a>(
+pub(crate) fn subjects<'a>(
     recordings: impl IntoIterator<Item = &'a Recording>,
 ) -> BTreeMap<DataSet, Vec<&'a str>> {
     let mut subjects: BTreeMap<DataSet, Vec<&str>> = BTreeMap::new();

@@ -3,18 +3,19 @@
 //! Recordings of one person resemble each other far more than those of two people; a split by file
 //! would measure recognition of a person.
 
+mod choice;
+mod error;
 pub mod folds;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use rand::seq::SliceRandom;
-
+pub(crate) use self::choice::Choice;
+use self::choice::choose;
+pub use self::error::SplitError;
 use super::recording::{DataSet, Recording};
-use super::seed;
 
 /// What a subject is used for.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Role {
     /// Weights are trained on it.
     Training,
@@ -24,19 +25,9 @@ pub enum Role {
     HeldOut,
 }
 
-/// How to choose subjects.
-#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Choice {
-    /// These, as [`Recording::subject`] names them.
-    Subjects(Vec<String>),
-    /// A number of each data set, drawn by the seed. A set's draw does not depend on the others.
-    PerDataSet(BTreeMap<DataSet, usize>),
-}
-
 /// Whom to hold out and whom to validate on.
-#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
-pub struct SplitOptions {
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct SplitOptions {
     /// Seed of every draw.
     pub seed: u64,
     /// Chosen first, from all subjects.
@@ -56,41 +47,12 @@ pub struct Split {
     pub held_out: Vec<String>,
 }
 
-/// Why there is no such split.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum SplitError {
-    /// A subject without a recording.
-    #[error("expected a subject of the recordings at hand ({known}), found {subject:?}")]
-    UnknownSubject {
-        /// The subject requested.
-        subject: String,
-        /// Names that resemble it, or how many there are.
-        known: String,
-    },
-    /// One subject in two lists.
-    #[error("{0} is both held out and for validation: take it from one list")]
-    TwoRoles(String),
-    /// More subjects requested than there are.
-    #[error("expected at most {available} subjects of {data_set}, found a request for {wanted}")]
-    TooFew {
-        /// The data set.
-        data_set: &'static str,
-        /// Subjects that may still be chosen.
-        available: usize,
-        /// Subjects requested.
-        wanted: usize,
-    },
-    /// No subject left to train on.
-    #[error("no training subject is left: hold out or validate on fewer, or add recordings")]
-    NothingToTrainOn,
-}
-
 impl Split {
     /// Chooses the subjects of the recordings.
     ///
     /// # Errors
     /// See [`SplitError`].
-    pub fn new<'a>(
+    pub(crate) fn new<'a>(
         recordings: impl IntoIterator<Item = &'a Recording>,
         options: &SplitOptions,
     ) -> Result<Self, SplitError> {
@@ -130,7 +92,7 @@ impl Split {
 
     /// The recordings of one role, in their order.
     #[must_use]
-    pub fn select<'a>(&self, recordings: &'a [Recording], role: Role) -> Vec<&'a Recording> {
+    pub(crate) fn select<'a>(&self, recordings: &'a [Recording], role: Role) -> Vec<&'a Recording> {
         recordings
             .iter()
             .filter(|r| self.role(&r.subject) == Some(role))
@@ -138,71 +100,9 @@ impl Split {
     }
 }
 
-fn choose(
-    choice: &Choice,
-    everybody: &BTreeSet<(DataSet, &str)>,
-    rest: &BTreeSet<(DataSet, &str)>,
-    seed: u64,
-) -> Result<Vec<String>, SplitError> {
-    let mut chosen = Vec::new();
-    match choice {
-        Choice::Subjects(subjects) => {
-            for subject in subjects {
-                if !everybody.iter().any(|(_, s)| s == subject) {
-                    return Err(unknown(subject, everybody));
-                }
-                if !rest.iter().any(|(_, s)| s == subject) {
-                    return Err(SplitError::TwoRoles(subject.clone()));
-                }
-                chosen.push(subject.clone());
-            }
-        }
-        Choice::PerDataSet(counts) => {
-            for (&data_set, &wanted) in counts {
-                let mut subjects: Vec<_> = rest
-                    .iter()
-                    .filter(|(set, _)| *set == data_set)
-                    .map(|(_, s)| *s)
-                    .collect();
-                if subjects.len() < wanted {
-                    let (data_set, available) = (data_set.name(), subjects.len());
-                    return Err(SplitError::TooFew {
-                        data_set,
-                        available,
-                        wanted,
-                    });
-                }
-                subjects.shuffle(&mut seed::generator(seed, data_set.name()));
-                chosen.extend(subjects[..wanted].iter().map(|&s| s.to_owned()));
-            }
-        }
-    }
-    chosen.sort_unstable();
-    chosen.dedup();
-    Ok(chosen)
-}
-
-fn unknown(subject: &str, everybody: &BTreeSet<(DataSet, &str)>) -> SplitError {
-    let set = subject.split('/').next().unwrap_or_default();
-    let mut near: Vec<_> = everybody
-        .iter()
-        .map(|(_, s)| *s)
-        .filter(|s| s.starts_with(set))
-        .collect();
-    near.truncate(8);
-    let known = if near.is_empty() {
-        format!("{} subjects, none of {set:?}", everybody.len())
-    } else {
-        format!("{} ...", near.join(", "))
-    };
-    SplitError::UnknownSubject {
-        subject: subject.to_owned(),
-        known,
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
     use std::path::PathBuf;
 
     use super::*;

@@ -55,7 +55,7 @@ impl Wearer {
         }
     }
 
-    /// Follows the cues; gives the samples and the intent that the muscle moves towards.
+    /// Follows the cues; returns the samples and the intent that the muscle moves towards.
     pub fn perform(&self, cues: &[Intent], random: &mut impl Rng) -> (Vec<Sample>, Vec<Intent>) {
         let muscle = self.follow(cues, random);
         let mut samples = Vec::with_capacity(cues.len());

@@ -1,6 +1,6 @@
 //! EMG-EPN-612: one JSON per user, 150 trials in `trainingSamples`, 150 in `testingSamples`.
 //!
-//! Written from the public descriptions of the set, without a copy at hand, and tested on small
+//! Written from the public descriptions of the set, without a copy of it, and tested on small
 //! files of the same structure. A trial has `gestureName`, `emg` with `ch1`..`ch8`, and the place
 //! of the gesture as `groundTruth` (0 or 1 per sample) or `groundTruthIndex` (first and last sample,
 //! 1 first). `noGesture` has neither and is rest throughout; trials without a name are unlabelled.

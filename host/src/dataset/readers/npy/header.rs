@@ -3,7 +3,7 @@
 use super::MAGIC;
 use crate::dataset::readers::error::{Damage, Fault};
 
-/// What the header says of the elements.
+/// Content of the header.
 pub(super) struct Header {
     /// Element type as numpy writes it.
     pub descr: String,
@@ -55,7 +55,7 @@ impl Header {
 
 /// Byte at which the text of a header of version 1 starts.
 const START_V1: usize = 10;
-/// The format asks for elements that start at a multiple of this.
+/// The format requires elements to start at a multiple of this.
 const ALIGNMENT: usize = 64;
 
 /// Damage in the header.
@@ -63,8 +63,8 @@ fn bad(byte: u64, what: &str) -> Damage {
     Damage::at_byte(byte, Fault::Npy(what.to_owned()))
 }
 
-/// The dictionary's text, and where the data starts. Takes no byte beyond the file's end, whatever
-/// length the header claims.
+/// The dictionary's text, and where the data starts. Bounded by the file's end, whatever length the
+/// header claims.
 fn text(bytes: &[u8]) -> Result<(String, usize), Damage> {
     if !bytes.starts_with(MAGIC) {
         return Err(bad(0, "it does not start with the npy magic"));

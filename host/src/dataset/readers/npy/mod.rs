@@ -15,7 +15,7 @@ use header::Header;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// An array, elements with the first axis slowest, however the file has them.
+/// An array. Its elements are in C order (first axis slowest), whatever the order in the file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Array {
     /// Length of each axis; empty for a single value.
@@ -24,13 +24,12 @@ pub struct Array {
     pub descr: String,
     /// The elements.
     pub values: Values,
-    /// Where elements lie in the file.
-    pub layout: Layout,
+    pub(crate) layout: Layout,
 }
 
-/// Where the elements of an [`Array`] lie in its file.
+/// Position of the elements of an [`Array`] in its file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Layout {
+pub(crate) struct Layout {
     /// Byte of the first element.
     pub start: u64,
     /// Bytes from the first element of a row to that of the next.
@@ -47,29 +46,29 @@ pub enum Values {
 }
 
 impl Values {
-    /// Turns elements that stand column after column into row after row.
+    /// Reorders elements from column after column to row after row.
     fn by_row(self, columns: usize) -> Self {
-        fn turned<T: Clone>(values: &[T], columns: usize) -> Vec<T> {
+        fn transposed<T: Clone>(values: &[T], columns: usize) -> Vec<T> {
             let rows = values.len() / columns.max(1);
             (0..values.len())
                 .map(|i| values[i % columns * rows + i / columns].clone())
                 .collect()
         }
         match self {
-            Self::Numbers(values) => Self::Numbers(turned(&values, columns)),
-            Self::Text(values) => Self::Text(turned(&values, columns)),
+            Self::Numbers(values) => Self::Numbers(transposed(&values, columns)),
+            Self::Text(values) => Self::Text(transposed(&values, columns)),
         }
     }
 }
 
 impl Array {
-    /// Byte of the file at which the first element of a row (along the first axis) stands.
+    /// Byte of the file at which a row (along the first axis) starts.
     #[must_use]
-    pub const fn byte_of_row(&self, row: usize) -> u64 {
+    pub(crate) const fn byte_of_row(&self, row: usize) -> u64 {
         self.layout.start + (row * self.layout.row_bytes) as u64
     }
 
-    /// Shape and type for a message: `(9183, 8) of <i8`.
+    /// Shape and type for a message: `(8990, 8) of <i8`.
     #[must_use]
     pub fn describe(&self) -> String {
         let axes: Vec<_> = self.shape.iter().map(ToString::to_string).collect();
@@ -98,7 +97,7 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// With the byte of the fault: no npy file, an element type or order that is not read here, or
-/// another length than the header says.
+/// another length than the header requires.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Array, Damage> {
     let Header {
         descr,
@@ -158,7 +157,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Array, Damage> {
     })
 }
 
-/// The bytes of an npy file in C order; `data` holds the elements as `descr` says.
+/// The bytes of an npy file in C order; `data` holds the elements in the type `descr`.
 pub(crate) fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
     let mut bytes = Header::encode(descr, shape);
     bytes.extend(data);
@@ -184,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_of_the_other_order_are_turned_into_rows() {
+    fn fortran_order_is_transposed() {
         let mut bytes = encode("|i1", &[2, 3], &[1, 4, 2, 5, 3, 6]);
         let at = bytes.windows(5).position(|part| part == b"False").unwrap();
         bytes[at..at + 5].copy_from_slice(b"True ");

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use super::arguments::{BackendArguments, open_run};
+use crate::cli::arguments::{BackendArguments, open_run};
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
@@ -39,7 +39,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When a model is missing or damaged.
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     let path = arguments
         .model

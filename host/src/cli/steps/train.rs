@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, DataArguments, open_run};
+use crate::cli::arguments::{BackendArguments, DataArguments, open_run};
 use crate::dataset::folds::Protocol;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, requires = "from")]
     lora: bool,
     /// Cross-validation: `loso` holds out one subject of each data set, `4-fold` (or any number) a
-    /// fourth of them; without it, the preset's lists say who is held out.
+    /// fourth of them; without it, the preset's lists decide.
     #[arg(long, requires = "fold", conflicts_with = "resume")]
     protocol: Option<Protocol>,
     /// Fold of the cross-validation, from 1 on; folds are independent.
@@ -61,7 +61,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When recordings, preset or folder cannot be used.
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = if arguments.resume {
         RunContext {
             resume: true,

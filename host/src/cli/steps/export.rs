@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, open_run};
+use crate::cli::arguments::{BackendArguments, open_run};
 use crate::teacher::checkpoint;
 
 /// Arguments of `export`.
@@ -28,7 +28,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When the run folder holds no teacher or the file cannot be written.
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out

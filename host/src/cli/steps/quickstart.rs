@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use shared::units::SAMPLE_PERIOD_MS;
 
-use super::arguments::{BackendArguments, DataArguments, recordings};
+use crate::cli::arguments::{BackendArguments, DataArguments, recordings};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
@@ -61,7 +61,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When recordings, preset or folder cannot be used.
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut preset = Preset::find(&arguments.preset)?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);
     let found = DEFAULT_FOLDERS
@@ -123,7 +123,7 @@ fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -
     )
 }
 
-/// Subjects in few words: `roshambo 03, 06; ss-stm sub3`.
+/// Subjects, grouped: `roshambo 03, 06; ss-stm sub3`.
 fn by_data_set(subjects: &[String]) -> String {
     let mut sets: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for subject in subjects {

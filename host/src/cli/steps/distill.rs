@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{BackendArguments, open_run};
+use crate::cli::arguments::{BackendArguments, open_run};
 use crate::run::context::RunContext;
 use crate::run::distill;
 use crate::student::distillation;
@@ -39,7 +39,7 @@ fn share(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// When the run folder holds no teacher or cannot be written.
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut context = RunContext {
         resume: arguments.resume,
         ..open_run(&arguments.run, arguments.backend)?
