@@ -1,9 +1,9 @@
-//! Hands the linker the memory map of the workspace root, the choice among its regions, and the
-//! scripts of the runtime.
+//! Passes the linker the memory map of the workspace root, which of its regions are FLASH and RAM, and
+//! the scripts of the runtime.
 //!
-//! Here and not in `.cargo/config.toml`: flags there would reach every crate built for the target,
-//! and a `RUSTFLAGS` in the environment would silently replace them. And one map for all images,
-//! because the linker looks for `memory.x` where cargo was started before it looks anywhere else.
+//! Not in `.cargo/config.toml`: flags there apply to every crate built for the target, and `RUSTFLAGS`
+//! in the environment replaces them silently. One map for all images, because the linker looks for
+//! `memory.x` first in the folder that cargo was started in.
 
 use std::{env, error::Error, fs, path::PathBuf};
 
@@ -16,10 +16,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (flash, ram) = regions();
     let mut script = format!("REGION_ALIAS(FLASH, {flash})\nREGION_ALIAS(RAM, {ram})\n");
     if has("radio-softdevice") {
-        // Two register crates each bring a vector table, embassy-nrf's and nrf-softdevice's, and
-        // they name some interrupts differently. The linker takes the first table and keeps the
-        // other as dead bytes. Whichever it takes, both names must lead to the one handler there
-        // is; `cargo xtask images` looks at the table that came out.
+        // The register crates of embassy-nrf and nrf-softdevice each define a vector table, and
+        // name some interrupts differently. The linker uses the first table; the other stays in the
+        // image unused. Whichever it uses, both names must lead to the same handler. `cargo xtask
+        // images` checks the table of the linked image.
         println!("cargo:rustc-link-arg-bins=--allow-multiple-definition");
         script += "EXTERN(UARTE0)\nUARTE0_UART0 = UARTE0;\n";
         script += "EXTERN(SWI2_EGU2)\nEGU2_SWI2 = SWI2_EGU2;\n";
@@ -30,19 +30,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::write(out.join("regions.x"), script)?;
     fs::copy("../memory.x", out.join("memory.x"))?;
     println!("cargo:rustc-link-search={}", out.display());
-    // Without --nmagic the linker pads segments to 64 KiB pages, past the start of flash.
+    // Without --nmagic the linker aligns segments to pages of 64 KiB and so moves the start of flash.
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     if has("chip") {
         println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     } else {
-        // Names of a chip's interrupts; the emulator's board brings its own table.
+        // It would name a chip's interrupts; the emulator's board defines its own table.
         fs::write(out.join("device.x"), "")?;
     }
     Ok(())
 }
 
-/// What each of the two register crates calls interrupts that the other calls otherwise.
+/// Interrupts that the two register crates name differently, under both names.
 const NAMED_TWICE: &str = "
     AAR_CCM CLOCK_POWER EGU0_SWI0 EGU1_SWI1 EGU3_SWI3 EGU4_SWI4 EGU5_SWI5 SPI2 TWISPI0 TWISPI1
     CCM_AAR POWER_CLOCK SWI0_EGU0 SWI1_EGU1 SWI3_EGU3 SWI4_EGU4 SWI5_EGU5 SPIM2_SPIS2_SPI2

@@ -17,26 +17,27 @@ mod timing;
 
 use std::path::PathBuf;
 
-use myointent_tests::emulator::{Bench, Run, Scene};
+use myointent_tests::emulator::{Bench, Run, Scenario};
 use serde_json::Value;
 use shared::units::Sample;
 
-/// 200 ms of silence are a second of the wall, and 35 ms late, which could be four lost, 175 ms: a
-/// busy machine does not look like an armband that fell silent or lost something.
+/// With it the timeout of 200 ms is a second of real time, and the delay of 35 ms that may mean four lost
+/// notifications is 175 ms: a busy host does not look like an armband that is silent or lost data.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
 
-/// The published model: the one that the README flashes.
+/// The model that the README flashes.
 fn model() -> Vec<u8> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The first seconds of a recording; without it, books the test as skipped.
+/// The first seconds of a recording; without it, reports the test as skipped.
 fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
     let path = myointent_tests::data(test)?.join(recording);
     if !path.is_file() {
-        myointent_tests::skip(test, &format!("no {}", path.display()));
+        let missing = format!("no {}: see docs/recordings.md", path.display());
+        myointent_tests::skip(test, &missing);
         return None;
     }
     let recording = myointent::cli::replay::one_recording(&path, None)
@@ -46,7 +47,7 @@ fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
     Some(samples)
 }
 
-/// Streams to the end, where the armband hangs up.
+/// Streams to the end of the recording, where the armband disconnects.
 fn play(
     bench: &Bench,
     model: &[u8],
@@ -54,7 +55,7 @@ fn play(
     time_scale: u32,
     script: Value,
 ) -> anyhow::Result<Run> {
-    bench.start(&Scene {
+    bench.start(&Scenario {
         model,
         samples,
         time_scale,

@@ -1,8 +1,9 @@
 //! Where the tests find their reference numbers and recordings.
 //!
-//! Both lie outside the repository: in `$MYOINTENT_GOLDEN` and `$MYOINTENT_DATA`, or else in
-//! `../shared/golden` and `../shared/data` beside the workspace. A test that finds none says so
-//! and passes over: `let Some(golden) = golden("name") else { return };`.
+//! Reference numbers are in the repository, `tests/golden/data`; `$MYOINTENT_GOLDEN` names another
+//! folder of the same layout. Recordings are not: they are looked for in `$MYOINTENT_DATA`, or else
+//! in `../shared/data` beside the workspace. A test that finds none prints where to get them and
+//! passes over: `let Some(data) = data("name") else { return };`.
 
 pub mod emulator;
 
@@ -12,34 +13,35 @@ use std::path::{Path, PathBuf};
 /// The folder of reference numbers; without one, books the test `name` as skipped.
 #[must_use]
 pub fn golden(name: &str) -> Option<PathBuf> {
-    folder(name, "MYOINTENT_GOLDEN", "golden")
+    let (variable, hint) = ("MYOINTENT_GOLDEN", "unset it to use the repository's");
+    folder(name, variable, "golden/data", hint)
 }
 
 /// The folder of recordings; without one, books the test `name` as skipped.
 #[must_use]
 pub fn data(name: &str) -> Option<PathBuf> {
-    folder(name, "MYOINTENT_DATA", "data")
+    let hint = "set it to a folder of recordings; docs/recordings.md has addresses and commands";
+    folder(name, "MYOINTENT_DATA", "../../shared/data", hint)
 }
 
 /// Prints `SKIPPED name: reason`, past the capture of test output, so that it can be counted.
 pub fn skip(name: &str, reason: &str) {
+    // One write, on a line of its own: tests run side by side, and lines that begin so are counted.
+    let line = format!("\nSKIPPED {name}: {reason}\n");
     // A lost line is all that can go wrong, and there is nobody to tell.
-    let _ = writeln!(std::io::stderr(), "SKIPPED {name}: {reason}");
+    let _ = std::io::stderr().write_all(line.as_bytes());
 }
 
-fn folder(name: &str, variable: &str, default: &str) -> Option<PathBuf> {
+/// The folder that a variable names, or a default beside this file.
+fn folder(name: &str, variable: &str, default: &str, hint: &str) -> Option<PathBuf> {
     let folder = std::env::var_os(variable).map_or_else(
-        || {
-            Path::new(env!("CARGO_MANIFEST_DIR"))
-                .join("../../shared")
-                .join(default)
-        },
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join(default),
         PathBuf::from,
     );
     if folder.is_dir() {
         return Some(folder);
     }
     let folder = folder.display();
-    skip(name, &format!("no folder {folder}: set {variable}"));
+    skip(name, &format!("no folder {folder} ({variable}: {hint})"));
     None
 }

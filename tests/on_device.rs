@@ -1,7 +1,7 @@
-//! The tests of `shared` on the emulated Cortex-M4F, each a test of its own here.
+//! The tests of `shared` on the emulated Cortex-M4F, each as a test of its own.
 //!
-//! Unit tests and golden checks are those of the host, one source. Every test has an emulator to
-//! itself, so that a panic or an endless loop takes no other test with it. Without a cross
+//! Unit tests and golden checks are compiled from the same sources as on the host. Each test runs in
+//! an emulator of its own, so that a panic or an endless loop ends no other test. Without a cross
 //! compiler or an emulator there are no tests, and one line says so.
 
 #[path = "golden/cases.rs"]
@@ -25,8 +25,8 @@ use xtask::{
     toolchain::{self, Toolchain},
 };
 
-/// The slowest test takes 8 s on a core of its own.
-const LIMIT: Duration = Duration::from_secs(120);
+/// The slowest test takes 8 s on an idle core.
+const TIMEOUT: Duration = Duration::from_secs(120);
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -74,7 +74,7 @@ fn trial(name: &str, run: impl FnOnce() -> Result<()> + Send + 'static) -> Trial
 }
 
 fn names(unit_tests: &Path) -> Result<Vec<String>> {
-    let listed = device::run(unit_tests, &[""; 0], Clock::Free, LIMIT)?;
+    let listed = device::run(unit_tests, &[""; 0], Clock::Free, TIMEOUT)?;
     ensure!(listed.success, "no list of tests: {}", listed.output);
     let names: Vec<_> = listed.output.lines().map(String::from).collect();
     ensure!(!names.is_empty(), "the list of tests is empty");
@@ -83,7 +83,7 @@ fn names(unit_tests: &Path) -> Result<Vec<String>> {
 
 /// Runs an image with one argument, to the exit code 0.
 fn pass(image: &Path, argument: &str) -> Result<()> {
-    let outcome = device::run(image, &[argument], Clock::Free, LIMIT)?;
+    let outcome = device::run(image, &[argument], Clock::Free, TIMEOUT)?;
     ensure!(outcome.success, "{}", outcome.output);
     Ok(())
 }
@@ -99,7 +99,7 @@ fn golden_check(image: &Path, name: &str, read: cases::Read) -> Result<()> {
 }
 
 fn counts_add_up(image: &Path) -> Result<()> {
-    let samples = count::made_up();
+    let samples = count::synthetic();
     let table = count::count(image, &samples, None)?;
     ensure!(
         table == count::count(image, &samples, None)?,
@@ -114,21 +114,21 @@ fn counts_add_up(image: &Path) -> Result<()> {
     let whole = sum(&["preprocess", "ring", "encoder", "smoother", "rest"])?;
     let total = sum(&["total"])?;
     ensure!(whole.abs_diff(total) <= 3, "{whole} of {total}");
-    // What no part explains is small: the parts by themselves are those of the line.
+    // What no part explains is small: the parts cost alone what they cost in the pipeline.
     let rest = sum(&["rest"])?;
     ensure!(rest > 0 && rest < total / 20, "rest {rest} of {total}");
-    // The marks between the encoder's parts let the compiler arrange it otherwise: 1 % was seen.
+    // With a probe between the encoder's parts the compiler arranges them differently: by 1 % at most so far.
     let parts = sum(&["embed", "attention", "feed-forward", "head"])?;
     let encoder = sum(&["encoder"])?;
     ensure!(
         parts.abs_diff(encoder) <= encoder / 50,
         "{parts} of {encoder}"
     );
-    // Two patches share the reading of the matrices.
-    let rebuild = sum(&["rebuild"])?;
+    // A full recompute takes two patches at once, which share the reading of the matrices.
+    let recompute = sum(&["recompute"])?;
     ensure!(
-        rebuild < encoder,
-        "from scratch {rebuild}, a step {encoder}"
+        recompute < encoder,
+        "recompute {recompute}, a step {encoder}"
     );
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The main job, small: made-up recordings to a judged model file, through the command line itself.
+//! The main command at a small size: from synthetic recordings to an evaluated model file.
 
 #[path = "small.rs"]
 mod small;
@@ -6,6 +6,7 @@ mod small;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use myointent::cli::replay;
 use myointent::inference::integer_logits;
 use shared::model::file::Model;
 use shared::stream::preprocess::clean;
@@ -64,16 +65,13 @@ fn the_same_seed_gives_the_same_model_file_bit_for_bit() {
 }
 
 #[test]
-fn an_integer_student_repeats_itself_and_stays_near_its_float_twin() {
+fn an_integer_student_is_deterministic_and_near_the_float_student() {
     let folder = folder("twins");
     let run = quickstart(&folder, "run");
     let (_, file) = recordings(&folder);
     let bytes = fs::read(run.join("student.intent")).unwrap();
     let model = Model::parse(&bytes).unwrap();
-    let recording = myointent::dataset::load(&file, &Default::default())
-        .unwrap()
-        .recordings
-        .remove(0);
+    let recording = replay::one_recording(&file, None).unwrap();
     let emg: Vec<_> = clean(recording.samples).collect();
     let rows = integer_logits(&model, &emg).unwrap();
     assert_eq!(rows, integer_logits(&model, &emg).unwrap());
@@ -112,12 +110,13 @@ fn an_integer_student_repeats_itself_and_stays_near_its_float_twin() {
 }
 
 #[test]
-fn replay_prints_lines_that_a_device_would_and_only_after_three_seconds() {
+fn replay_prints_the_lines_of_a_device_from_three_seconds_on() {
     let folder = folder("replay");
     let run = quickstart(&folder, "run");
     let (_, file) = recordings(&folder);
     let bytes = fs::read(run.join("student.intent")).unwrap();
-    let lines = myointent::cli::replay::lines(&bytes, &file).unwrap();
+    let recording = replay::one_recording(&file, None).unwrap();
+    let lines = replay::lines(&bytes, &recording.samples).unwrap();
     let reports: Vec<Report> = lines
         .lines()
         .map(|line| Report::parse(format!("{line}\r\n").as_bytes()).unwrap())
@@ -153,9 +152,8 @@ fn a_damaged_model_file_is_refused_with_its_reason() {
     let mut bytes = fs::read(run.join("student.intent")).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
-    let error = format!(
-        "{:#}",
-        myointent::cli::replay::lines(&bytes, &file).unwrap_err()
-    );
+    let recording = replay::one_recording(&file, None).unwrap();
+    let error = replay::lines(&bytes, &recording.samples).unwrap_err();
+    let error = format!("{error:#}");
     assert!(error.contains("checksum"), "{error}");
 }

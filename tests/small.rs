@@ -8,7 +8,7 @@ use clap::Parser as _;
 use myointent::cli::Cli;
 use myointent::dataset::synthetic::{self, SynthOptions};
 
-/// A preset that trains in seconds; what it learns is beside the point.
+/// A preset that trains in seconds; its accuracy does not matter.
 pub fn small_preset(folder: &Path) -> PathBuf {
     let text = myointent::run::preset::BUILT_IN[0].1;
     let text = text
@@ -20,15 +20,13 @@ pub fn small_preset(folder: &Path) -> PathBuf {
         .replace("steps = 150", "steps = 4")
         .replace("batch = 32", "batch = 8")
         .replace("d_model = 64", "d_model = 48")
-        .replace("feed_forward = 256", "feed_forward = 64")
-        .replace("stride = 60\n", "stride = 600\nepochs = 1\n")
-        .replace("lstm_step = 10", "lstm_step = 100");
+        .replace("feed_forward = 256", "feed_forward = 64");
     let path = folder.join("small.toml");
     fs::write(&path, text).unwrap();
     path
 }
 
-/// Runs the program and tells whether it succeeded.
+/// Runs the program and returns whether it succeeded.
 pub fn myointent(arguments: &[&str]) -> bool {
     let line = std::iter::once("myointent").chain(arguments.iter().copied());
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
@@ -42,7 +40,7 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Writes made-up recordings of four people and returns their folder and one file.
+/// Writes synthetic recordings of four subjects and returns their folder and one file.
 pub fn recordings(folder: &Path) -> (PathBuf, PathBuf) {
     let data = folder.join("data");
     let options = SynthOptions {

@@ -1,14 +1,32 @@
-//! Protocols, fine-tuning and the study, small, through the command line itself.
+//! A small study and fine-tuning, through the command lines of `myointent-research` and `myointent`.
 
 #[path = "small.rs"]
 mod small;
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
+use clap::Parser as _;
+use myointent_research::cli::Cli;
 use serde_json::Value;
 use small::{folder, myointent, recordings, small_preset};
+
+/// Runs `myointent-research` and returns whether it succeeded.
+fn research(arguments: &[&str]) -> bool {
+    let line = std::iter::once("myointent-research").chain(arguments.iter().copied());
+    Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+}
+
+/// The small preset with settings of the baselines.
+fn study_preset(folder: &Path) -> PathBuf {
+    let text = fs::read_to_string(small_preset(folder)).unwrap();
+    let baselines = "[baselines]\nstride = 600\nepochs = 1\nlstm_step = 100\n";
+    let path = folder.join("study.toml");
+    fs::write(&path, format!("{text}\n{baselines}")).unwrap();
+    path
+}
 
 fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
@@ -22,10 +40,10 @@ fn names(value: &Value) -> Vec<String> {
 }
 
 #[test]
-fn a_study_leaves_everybody_out_once_and_its_jobs_stand_for_themselves() {
+fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
     let folder = folder("study");
     let (data, _) = recordings(&folder);
-    let (preset, study) = (small_preset(&folder), folder.join("study"));
+    let (preset, study) = (study_preset(&folder), folder.join("study"));
     let [data, preset, path] = [&data, &preset, &study].map(|path| path.to_str().unwrap());
     let job = |fold: &str| {
         let line = ["study", "--preset", preset, "--data", data, "--study", path];
@@ -37,44 +55,50 @@ fn a_study_leaves_everybody_out_once_and_its_jobs_stand_for_themselves() {
             "--fold",
             fold,
         ];
-        myointent(&[&line[..], &which[..]].concat())
+        research(&[&line[..], &which[..]].concat())
     };
-    // The second fold needs nothing of the first.
+    // The second fold does not need the first.
     assert!(job("2") && job("1"));
 
-    let mut left_out = Vec::new();
+    let mut all_held_out = Vec::new();
     for fold in ["fold-1", "fold-2"] {
         let run = study.join("main").join(fold);
-        let split = &json(&run.join("plan.json"))["split"];
+        let split = &json(&run.join("config.json"))["split"];
         let held_out = names(&split["held_out"]);
         let others: BTreeSet<_> = ["training", "validation"]
             .iter()
             .flat_map(|role| names(&split[role]))
             .collect();
         assert!(held_out.iter().all(|subject| !others.contains(subject)));
-        let judged = &json(&run.join("results.json"))["published"];
-        let models: BTreeSet<&str> = judged
+        let scores = &json(&run.join("results.json"))["published"];
+        let models: BTreeSet<&str> = scores
             .as_array()
             .unwrap()
             .iter()
-            .map(|line| line["model"].as_str().unwrap())
+            .map(|score| score["model"].as_str().unwrap())
             .collect();
-        for model in ["teacher", "integer student", "student without teacher"] {
+        for model in [
+            "teacher",
+            "integer student",
+            "student without teacher",
+            "LDA",
+            "TraHGR",
+        ] {
             assert!(models.contains(model), "{model} is not among {models:?}");
         }
-        left_out.extend(held_out);
+        all_held_out.extend(held_out);
     }
-    left_out.sort_unstable();
-    let everybody: BTreeSet<_> = left_out.iter().cloned().collect();
-    assert_eq!((left_out.len(), everybody.len()), (4, 4));
+    all_held_out.sort_unstable();
+    let subjects: BTreeSet<_> = all_held_out.iter().collect();
+    assert_eq!((all_held_out.len(), subjects.len()), (4, 4));
 
     let short = study.join("window-100/fold-1");
     assert_eq!(
-        json(&short.join("plan.json"))["preset"]["teacher"]["window"],
+        json(&short.join("config.json"))["preset"]["teacher"]["window"],
         100
     );
     assert!(short.join("results.json").exists() && !short.join("student.bpk").exists());
-    // What is done is not done again.
+    // An evaluated job is skipped.
     let before = fs::metadata(study.join("main/fold-1/results.json"))
         .unwrap()
         .modified()
@@ -87,26 +111,26 @@ fn a_study_leaves_everybody_out_once_and_its_jobs_stand_for_themselves() {
     assert_eq!(before, after);
     assert!(!job("3"), "there is no third fold");
 
-    // All of them together are judged as one.
+    // All folds are summarized as one evaluation.
     let main = study.join("main");
-    assert!(myointent(&["summary", main.to_str().unwrap()]));
+    assert!(research(&["summary", main.to_str().unwrap()]));
     let all = &json(&main.join("summary.json"))["results"]["published"][0]["emitted"];
-    let judged: Vec<&str> = all["subjects"]
+    let subjects: Vec<&str> = all["subjects"]
         .as_array()
         .unwrap()
         .iter()
         .map(|score| score["subject"].as_str().unwrap())
         .collect();
-    assert_eq!(judged, left_out);
+    assert_eq!(subjects, all_held_out);
     let tables = folder.join("tables");
-    let write = || myointent(&["tables", path, "--out", tables.to_str().unwrap()]);
+    let write = || research(&["tables", path, "--out", tables.to_str().unwrap()]);
     assert!(write());
     let page = |name: &str| fs::read_to_string(tables.join(name)).unwrap();
     assert!(page("tables.md").contains("2 of 2 folds"));
-    let window = page("window-moved.csv");
+    let window = page("window-lag-compensated.csv");
     assert!(window.contains("\n100,0,") && window.contains("\n600,0,"));
 
-    // A fold that is not there is told; one that is not judged is refused.
+    // A missing fold is reported; one without results is refused.
     fs::rename(main.join("fold-2"), folder.join("elsewhere")).unwrap();
     assert!(write() && page("tables.md").contains("1 of 2 folds"));
     fs::remove_file(main.join("fold-1/results.json")).unwrap();
@@ -114,7 +138,7 @@ fn a_study_leaves_everybody_out_once_and_its_jobs_stand_for_themselves() {
 }
 
 #[test]
-fn a_teacher_is_trained_on_from_a_run_or_from_safetensors() {
+fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
     let folder = folder("fine-tuning");
     let (data, _) = recordings(&folder);
     let preset = small_preset(&folder);
@@ -146,7 +170,7 @@ fn a_teacher_is_trained_on_from_a_run_or_from_safetensors() {
     assert!(teacher("tuned") != teacher("first"));
     assert!(teacher("adapted") != teacher("first"));
 
-    // Those whom the other fold leaves out have been trained on by this one.
+    // Subjects that the other fold holds out were trained on in this one.
     assert!(!train("leak", "2", &["--from", start]));
     assert!(!run("leak").exists());
 
@@ -158,6 +182,6 @@ fn a_teacher_is_trained_on_from_a_run_or_from_safetensors() {
     ));
     assert!(
         teacher("imported") == teacher("tuned"),
-        "the same start, told in two ways"
+        "one teacher from two kinds of files"
     );
 }

@@ -1,18 +1,18 @@
-//! What a builder of a device may want otherwise. Pins are in `board/nrf52/wiring.rs`.
+//! What a builder of a device may want to change. Pins are in `board/nrf52/wiring.rs`.
 
 use shared::myo::{Address, EmgMode, Settings};
 
-/// The one armband to use, as `MYOINTENT_ARMBAND=F1:23:45:67:89:AB` when the program is built;
-/// without it, the one with the strongest signal.
+/// The one armband to connect to, as `MYOINTENT_ARMBAND=F1:23:45:67:89:AB` when the program is
+/// built; without it, the one with the strongest signal.
 const ARMBAND: Option<&str> = option_env!("MYOINTENT_ARMBAND");
 
-/// Which signal the armband sends. It must be the one that the model was trained on.
+/// The EMG mode of the armband. It must be the one that the model was trained on.
 const EMG: EmgMode = EmgMode::Filtered;
 
-/// A task that has not come round for this long has stopped, and the board starts anew.
+/// Milliseconds without a heartbeat of one task after which the board restarts.
 pub const WATCHDOG_MS: u32 = 2000;
 
-/// What the Myo session is told.
+/// Settings of the Myo session.
 pub const SESSION: Settings = Settings {
     pinned: match ARMBAND {
         None => None,

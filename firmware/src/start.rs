@@ -6,11 +6,8 @@ use cortex_m::peripheral::SCB;
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 
 use crate::board;
-use crate::tasks::{
-    inference,
-    output::{self, Line},
-    radio, watchdog,
-};
+use crate::messages::uart::{self, UartMessage};
+use crate::tasks::{inference, output, radio, watchdog};
 
 #[cfg(not(any(feature = "emulator", feature = "nrf52832", feature = "nrf52840")))]
 compile_error!("choose a board: --features nrf52840, nrf52832 or emulator");
@@ -19,22 +16,23 @@ compile_error!("choose a board: --features nrf52840, nrf52832 or emulator");
     not(any(feature = "radio-softdevice", feature = "radio-trouble"))
 ))]
 compile_error!("choose a radio: --features radio-softdevice or radio-trouble");
-#[cfg(all(feature = "model-in-ram", not(feature = "nrf52840")))]
-compile_error!("model-in-ram needs the 256 KiB of an nRF52840");
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     // The outputs come first: from reset to here every pin floats.
     let board = board::start();
-    output::say(Line::Started(board.restart));
+    uart::enqueue(UartMessage::Started(board.reset_reason));
     spawn(&spawner, output::run(board.labels, board.pins));
     spawn(&spawner, watchdog::run(board.watchdog));
-    match inference::load(board.restart) {
+    match inference::load(board.reset_reason) {
         Ok(pipeline) => {
             spawn(&spawner, inference::run(pipeline));
             spawn(&spawner, radio::run(spawner, board.radio));
         }
-        Err(refusal) => spawn(&spawner, inference::refuse(refusal, board.restart)),
+        Err(error) => spawn(
+            &spawner,
+            inference::report_refused(error, board.reset_reason),
+        ),
     }
 }
 
@@ -49,15 +47,21 @@ fn spawn<S>(spawner: &Spawner, task: Result<SpawnToken<S>, SpawnError>) {
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
-    board::last_words(info);
+    board::enter_safe_state(info);
     SCB::sys_reset()
 }
 
-/// A fault is handled as a panic: the default would hold the last label for ever.
-#[allow(unsafe_code, reason = "cortex-m-rt wants the handler declared so")]
+/// A fault is handled as a panic: the default handler would loop and hold the last label forever.
+#[allow(
+    unsafe_code,
+    reason = "cortex-m-rt requires the handler to be an unsafe fn"
+)]
 mod fault {
     use cortex_m_rt::{ExceptionFrame, exception};
 
+    // SAFETY: only the core calls it, on a hard fault, with `frame` on the stack that it pushed
+    // the registers to. It may interrupt any code, a critical section included: it only reads the
+    // frame and panics, and the panic handler never returns to what was interrupted.
     #[exception]
     unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
         panic!("hard fault at {:#010x}", frame.pc());

@@ -9,7 +9,6 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
-use myointent::inference::device::{WithEncoder, with_encoder};
 use myointent::inference::integer_logits;
 use myointent::run::preset::{BUILT_IN, Preset};
 use myointent::student::distillation;
@@ -20,8 +19,10 @@ use myointent::training::optimizer::{gradients, optimizer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Vocabulary;
-use shared::model::file::{Dimensions, Model, samples::random_model};
-use shared::pipeline::{Encode, Pipeline};
+use shared::model::dimensions::Dimensions;
+use shared::model::encoder::HostEncoder;
+use shared::model::file::{Model, random::random_model};
+use shared::pipeline::Pipeline;
 use shared::stream::preprocess::clean;
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, Sample};
@@ -132,24 +133,21 @@ fn steps<L: Learner>(
     });
 }
 
-struct Stream60<'s>(&'s [Sample], shared::stream::smoother::Settings);
-
-impl<'m> WithEncoder<'m> for Stream60<'_> {
-    type Output = usize;
-
-    fn run<E: Encode<State: Send> + Send + 'm>(self, encoder: E) -> usize {
-        let mut state = encoder.fresh();
-        let mut pipeline = Pipeline::new(encoder, &mut state, self.1, Start::Boot)
-            .expect("a model's own settings");
-        let mut lines = 0;
-        for (index, &sample) in self.0.iter().enumerate() {
-            lines += pipeline
-                .sample(Millis(index as u32 * 5), sample)
-                .into_iter()
-                .count();
-        }
-        lines
+/// UART lines of a stream, as `replay` counts them.
+fn lines(model: &Model<'_>, samples: &[Sample]) -> usize {
+    let encoder = HostEncoder::new(model).expect("a valid model");
+    let mut state = encoder.fresh();
+    let settings = model.header.smoother.in_patches();
+    let mut pipeline =
+        Pipeline::new(encoder, &mut state, settings, Start::Boot).expect("a model's own settings");
+    let mut lines = 0;
+    for (index, &sample) in samples.iter().enumerate() {
+        lines += pipeline
+            .sample(Millis(index as u32 * 5), sample)
+            .into_iter()
+            .count();
     }
+    lines
 }
 
 /// A minute through the device's pipeline, and through the encoder alone; elements are samples.
@@ -169,16 +167,7 @@ fn replay(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one minute of EMG");
     group.throughput(Throughput::Elements(recording.samples.len() as u64));
     group.bench_function("replay: the whole pipeline", |bencher| {
-        bencher.iter(|| {
-            with_encoder(
-                &model,
-                Stream60(
-                    black_box(&recording.samples),
-                    model.header.smoother.in_patches(),
-                ),
-            )
-            .expect("a compiled shape")
-        });
+        bencher.iter(|| lines(&model, black_box(&recording.samples)));
     });
     group.bench_function("evaluate: the encoder alone", |bencher| {
         bencher.iter(|| integer_logits(&model, black_box(&emg)).expect("a compiled shape"));

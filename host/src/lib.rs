@@ -1,5 +1,7 @@
 //! From recordings to a model file: reading, training, distilling, quantizing, measuring.
 
+#![deny(missing_docs)]
+
 pub mod cli;
 pub mod dataset;
 pub mod evaluation;

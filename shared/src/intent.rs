@@ -1,14 +1,13 @@
-//! What a hand can want to do: the vocabulary that recordings, models and the device share.
+//! Intents: the classes that recordings, models and the device share.
 
-/// Most classes that a model may tell apart.
+/// Most classes of a model.
 pub const MAX_CLASSES: usize = 6;
 
-/// One intent. The numbers are those of the paper's data sets, in the three-class and in the
-/// six-class vocabulary alike.
+/// One intent. The class numbers are those of the paper's data sets, the same in both vocabularies.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[repr(u8)]
 pub enum Intent {
-    /// The hand rests. Also the device's safe state.
+    /// The hand is relaxed. Also the label of the safe state.
     Relax = 0,
     /// The hand opens.
     Open = 1,
@@ -18,7 +17,7 @@ pub enum Intent {
     WaveIn = 3,
     /// The wrist extends.
     WaveOut = 4,
-    /// Thumb and finger meet.
+    /// Thumb and fingertip touch.
     Pinch = 5,
 }
 
@@ -49,7 +48,7 @@ impl Intent {
         }
     }
 
-    /// Name on the UART line and in every table.
+    /// Name on the UART line and in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -69,12 +68,12 @@ impl Intent {
     }
 }
 
-/// The intents that a model tells apart: the first three, or all six.
+/// The intents of a model: the first three, or all six.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Vocabulary {
     /// relax, open, close.
     Three,
-    /// The three, wave-in, wave-out and pinch.
+    /// relax, open, close, wave-in, wave-out, pinch.
     Six,
 }
 
@@ -88,7 +87,7 @@ impl Vocabulary {
         }
     }
 
-    /// The vocabulary of that many classes.
+    /// The vocabulary with this number of classes.
     #[must_use]
     pub const fn with_classes(classes: usize) -> Option<Self> {
         match classes {
@@ -116,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_and_classes_lead_back_to_their_intent() {
+    fn names_and_classes_are_unique() {
         for intent in Intent::ALL {
             assert_eq!(Intent::from_name(intent.name()), Some(intent));
             assert_eq!(Intent::from_class(intent.class()), Some(intent));

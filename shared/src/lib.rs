@@ -1,13 +1,24 @@
-//! Everything between an armband's notification and a steady label.
+//! From an armband's notification to a stable intent label.
 //!
 //! No heap, no clock, no hardware: the same code runs in the tests, in `myointent replay`, in the
 //! emulated Cortex-M4F and on the board.
+//!
+//! | module | content |
+//! | --- | --- |
+//! | [`pipeline`] | the composition of everything below, sample by sample: start reading here |
+//! | [`uart_line`] | format of the UART line |
+//! | [`myo`] | the session with a Myo armband, without I/O |
+//! | [`model`] | the student: file format, integer encoder, kernels |
+//! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
+//! | [`intent`], [`units`] | intents and classes; samples, patches, time |
+//!
+//! Imports go downwards in this table; `model` imports `stream`.
 #![no_std]
 #![deny(missing_docs)]
 #![cfg_attr(not(cortex_m4), forbid(unsafe_code))]
 #![deny(unsafe_code)]
-// The unit tests have no std either: they also run on a core without operating system, under the
-// harness of tests/device/runtime.
+// The unit tests have no std either: they also run on the emulated core, under the harness of
+// tests/device/runtime.
 #![cfg_attr(
     all(test, target_os = "none"),
     no_main,

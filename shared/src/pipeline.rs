@@ -1,4 +1,5 @@
-//! The line itself: one sample goes in at the top and, now and then, a label comes out below.
+//! The pipeline from a sample to a label, composed of the modules of [`stream`](crate::stream) and
+//! [`model`](crate::model).
 //!
 //! ```text
 //! Sample -> Preprocessor -> SampleRing -> Encode -> Smoother -> SafeState -> Report
@@ -6,63 +7,30 @@
 //!           lags 1 sample   in patches    6 rows    and hold    relax        each
 //! ```
 //!
-//! No clock, no log, no hardware: callers bring the time and act on what comes back. The same code
-//! runs on the device and in `myointent replay`, so both write the same lines.
+//! No clock, no log, no hardware: the caller passes the time and handles the reports. Device and
+//! `myointent replay` run the same code, so both write the same UART lines.
 
 use crate::intent::{Intent, MAX_CLASSES};
+use crate::model::Encode;
 use crate::stream::preprocess::Preprocessor;
 use crate::stream::ring::SampleRing;
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Settings, SettingsError, Smoother};
 use crate::uart_line::{Counters, Kind, Report};
-use crate::units::{CleanSample, LOOK_BACK, Millis, PATCH, Sample, SampleIndex};
+use crate::units::{LOOK_BACK, Millis, Sample, SampleIndex};
 
-/// Most lost samples that are filled in by repeating the last one before them.
-pub const BRIDGED_AT_MOST: u32 = 5;
+/// Most consecutive lost samples that are filled in, by repeating the last sample before them.
+const MAX_BRIDGED: u32 = 5;
 
-/// Logits of the newest patches, newest first: row `j` speaks of the patch `j` before the newest.
-/// Columns from the model's number of classes on mean nothing.
-pub type LookBackLogits = [[f32; MAX_CLASSES]; LOOK_BACK];
-
-/// A model that takes patch after patch. It never changes; its memory is apart from it.
-pub trait Encode {
-    /// What it remembers of the patches so far.
-    type State;
-
-    /// Classes that it tells apart, 1 ... 6.
-    fn classes(&self) -> usize;
-
-    /// The memory before the first patch.
-    fn fresh(&self) -> Self::State;
-
-    /// Forgets all patches in place: a device has no stack for a second memory.
-    fn reset(&self, state: &mut Self::State);
-
-    /// Takes the next patch, oldest sample first.
-    fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits;
-
-    /// Takes patches that follow one another: as many steps, bit for bit, perhaps sooner done.
-    fn steps(
-        &self,
-        state: &mut Self::State,
-        patches: &[[CleanSample; PATCH]],
-        mut output: impl FnMut(LookBackLogits),
-    ) {
-        for patch in patches {
-            output(self.step(state, patch));
-        }
-    }
-}
-
-/// What one input made happen, in order: at most a change of state and a label.
+/// Reports of one input, in order: at most a change of state and a label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Reports([Option<Report>; 2]);
 
 impl Reports {
     fn push(&mut self, report: Report) {
-        // Two places suffice: silence empties the window, so no label follows it, and a label
-        // brings at most one change of state.
-        if let Some(free) = self.0.iter_mut().find(|place| place.is_none()) {
+        // Two suffice: silence empties the window, so no label follows it, and a label causes at most one
+        // change of state.
+        if let Some(free) = self.0.iter_mut().find(|slot| slot.is_none()) {
             *free = Some(report);
         }
     }
@@ -83,23 +51,23 @@ pub struct Pipeline<'s, E: Encode> {
     preprocessor: Preprocessor,
     ring: SampleRing,
     encoder: E,
-    /// Lent, because it is large and must not move through a device's stack.
+    /// Borrowed: it is too large to be moved over a device's stack.
     state: &'s mut E::State,
     smoother: Smoother<MAX_CLASSES, LOOK_BACK>,
-    guard: SafeState,
+    safe_state: SafeState,
     counters: Counters,
-    /// Index of the next sample.
+    /// Position of the next sample.
     next: SampleIndex,
-    /// The last sample, to bridge with; none where nothing may be bridged.
+    /// The last sample, which fills gaps; none where no gap may be filled.
     last: Option<Sample>,
     sequence: u32,
 }
 
 impl<'s, E: Encode> Pipeline<'s, E> {
-    /// A line before its first sample, in the safe state. What `state` remembers is forgotten.
+    /// A pipeline before its first sample, in the safe state. Resets `state`.
     ///
     /// # Errors
-    /// Refuses settings, or a number of classes, that the smoother refuses.
+    /// If the smoother refuses the settings or the encoder's number of classes.
     pub fn new(
         encoder: E,
         state: &'s mut E::State,
@@ -110,8 +78,8 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         Ok(Self::with_smoother(encoder, state, smoother, start))
     }
 
-    /// As [`Pipeline::new`], with a smoother for the encoder's classes: cannot fail, and so can be
-    /// made where it is to stay.
+    /// As [`Pipeline::new`], with a smoother for the encoder's number of classes. Cannot fail, so the
+    /// pipeline can be constructed in place.
     pub fn with_smoother(
         encoder: E,
         state: &'s mut E::State,
@@ -125,7 +93,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             smoother,
             state,
             encoder,
-            guard: SafeState::new(start),
+            safe_state: SafeState::new(start),
             counters: Counters::default(),
             next: SampleIndex(0),
             last: None,
@@ -133,80 +101,74 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
     }
 
-    /// A sample came.
+    /// Takes the next sample.
     pub fn sample(&mut self, now: Millis, sample: Sample) -> Reports {
         let mut reports = self.tick(now);
-        self.tell(now, Event::Sample, &mut reports);
-        self.take(now, sample, &mut reports);
+        self.handle(now, Event::Sample, &mut reports);
+        self.process(now, sample, &mut reports);
         reports
     }
 
-    /// Samples are missing before the next one: up to 5 are filled in, more give up the window.
+    /// Samples are missing before the next one: up to 5 are filled in, more reset the window.
     pub fn gap(&mut self, now: Millis, missing: u32) -> Reports {
         let mut reports = self.tick(now);
         self.counters.lost = self.counters.lost.saturating_add(missing);
         match self.last {
-            Some(last) if missing <= BRIDGED_AT_MOST => {
+            Some(last) if missing <= MAX_BRIDGED => {
                 self.counters.bridged = self.counters.bridged.saturating_add(missing);
                 for _ in 0..missing {
-                    self.take(now, last, &mut reports);
+                    self.process(now, last, &mut reports);
                 }
             }
             Some(_) => {
                 self.next = self.next.plus(missing);
-                self.give_up_window();
-                self.tell(now, Event::Gap, &mut reports);
+                self.reset_window();
+                self.handle(now, Event::Gap, &mut reports);
             }
-            // Nothing has come since the last reset: nothing to give up.
+            // No sample since the last reset: the window is empty.
             None => self.next = self.next.plus(missing),
         }
         reports
     }
 
-    /// The armband is gone.
+    /// The armband was disconnected.
     pub fn disconnected(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
-        self.give_up_window();
-        self.tell(now, Event::Disconnected, &mut reports);
+        self.reset_window();
+        self.handle(now, Event::Disconnected, &mut reports);
         reports
     }
 
-    /// Nothing came, but time passed: due at [`Pipeline::deadline`].
+    /// Only time passed. To be called at [`Pipeline::deadline`].
     pub fn tick(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
-        if self.guard.silent(now) {
-            self.give_up_window();
-            self.tell(now, Event::Tick, &mut reports);
+        if self.safe_state.silent(now) {
+            self.reset_window();
+            self.handle(now, Event::Tick, &mut reports);
         }
         reports
     }
 
-    /// When the stream counts as silent unless a sample comes before.
+    /// When the stream counts as silent unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
-        self.guard.deadline()
+        self.safe_state.deadline()
     }
 
-    /// What the pins must show.
+    /// State of the output pins.
     #[must_use]
     pub const fn status(&self) -> Status {
-        self.guard.status()
+        self.safe_state.status()
     }
 
-    /// Losses so far.
-    #[must_use]
-    pub const fn counters(&self) -> Counters {
-        self.counters
-    }
-
-    /// The state as it is, as a line of its own: what a program writes when it starts.
+    /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
         let newest = SampleIndex(self.next.0.saturating_sub(1));
         self.report(Kind::State, newest, newest)
     }
 
-    /// One sample, received or filled in, all the way down.
-    fn take(&mut self, now: Millis, sample: Sample, reports: &mut Reports) {
+    /// Passes one sample, received or filled in, through all steps.
+    fn process(&mut self, now: Millis, sample: Sample, reports: &mut Reports) {
         let emitted = self.next;
         self.next = emitted.plus(1);
         self.last = Some(sample);
@@ -233,14 +195,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             intent,
             window_full,
         };
-        if self.guard.handle(now, event).is_some() {
+        if self.safe_state.handle(now, event).is_some() {
             reports.push(self.report(Kind::State, decision.instant, emitted));
         }
         reports.push(self.report(Kind::Label, decision.instant, emitted));
     }
 
-    /// What comes next does not join what came before.
-    fn give_up_window(&mut self) {
+    /// Resets all steps: the next sample does not follow the previous one.
+    fn reset_window(&mut self) {
         if self.last.take().is_none() {
             return;
         }
@@ -251,8 +213,8 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.smoother.restart();
     }
 
-    fn tell(&mut self, now: Millis, event: Event, reports: &mut Reports) {
-        if self.guard.handle(now, event).is_some() {
+    fn handle(&mut self, now: Millis, event: Event, reports: &mut Reports) {
+        if self.safe_state.handle(now, event).is_some() {
             let report = self.state_report();
             reports.push(report);
         }
@@ -266,7 +228,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             sequence,
             instant,
             emitted,
-            status: self.guard.status(),
+            status: self.safe_state.status(),
             counters: self.counters,
         }
     }

@@ -1,26 +1,26 @@
-//! The UART line: what the device says, one ASCII line per emitted label and per change of state.
+//! Format of the UART output: one ASCII line per emitted label and per change of state.
 //!
 //! ```text
 //! line     = "$" body "*" checksum CR LF
 //! body     = kind "," sequence "," instant "," emitted "," label "," valid "," cause ","
 //!            lost "," bridged "," resets
 //! kind     = "LABEL" | "STATE"      a label was emitted | the state changed
-//! sequence = number                 of the line, from 0; a jump means lines were lost on the way
-//! instant  = number                 index of the sample that the label speaks of
-//! emitted  = number                 index of the newest sample that had come by then
+//! sequence = number                 of the line, from 0; a jump means that lines were lost
+//! instant  = number                 reference time: index of the sample that the label refers to
+//! emitted  = number                 index of the newest sample received by then
 //! label    = "relax" | "open" | "close" | "wave-in" | "wave-out" | "pinch"
 //! valid    = "1" | "0"              level of the `valid` pin; with 0 the label is relax
 //! cause    = "-" with valid 1, else "boot" | "watchdog" | "model-refused" | "disconnected"
-//!            | "silence" | "gap"    why the state is safe
+//!            | "silence" | "gap"    cause of the safe state
 //! lost     = number                 samples lost since the start
-//! bridged  = number                 those of them that were filled in
-//! resets   = number                 windows given up since the start
+//! bridged  = number                 lost samples that were filled in since the start
+//! resets   = number                 resets of the window since the start
 //! number   = 0 ... 4294967295, decimal, no leading zeros
 //! checksum = two upper-case hexadecimal digits: all bytes of the body, XORed (as NMEA 0183 does)
 //! ```
 //!
-//! `emitted - instant` samples of 5 ms are the label's delay. Every line that parses is written
-//! back byte for byte.
+//! A line has at most 99 bytes, CR LF included. The delay of a label is `emitted - instant` samples of
+//! 5 ms. Every line that parses is written back byte for byte.
 //!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
@@ -33,39 +33,36 @@ use crate::intent::Intent;
 use crate::stream::safe_state::{Cause, Status};
 use crate::units::SampleIndex;
 
-/// Bytes of the longest line, line end included.
-pub const MAX_LINE: usize = 99;
-
 /// Why a line is written.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Kind {
-    /// The smoother gave a label.
+    /// A label of the smoother.
     Label,
-    /// The device became valid, became safe, or is safe for another cause.
+    /// The state became valid, became safe, or is safe for another cause.
     State,
 }
 
-/// What went wrong on the way since the start. Each count stays at its maximum.
+/// Losses since the start. Each count stays at its maximum.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Counters {
     /// Samples lost.
     pub lost: u32,
     /// Lost samples that were filled in.
     pub bridged: u32,
-    /// Windows given up.
+    /// Resets of the window.
     pub resets: u32,
 }
 
-/// What one line says. `Display` writes the line, CR LF included.
+/// Content of a line. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Report {
-    /// Why it is written.
+    /// What it reports.
     pub kind: Kind,
     /// Number of the line, from 0; wraps.
     pub sequence: u32,
-    /// The sample that the label speaks of.
+    /// Reference time: the sample that the label refers to.
     pub instant: SampleIndex,
-    /// The newest sample that had come when it was written.
+    /// The newest sample received when it was written.
     pub emitted: SampleIndex,
     /// Label, `valid` and cause.
     pub status: Status,
@@ -104,7 +101,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Passes text on and keeps the XOR of its bytes.
+/// Writes text and computes the XOR of its bytes.
 struct Summed<'a, W> {
     inner: &'a mut W,
     sum: u8,
@@ -121,7 +118,7 @@ fn checksum(body: &str) -> u8 {
     body.bytes().fold(0, |sum, byte| sum ^ byte)
 }
 
-/// Why bytes are no line.
+/// Why bytes are not a line.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
 pub enum ParseError {
     /// Not `$ ... *HH` CR LF in ASCII.
@@ -143,7 +140,7 @@ pub enum ParseError {
         /// Fields found.
         found: usize,
     },
-    /// A field holds what it may not hold.
+    /// A field has a value that the grammar does not allow.
     #[error("field `{field}` holds no value it may hold: is the sender of another version?")]
     Field {
         /// Its name in the grammar.
@@ -155,7 +152,7 @@ impl Report {
     /// Reads one line, CR LF included.
     ///
     /// # Errors
-    /// Tells a broken frame, a wrong checksum, a wrong number of fields and the first wrong field.
+    /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field.
     pub fn parse(line: &[u8]) -> Result<Self, ParseError> {
         let body = framed(line)?;
         let mut fields = [""; 10];

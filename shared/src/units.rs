@@ -1,4 +1,4 @@
-//! The quantities of the stream: what a sample is, how long a window is, how time is counted.
+//! Quantities of the sample stream: samples, window and patch sizes, sample positions, time.
 
 /// Electrodes of the armband, in ring order.
 pub const CHANNELS: usize = 8;
@@ -6,13 +6,13 @@ pub const CHANNELS: usize = 8;
 pub const SAMPLE_RATE_HZ: u32 = 200;
 /// Milliseconds between two samples.
 pub const SAMPLE_PERIOD_MS: u32 = 1000 / SAMPLE_RATE_HZ;
-/// Samples that the model looks at: 3 s.
+/// Samples of the model's window: 3 s.
 pub const WINDOW: usize = 600;
-/// Samples that the encoder takes at once: 50 ms, or 25 ms in a build with the feature `patch-5`.
-pub const PATCH: usize = if cfg!(feature = "patch-5") { 5 } else { 10 };
+/// Samples of a patch, the encoder's input: 50 ms.
+pub const PATCH: usize = 10;
 /// Patches in a window.
 pub const WINDOW_PATCHES: usize = WINDOW / PATCH;
-/// Patches that every encoder step speaks about: the newest and those of the look-ahead before it, five of 50 ms.
+/// Patches that every encoder step gives logits for: the newest, and the five of the look-ahead before it.
 pub const LOOK_BACK: usize = 1 + LOOK_AHEAD / PATCH;
 /// Default look-ahead of the smoother, in samples (paper: 0.25 s).
 pub const LOOK_AHEAD: usize = 50;
@@ -22,11 +22,14 @@ pub const HOLD: usize = 20;
 const _: () = assert!(WINDOW.is_multiple_of(PATCH));
 const _: () = assert!(LOOK_AHEAD.is_multiple_of(PATCH) && HOLD.is_multiple_of(PATCH));
 
-/// One instant of raw EMG as the armband sends it, channel 1 first, -128..=127.
+/// One instant of raw EMG as the armband sends it: channel 1 first, -128..=127.
 pub type Sample = [i8; CHANNELS];
 
 /// One instant after median and rectification, 0..=128; the model's input is this over 128.
 pub type CleanSample = [u8; CHANNELS];
+
+/// Ten preprocessed samples, the oldest first: 50 ms, the encoder's input.
+pub type Patch = [CleanSample; PATCH];
 
 /// Position of a sample in its stream, 0 first; wraps after 248 days.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
@@ -62,6 +65,18 @@ impl Millis {
     pub const fn since(self, earlier: Self) -> u32 {
         self.0.wrapping_sub(earlier.0)
     }
+
+    /// As [`Millis::since`], but 0 where the clock seems to run backwards, as it does when the time
+    /// stamp of an interrupt is handled late.
+    #[must_use]
+    pub const fn elapsed_since(self, earlier: Self) -> u32 {
+        let difference = self.since(earlier);
+        if difference > i32::MAX as u32 {
+            0
+        } else {
+            difference
+        }
+    }
 }
 
 #[cfg(test)]
@@ -74,5 +89,7 @@ mod tests {
         assert_eq!(SampleIndex(u32::MAX).plus(2), SampleIndex(1));
         assert_eq!(Millis(10).since(Millis(u32::MAX - 9)), 20);
         assert_eq!(Millis(u32::MAX).plus(1), Millis(0));
+        assert_eq!(Millis(10).elapsed_since(Millis(u32::MAX - 9)), 20);
+        assert_eq!(Millis(10).elapsed_since(Millis(11)), 0);
     }
 }

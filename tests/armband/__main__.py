@@ -16,11 +16,11 @@ from stream import Recording
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="armband", description=__doc__)
     parser.add_argument("--hci", required=True, metavar="TRANSPORT",
-                        help="where the central finds its controller: unix-server:PATH")
+                        help="where the central's host finds its controller: unix-server:PATH")
     parser.add_argument("--recording", required=True, type=Path, metavar="FILE.i8",
                         help="raw samples, 8 signed bytes each, 200 a second")
     parser.add_argument("--log", required=True, type=Path, metavar="FILE.jsonl",
-                        help="what happened, a JSON object a line; `ready` comes first")
+                        help="log of events, a JSON object a line; the first is `ready`")
     parser.add_argument("--script", type=Path, metavar="FILE.json",
                         help="misbehaviour: see misbehaviour.py")
     parser.add_argument("--pace", type=positive, default=1.0,
@@ -28,11 +28,11 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--battery", type=int, default=80, metavar="PERCENT")
     parser.add_argument("--firmware", type=version, default=(1, 5, 1970, 2), metavar="A.B.C.D")
     parser.add_argument("--address", default="FA:12:34:56:78:9A",
-                        help="of type public, as an armband's is")
+                        help="a public one, as an armband has")
     parser.add_argument("--first-lane", type=int, choices=range(4), default=0,
                         help="EMG characteristic that starts a stream")
     parser.add_argument("--sleep-after", type=positive, default=30.0, metavar="SECONDS",
-                        help="unless told never to sleep")
+                        help="without the command never to sleep")
     parser.add_argument("--wake-after", type=positive, default=1.0, metavar="SECONDS")
     parser.add_argument("--end", choices=["silence", "disconnect", "exit"], default="silence",
                         help="what follows the recording's last sample")

@@ -1,7 +1,7 @@
-"""The virtual armband: what connects, obeys, streams and, if told so, misbehaves.
+"""The virtual armband: it connects, obeys commands, streams, and misbehaves as its script says.
 
-It streams only to a central that keeps the rules of the protocol, and logs what breaks them as
-`error`: stricter than the part it stands for.
+It streams only to a central that follows the protocol, and logs every violation as `error`: it is
+stricter than the real armband.
 """
 
 import asyncio
@@ -16,18 +16,19 @@ from bumble.transport.common import AsyncPipeSink
 from commands import CommandError, Settings
 from event_log import EventLog
 from gatt_table import BATTERY_LEVEL, CONTROL_SERVICE, EMG_DATA, GattTable, Values, vendor_uuid
-from misbehaviour import Packet, Script, Shaper, Step
+from misbehaviour import Impairer, Packet, Script, Step
 from radio import Radio
 from stream import Recording, Schedule
 
 # ATT MTU of a Bluetooth 4.0 device: 20 bytes of value.
 MTU = 23
 ADVERTISING_INTERVAL_MS = 100
-# How often to look whether a slow reader has caught up.
+# Seconds between two checks whether a slow reader has caught up.
 CONGESTION_POLL = 0.002
-# What the central's host has read takes it no longer to digest: a script that says 100 is next
-# means that 99 came. A host that hears of the end of a link forgets what it has not digested.
-DIGESTION = 0.1
+# Seconds for the central's host to process what it has read. At the end of a link the host discards
+# what it has not processed, but a script that ends the link before notification 100 means that the
+# host has got 99.
+HOST_DELAY = 0.1
 
 LOST = hci.HCI_ErrorCode.CONNECTION_TIMEOUT_ERROR
 HUNG_UP = hci.HCI_ErrorCode.REMOTE_USER_TERMINATED_CONNECTION_ERROR
@@ -36,13 +37,13 @@ REFUSED = hci.HCI_ErrorCode.CONNECTION_FAILED_TO_BE_ESTABLISHED_ERROR
 
 @dataclass
 class Options:
-    """How this armband differs from the usual one."""
+    """Settings of the armband; the defaults are those of a usual one."""
 
     pace: float = 1.0
     first_lane: int = 0
     battery: int = 80
     firmware: tuple[int, int, int, int] = (1, 5, 1970, 2)
-    # Without the command "never sleep" the link is dropped after so long, and the arm wakes it.
+    # Without the command "never sleep" it disconnects after this time, and advertises again later.
     sleep_after: float = 30.0
     wake_after: float = 1.0
     end: str = "silence"
@@ -50,24 +51,25 @@ class Options:
 
 
 class Armband:
-    """One armband on one side of the radio. `done` is set when it is told to exit at the end."""
+    """One armband. `done` is set at the end of the recording if the option `end` is "exit"."""
 
     def __init__(self, radio: Radio, recording: Recording, options: Options, log: EventLog) -> None:
         self._radio = radio
         self._recording = recording
         self._options = options
         self._log = log
-        self._shaper = Shaper(options.script)
+        self._impairer = Impairer(options.script)
         self._refusals = options.script.refusals
         self._battery = options.battery
-        # The next notification of the recording: a live arm does not rewind when it reconnects.
+        # The next notification of the recording; a new connection continues with it.
         self._next = 0
         self._ended = False
         self._settings = Settings()
         self._connection: Connection | None = None
         self._streaming: asyncio.Task | None = None
-        self._falling_asleep: asyncio.TimerHandle | None = None
-        self._away_for: float | None = 0.0
+        self._sleep_timer: asyncio.TimerHandle | None = None
+        # Seconds from the end of the connection to the next advertisement; never where none.
+        self._advertise_after: float | None = 0.0
         self.done = asyncio.Event()
 
         self._table = GattTable(
@@ -80,7 +82,7 @@ class Armband:
         self._device.add_services(self._table.services)
         self._server = self._device.gatt_server
         self._server.max_mtu = MTU
-        # Bumble's carries out a Write Command on any attribute; an armband drops it unheard.
+        # Bumble carries out a Write Command on any attribute; an armband ignores it.
         self._server.on_att_write_command = self._on_write_command
         self._server.on("characteristic_subscription", self._on_subscription)
         self._device.on("connection", self._on_connection)
@@ -110,39 +112,39 @@ class Armband:
             return
         self._log.write("connected")
         self._connection = connection
-        self._away_for = 0.0
+        self._advertise_after = 0.0
         self._plan_sleep()
 
     def _on_disconnection(self, reason: int) -> None:
         self._log.write("disconnected", reason=reason, next=self._next)
         self._connection = None
         self._settings = Settings()
-        self._shaper.forget()
+        self._impairer.reset()
         self._stop_streaming()
         self._plan_sleep()
-        if self._away_for is not None:
-            self._spawn(self._come_back(self._away_for))
+        if self._advertise_after is not None:
+            self._spawn(self._advertise_later(self._advertise_after))
 
-    async def _come_back(self, seconds: float) -> None:
+    async def _advertise_later(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
         await self._advertise()
 
-    def _leave(self, reason: int, away_for: float | None) -> None:
+    def _disconnect(self, reason: int, advertise_after: float | None) -> None:
         """Ends the connection; advertises again after so many seconds, or never."""
-        self._away_for = away_for
+        self._advertise_after = advertise_after
         self._radio.lose_link(reason)
 
     def _plan_sleep(self) -> None:
-        if self._falling_asleep:
-            self._falling_asleep.cancel()
-            self._falling_asleep = None
+        if self._sleep_timer:
+            self._sleep_timer.cancel()
+            self._sleep_timer = None
         if self._connection and not self._settings.never_sleep:
             loop = asyncio.get_running_loop()
-            self._falling_asleep = loop.call_later(self._options.sleep_after, self._fall_asleep)
+            self._sleep_timer = loop.call_later(self._options.sleep_after, self._sleep)
 
-    def _fall_asleep(self) -> None:
+    def _sleep(self) -> None:
         self._log.write("asleep")
-        self._leave(HUNG_UP, self._options.wake_after)
+        self._disconnect(HUNG_UP, self._options.wake_after)
 
     # What the central writes
 
@@ -150,7 +152,7 @@ class Armband:
         self._log.write("write", value=command.hex())
         before = self._settings.never_sleep
         try:
-            self._settings.obey(command)
+            self._settings.apply(command)
         except CommandError as error:
             self._log.write("error", reason=str(error), value=command.hex())
             return
@@ -182,35 +184,35 @@ class Armband:
             while self._radio.congested():
                 await asyncio.sleep(CONGESTION_POLL)
             n = self._next
-            while step := self._options.script.take_act(n):
+            while step := self._options.script.take_action(n):
                 self._log.write(step.do, n=n, **step.fields)
                 if not await self._act(step, schedule):
                     return
             self._next = n + 1
-            shape = self._options.script.shape(n)
-            if shape:
-                self._log.write(shape.do, n=n, **shape.fields)
-            for packet in self._shaper.packets(n, lane, self._recording.notification(n)):
+            impairment = self._options.script.impairment(n)
+            if impairment:
+                self._log.write(impairment.do, n=n, **impairment.fields)
+            for packet in self._impairer.packets(n, lane, self._recording.notification(n)):
                 self._send(packet)
             self._log.write("sent", n=n, lane=lane)
             lane = (lane + 1) % len(EMG_DATA)
-        await self._landed()
+        await self._delivered()
         self._end()
 
     async def _act(self, step: Step, schedule: Schedule) -> bool:
-        """Does what the script says; whether the stream goes on."""
+        """Carries out a step of the script; returns whether the stream continues."""
         match step.do:
             case "delay":
                 seconds = step.fields["ms"] / 1000
-                schedule.hold_back(seconds)
+                schedule.delay(seconds)
                 await asyncio.sleep(seconds)
             case "vanish":
-                await self._landed()
-                self._leave(LOST, step.fields["for_ms"] / 1000)
+                await self._delivered()
+                self._disconnect(LOST, step.fields["for_ms"] / 1000)
                 return False
             case "sleep":
-                await self._landed()
-                self._leave(HUNG_UP, step.fields["for_ms"] / 1000)
+                await self._delivered()
+                self._disconnect(HUNG_UP, step.fields["for_ms"] / 1000)
                 return False
             case "battery":
                 self._battery = step.fields["percent"]
@@ -225,25 +227,25 @@ class Armband:
             return
         handle = self._table.characteristic(packet.characteristic).handle
         wanted = self._server.subscribers.get(self._connection, {}).get(handle, bytes(2))[0] & 1
-        # What nobody subscribed to is not sent, but for the packets that are there to disturb.
+        # Without a subscription nothing is sent, except by a script on other characteristics.
         if wanted or packet.characteristic not in (*EMG_DATA, BATTERY_LEVEL):
             pdu = att.ATT_Handle_Value_Notification(
                 attribute_handle=handle, attribute_value=packet.value
             )
             self._server.send_gatt_pdu(self._connection, bytes(pdu))
 
-    async def _landed(self) -> None:
-        """Waits until all that was sent has arrived."""
+    async def _delivered(self) -> None:
+        """Waits until the central's host has processed all that was sent."""
         while self._radio.waiting() > 0:
             await asyncio.sleep(CONGESTION_POLL)
-        await asyncio.sleep(DIGESTION)
+        await asyncio.sleep(HOST_DELAY)
 
     def _end(self) -> None:
         self._ended = True
         self._log.write("end")
         match self._options.end:
             case "disconnect":
-                self._leave(HUNG_UP, None)
+                self._disconnect(HUNG_UP, None)
             case "exit":
                 self.done.set()
 
@@ -258,7 +260,7 @@ class Armband:
         return task
 
     def _on_task_done(self, task: asyncio.Task) -> None:
-        # A bug here must not pass for an armband that fell silent.
+        # Otherwise a bug here would look like an armband that fell silent.
         if not task.cancelled() and (error := task.exception()):
             self._log.write("error", reason=f"{type(error).__name__}: {error}")
 

@@ -1,4 +1,4 @@
-"""A well-behaved central for the tests, on the controller that a firmware would drive."""
+"""A central that follows the protocol, for the tests of the armband."""
 
 import asyncio
 
@@ -14,7 +14,7 @@ from radio import Radio
 
 NEVER_SLEEP = bytes.fromhex("090101")
 EMG_FILTERED = bytes.fromhex("0103020000")
-PATIENCE = 5.0
+TIMEOUT = 5.0
 
 
 class Central:
@@ -41,7 +41,7 @@ class Central:
         if not self.device.powered_on:
             await self.device.power_on()
         peer = hci.Address(address, hci.Address.PUBLIC_DEVICE_ADDRESS)
-        self.connection = await self.device.connect(peer, timeout=PATIENCE)
+        self.connection = await self.device.connect(peer, timeout=TIMEOUT)
 
     async def discover(self) -> None:
         client = self.connection.gatt_client
@@ -64,7 +64,7 @@ class Central:
         await self.find(COMMAND).write_value(value, with_response)
 
     async def start(self, address: str) -> None:
-        """All that a stream needs, in the usual order."""
+        """Sets up a stream, in the usual order."""
         await self.connect(address)
         await self.discover()
         await self.subscribe()
@@ -73,9 +73,9 @@ class Central:
 
 
 async def until(condition, what: str) -> None:
-    """Waits for a condition, with an end to patience."""
-    deadline = asyncio.get_running_loop().time() + PATIENCE
+    """Waits for a condition; fails after TIMEOUT seconds."""
+    deadline = asyncio.get_running_loop().time() + TIMEOUT
     while not condition():
         if asyncio.get_running_loop().time() > deadline:
-            raise AssertionError(f"waited {PATIENCE} s in vain for {what}")
+            raise AssertionError(f"waited {TIMEOUT} s in vain for {what}")
         await asyncio.sleep(0.005)

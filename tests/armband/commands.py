@@ -1,4 +1,4 @@
-"""Commands that a central writes to the armband, and what they leave it set to."""
+"""Commands that a central writes to the armband, and the settings that they change."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ STREAMING_MODES = (2, 3)
 
 
 class CommandError(ValueError):
-    """A command that a real armband would not understand, or that a test must never send."""
+    """A command that a real armband does not know, or that must never be sent."""
 
 
 @dataclass
@@ -20,10 +20,10 @@ class Settings:
     def streams(self) -> bool:
         return self.emg_mode in STREAMING_MODES
 
-    def obey(self, command: bytes) -> None:
+    def apply(self, command: bytes) -> None:
         """Carries out a command.
 
-        Raises CommandError where code, length or values are none of the protocol's.
+        Raises CommandError if code, length or values are not those of the protocol.
         """
         if len(command) < 2 or command[1] != len(command) - 2:
             raise CommandError("byte 1 is not the number of bytes after it")
@@ -39,9 +39,9 @@ class Settings:
                     raise CommandError("set sleep mode: neither 0 nor 1")
                 self.never_sleep = payload[0] == 1
             case (0x03, 1) | (0x06, 6) | (0x07, 18) | (0x0A, 1) | (0x0B, 1):
-                # Vibration, light, unlocking: nothing that a stream shows.
+                # Vibration, LED, unlocking: without effect on a stream.
                 pass
             case 0x04, 0:
-                raise CommandError("deep sleep: only a USB cable ends it")
+                raise CommandError("deep sleep: only USB power ends it")
             case _:
                 raise CommandError("unknown command, or of a wrong length")

@@ -1,4 +1,4 @@
-"""What happened, one JSON object a line, written through at once so that a test can follow it."""
+"""The log of events, one JSON object a line, flushed at once so that a test can follow it."""
 
 import json
 import time

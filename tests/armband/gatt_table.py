@@ -1,5 +1,5 @@
-"""The armband's GATT table: its services, in an order that gives every attribute the handle that
-logs of real armbands with firmware 1.x show (command 0x19, EMG 0x2B, 0x2E, 0x31, 0x34)."""
+"""The armband's GATT table: its services, in an order that gives every attribute the handle that it
+has in logs of real armbands with firmware 1.x (command 0x19, EMG 0x2B, 0x2E, 0x31, 0x34)."""
 
 import struct
 from collections.abc import Callable
@@ -26,7 +26,7 @@ def vendor_uuid(short: int) -> UUID:
 
 @dataclass(frozen=True)
 class Values:
-    """What the readable characteristics answer."""
+    """Values of the readable characteristics, and the handler of commands."""
 
     battery: Callable[[], int]
     on_command: Callable[[bytes], None]
@@ -42,7 +42,7 @@ class GattTable:
         vendor, sig = self._vendor, self._sig
         battery = CharacteristicValue(read=lambda _: bytes([values.battery()]))
         command = CharacteristicValue(write=lambda _, value: values.on_command(value))
-        # Serial number, unlock pose, classifier and SKU: this project reads none of them.
+        # Serial number, unlock pose, classifier and SKU, which this project does not read.
         info = bytes(20)
         # Interval 7.5 to 25 ms, latency 0, timeout 2 s.
         preferred = struct.pack("<HHHH", 6, 20, 0, 200)

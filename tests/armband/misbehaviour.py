@@ -1,22 +1,22 @@
-"""What the armband does wrong, and when: a JSON list of steps.
+"""What the armband does wrong, and when: a script, which is a JSON list of steps.
 
     {"do": "drop", "at": 100, "count": 3}        notifications 100, 101, 102 are never sent
     {"do": "duplicate", "at": 100}               100 is sent twice
     {"do": "swap", "at": 100}                    101 is sent before 100
-    {"do": "corrupt", "at": 100, "kind": KIND}   in place of 100 comes
+    {"do": "corrupt", "at": 100, "kind": KIND}   instead of 100 is sent
          "short"    its first 9 bytes
          "long"     its 16 bytes and 4 more
-         "foreign"  its bytes, on a characteristic that nobody subscribed to
-         "garbage"  bytes that are no attribute protocol
-    {"do": "delay", "at": 100, "ms": 80}         100 comes 80 ms late, all that fell due with it
+         "foreign"  its bytes, on a characteristic without subscription
+         "garbage"  bytes that are no PDU of the attribute protocol
+    {"do": "delay", "at": 100, "ms": 80}         100 is sent 80 ms late, with all due by then
     {"do": "vanish", "at": 100, "for_ms": 500}   before 100 the link is lost (supervision timeout);
-                                                 no advertising for 500 ms; then 100 is next
+                                                 no advertising for 500 ms; then 100 is the next
     {"do": "sleep", "at": 100, "for_ms": 500}    the same, but the armband ends the connection
-    {"do": "battery", "at": 100, "percent": 5}   the battery sinks; subscribers are notified
-    {"do": "refuse", "count": 2}                 the first two connections are dropped at once
+    {"do": "battery", "at": 100, "percent": 5}   the battery level falls; subscribers are notified
+    {"do": "refuse", "count": 2}                 the first two connections are closed at once
 
 `at` counts the notifications of the recording from 0, sent or not, over all connections.
-Milliseconds are the wall clock's.
+Milliseconds are real time.
 """
 
 import json
@@ -28,7 +28,7 @@ from gatt_table import EMG_DATA, FV_DATA
 
 CORRUPTIONS = ("short", "long", "foreign", "garbage")
 
-# Fields of each step and their defaults; None: it must be given.
+# Fields of each step and their defaults; None: the field is required.
 _FIELDS: dict[str, dict[str, Any]] = {
     "drop": {"at": None, "count": 1},
     "duplicate": {"at": None},
@@ -40,12 +40,12 @@ _FIELDS: dict[str, dict[str, Any]] = {
     "battery": {"at": None, "percent": None},
     "refuse": {"count": None},
 }
-# Those that change the bytes; the others are acts of the armband.
-_SHAPING = ("drop", "duplicate", "swap", "corrupt")
+# Steps that change packets; the others are actions of the armband.
+_IMPAIRMENTS = ("drop", "duplicate", "swap", "corrupt")
 
 
 class ScriptError(ValueError):
-    """A script that says nothing the armband can do."""
+    """A script that the armband cannot carry out."""
 
 
 @dataclass(frozen=True)
@@ -75,35 +75,35 @@ class Step:
 
 
 class Script:
-    """The steps of one run. Each is taken once."""
+    """The steps of one run. Each is carried out once."""
 
     def __init__(self, entries: Any = ()) -> None:
         if not isinstance(entries, (list, tuple)):
             raise ScriptError("expected a list of steps")
         steps = [Step.parse(entry) for entry in entries]
         self.refusals = sum(step.fields["count"] for step in steps if step.do == "refuse")
-        self._acts = [step for step in steps if step.do not in (*_SHAPING, "refuse")]
-        self._shapes: dict[int, Step] = {}
-        for step in (step for step in steps if step.do in _SHAPING):
+        self._actions = [step for step in steps if step.do not in (*_IMPAIRMENTS, "refuse")]
+        self._impairments: dict[int, Step] = {}
+        for step in (step for step in steps if step.do in _IMPAIRMENTS):
             first = step.fields["at"]
             for n in range(first, first + step.fields.get("count", 1)):
-                self._shapes[n] = step
+                self._impairments[n] = step
 
     @classmethod
     def read(cls, path: Path) -> "Script":
         return cls(json.loads(path.read_text()))
 
-    def take_act(self, n: int) -> Step | None:
-        """The next thing to do before notification `n`."""
-        for step in self._acts:
+    def take_action(self, n: int) -> Step | None:
+        """The next action before notification `n`."""
+        for step in self._actions:
             if step.fields["at"] == n:
-                self._acts.remove(step)
+                self._actions.remove(step)
                 return step
         return None
 
-    def shape(self, n: int) -> Step | None:
-        """What becomes of notification `n`."""
-        return self._shapes.get(n)
+    def impairment(self, n: int) -> Step | None:
+        """The step that changes notification `n`."""
+        return self._impairments.get(n)
 
 
 @dataclass(frozen=True)
@@ -114,20 +114,20 @@ class Packet:
     value: bytes
 
 
-# Opcode 0x7F with the command flag: a receiver has to ignore it.
+# Opcode 0x7F with the command flag: a receiver must ignore it.
 GARBAGE = Packet(None, bytes.fromhex("7fdeadbeef0123456789abcdef00ff55aa"))
 
 
 @dataclass
-class Shaper:
-    """Turns each notification into what goes on the air for it, after the script."""
+class Impairer:
+    """Turns each notification into the packets that are sent for it, by the script."""
 
     script: Script
     _held: list[Packet] = field(default_factory=list)
 
     def packets(self, n: int, lane: int, value: bytes) -> list[Packet]:
         packet = Packet(EMG_DATA[lane], value)
-        step = self.script.shape(n)
+        step = self.script.impairment(n)
         match step.do if step else "send":
             case "drop":
                 sent = []
@@ -143,8 +143,8 @@ class Shaper:
         held, self._held = self._held, []
         return sent + held
 
-    def forget(self) -> None:
-        """The link is gone, and what was held back with it."""
+    def reset(self) -> None:
+        """Discards what a swap holds back, at the end of a link."""
         self._held = []
 
 

@@ -1,5 +1,5 @@
-"""The air between armband and central: Bumble's link and controllers, made to behave like Bluetooth
-4.0 where Bumble 0.0.236 does not."""
+"""The radio link between armband and central: Bumble's link and controllers, changed to behave like
+Bluetooth 4.0 where Bumble 0.0.236 does not."""
 
 import asyncio
 import fcntl
@@ -10,14 +10,14 @@ from bumble.controller import Controller
 from bumble.link import LocalLink
 from bumble.transport.common import Transport
 
-# The kernel counts nearly 800 bytes for a packet: room for five, as in a real controller.
+# The kernel accounts nearly 800 bytes for a packet: room for five, as in a real controller.
 CONGESTION = 4096
 
 
-class Air(LocalLink):
-    """A link whose packets come from the address that the connection was made with.
+class PublicAddressLink(LocalLink):
+    """A link whose packets have the address of the connection as their source.
 
-    Bumble's takes the random address always, so whatever a public-address peripheral sends is
+    Bumble's always uses the random address, so packets of a peripheral with a public address are
     dropped as "no connection".
     """
 
@@ -32,14 +32,14 @@ class Air(LocalLink):
 
 
 class LegacyController(Controller):
-    """A controller without extended advertising, whose cancel and reset do what they say."""
+    """A controller without extended advertising, whose cancel and reset are complete."""
 
-    # With the feature set, Bumble answers a legacy scan with extended reports: a legacy host sees
-    # none. The armband is a Bluetooth 4.0 device anyway.
+    # With the feature set, Bumble answers a legacy scan with extended reports, which a legacy host
+    # does not receive. The armband is a Bluetooth 4.0 device.
     le_features = Controller.le_features & ~hci.LeFeatureMask.LE_EXTENDED_ADVERTISING
 
     def on_hci_le_create_connection_cancel_command(self, _command):
-        # Bumble's keeps the pending connection, so each later one is "disallowed".
+        # Bumble's keeps the pending connection, so that every later one is "disallowed".
         pending = self.pending_le_connection
         if pending is None:
             return hci.HCI_StatusReturnParameters(hci.HCI_ErrorCode.COMMAND_DISALLOWED_ERROR)
@@ -60,7 +60,7 @@ class LegacyController(Controller):
         return hci.HCI_StatusReturnParameters(hci.HCI_ErrorCode.SUCCESS)
 
     def on_hci_reset_command(self, command):
-        # Bumble's forgets nothing: a central that starts again would find its old connection.
+        # Bumble's clears nothing: a central that restarts would find its old connection.
         self.le_scan_enable = False
         self.pending_le_connection = None
         for connection in list(self.le_connections.values()):
@@ -72,29 +72,29 @@ class LegacyController(Controller):
 
 
 class Radio:
-    """Both ends of the air: the armband's controller, and the one that the central drives."""
+    """Both ends of the link: the armband's controller and the central's."""
 
     def __init__(self, armband_address: str) -> None:
-        air = Air()
+        link = PublicAddressLink()
         address = hci.Address(armband_address, hci.Address.PUBLIC_DEVICE_ADDRESS)
-        self.armband = LegacyController("armband", link=air, public_address=address)
-        self.central = LegacyController("central", link=air)
+        self.armband = LegacyController("armband", link=link, public_address=address)
+        self.central = LegacyController("central", link=link)
         self._sink = None
 
     def serve(self, transport: Transport) -> None:
-        """Offers the central's controller to a host on an H4 stream."""
+        """Connects the central's controller to a host on an H4 stream."""
         transport.source.set_packet_sink(self.central)
         self.central.host = transport.sink
         self._sink = transport.sink
 
     def lose_link(self, reason: int) -> None:
-        """Both ends see the connection end."""
+        """Ends the connection on both sides."""
         for controller in (self.armband, self.central):
             for connection in list(controller.le_connections.values()):
                 controller.on_le_disconnected(connection, reason)
 
     def waiting(self) -> int:
-        """Bytes that the central's host has not read yet, as the kernel accounts for them."""
+        """Bytes that the central's host has not read yet, as accounted by the kernel."""
         stream = getattr(self._sink, "transport", None)
         if stream is None:
             return 0
@@ -105,7 +105,7 @@ class Radio:
     def congested(self) -> bool:
         """Whether the central's host is so far behind that the armband has to wait.
 
-        A real link layer stops acknowledging then. Bumble's would pile up packets and deliver them
-        in one burst when a stalled reader comes back.
+        A real link layer stops acknowledging then. Bumble's would queue packets without limit and
+        deliver them in one burst when a stalled reader continues.
         """
         return self.waiting() > CONGESTION

@@ -1,4 +1,4 @@
-"""The recording as notifications, and when each of them is due."""
+"""The recording as notifications, and the time at which each is due."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,8 +7,8 @@ from pathlib import Path
 NOTIFICATION_BYTES = 16
 # 200 Hz in pairs.
 INTERVAL = 0.01
-# After the machine stalled, no more than this many come at once; the rest of the recording is late
-# instead. A burst beyond it would overrun queues that a real armband, with its few buffers, cannot.
+# After a stall of the host at most this many are sent at once; the rest of the recording is late. A
+# longer burst would overrun queues, which a real armband with its few buffers cannot do.
 CATCH_UP = 12
 
 
@@ -23,7 +23,7 @@ class Recording:
         return cls(path.read_bytes())
 
     def __len__(self) -> int:
-        """Notifications in it."""
+        """Number of notifications."""
         return len(self._samples) // NOTIFICATION_BYTES
 
     def notification(self, n: int) -> bytes:
@@ -36,22 +36,22 @@ class Schedule:
 
     interval: float
     due: float
-    # Delay that the script asked for: what it holds back is owed, however much it is.
-    owed: float = 0.0
+    # Delay by the script: all that it holds back is sent at once, whatever its length.
+    script_delay: float = 0.0
 
     @classmethod
     def starting(cls, now: float, pace: float) -> "Schedule":
         return cls(INTERVAL / pace, now + INTERVAL / pace)
 
-    def hold_back(self, seconds: float) -> None:
-        self.owed += seconds
+    def delay(self, seconds: float) -> None:
+        self.script_delay += seconds
 
     def next(self, now: float) -> float:
-        """How long to wait for the next notification, 0 or more; counts it as sent then."""
+        """Seconds to wait for the next notification, 0 or more; it counts as sent then."""
         late = now - self.due
         if late <= 0:
-            self.owed = 0.0
-        allowed = (CATCH_UP - 1) * self.interval + self.owed
+            self.script_delay = 0.0
+        allowed = (CATCH_UP - 1) * self.interval + self.script_delay
         if late > allowed:
             self.due = now - allowed
         wait = max(0.0, self.due - now)

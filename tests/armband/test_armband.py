@@ -18,7 +18,7 @@ ADDRESS = "FA:12:34:56:78:9A"
 
 
 def value(n: int) -> bytes:
-    """The samples of notification `n`: they tell which it is."""
+    """The samples of notification `n`, which contain its number."""
     return n.to_bytes(4, "little") * 4
 
 
@@ -27,8 +27,8 @@ def samples(count: int) -> Recording:
 
 
 class ArmbandTest(unittest.IsolatedAsyncioTestCase):
-    async def wear(self, count: int = 100, script=(), **options) -> Central:
-        """An armband that streams `count` notifications at twenty times its pace, and a central."""
+    async def start_armband(self, count: int = 100, script=(), **options) -> Central:
+        """Starts an armband with `count` notifications at 20 times 200 Hz; returns a central."""
         radio = Radio(ADDRESS)
         self.log = EventLog()
         options = {"pace": 20.0} | options
@@ -39,8 +39,8 @@ class ArmbandTest(unittest.IsolatedAsyncioTestCase):
         return Central.of(radio)
 
     async def numbers(self, count: int = 100, script=(), **options) -> list[int]:
-        """What a whole run delivers, as notification numbers; -1 for what is none."""
-        central = await self.wear(count, script, **options)
+        """The notification numbers that a whole run delivers; -1 for other values."""
+        central = await self.start_armband(count, script, **options)
         await central.start(ADDRESS)
         await self.until("end")
         await asyncio.sleep(0.02)
@@ -62,14 +62,14 @@ def numbers(central: Central) -> list[int]:
 
 class RulesOfTheProtocol(ArmbandTest):
     async def test_a_thousand_notifications_arrive_in_order_on_four_lanes_in_turn(self):
-        central = await self.wear(1000)
+        central = await self.start_armband(1000)
         await central.start(ADDRESS)
         await self.until("end")
         await until(lambda: len(central.received) == 1000, "1000 notifications")
         self.assertEqual(central.received, [(n % 4, value(n)) for n in range(1000)])
 
     async def test_handles_are_those_of_firmware_1(self):
-        central = await self.wear()
+        central = await self.start_armband()
         await central.connect(ADDRESS)
         await central.discover()
         self.assertEqual(central.find(COMMAND).handle, 0x19)
@@ -79,7 +79,7 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertEqual(central.connection.att_mtu, 23)
 
     async def test_battery_firmware_and_maker_can_be_read(self):
-        central = await self.wear(battery=42)
+        central = await self.start_armband(battery=42)
         await central.connect(ADDRESS)
         await central.discover()
         self.assertEqual(await central.find(BATTERY_LEVEL).read_value(), b"\x2a")
@@ -95,7 +95,7 @@ class RulesOfTheProtocol(ArmbandTest):
         self.log = EventLog()
 
     async def test_nothing_comes_before_the_mode_is_set(self):
-        central = await self.wear()
+        central = await self.start_armband()
         await central.connect(ADDRESS)
         await central.discover()
         await central.subscribe()
@@ -106,7 +106,7 @@ class RulesOfTheProtocol(ArmbandTest):
         await until(lambda: central.received, "a notification")
 
     async def test_a_lane_without_subscription_is_silent(self):
-        central = await self.wear()
+        central = await self.start_armband()
         await central.connect(ADDRESS)
         await central.discover()
         await central.subscribe(lanes=(0, 2))
@@ -117,7 +117,7 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertEqual({lane for lane, _ in central.received}, {0, 2})
 
     async def test_a_write_command_does_nothing_and_is_an_error(self):
-        central = await self.wear()
+        central = await self.start_armband()
         await central.connect(ADDRESS)
         await central.discover()
         await central.subscribe()
@@ -129,13 +129,13 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertIn("0x0019", self.errors[0]["reason"])
 
     async def test_a_stream_may_start_on_any_lane(self):
-        central = await self.wear(8, first_lane=3)
+        central = await self.start_armband(8, first_lane=3)
         await central.start(ADDRESS)
         await until(lambda: len(central.received) == 8, "8 notifications")
         self.assertEqual([lane for lane, _ in central.received], [3, 0, 1, 2, 3, 0, 1, 2])
 
     async def test_unknown_and_dangerous_commands_are_errors(self):
-        central = await self.wear()
+        central = await self.start_armband()
         await central.connect(ADDRESS)
         await central.discover()
         for command in ("0400", "0103020000ff", "01020200", "ff00", "01", "0103040000"):
@@ -143,8 +143,8 @@ class RulesOfTheProtocol(ArmbandTest):
         self.errors = self.log.named("error")
         self.assertEqual(len(self.errors), 6)
 
-    async def test_one_that_is_not_kept_awake_falls_asleep_and_one_that_is_does_not(self):
-        central = await self.wear(1000, sleep_after=0.5, wake_after=0.1)
+    async def test_it_sleeps_unless_commanded_never_to(self):
+        central = await self.start_armband(1000, sleep_after=0.5, wake_after=0.1)
         await central.connect(ADDRESS)
         await until(lambda: central.disconnections, "sleep")
         await self.until("advertising", 2)
@@ -154,7 +154,7 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertEqual(len(self.log.named("asleep")), 1)
 
     async def test_settings_and_subscriptions_do_not_survive_a_disconnection(self):
-        central = await self.wear(1000)
+        central = await self.start_armband(1000)
         await central.start(ADDRESS)
         await until(lambda: len(central.received) > 10, "a stream")
         await central.connection.disconnect()
@@ -167,7 +167,7 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertEqual(len(central.received), before)
 
     async def test_the_recording_goes_on_where_a_connection_ended(self):
-        central = await self.wear(200)
+        central = await self.start_armband(200)
         await central.start(ADDRESS)
         await until(lambda: len(central.received) > 20, "a stream")
         await central.connection.disconnect()
@@ -179,20 +179,20 @@ class RulesOfTheProtocol(ArmbandTest):
         self.assertEqual(got, sorted(set(got)))
         self.assertEqual((got[0], got[-1]), (0, 199))
 
-    async def test_at_the_end_it_stays_hangs_up_or_exits(self):
-        central = await self.wear(10)
+    async def test_at_the_end_it_stays_connected_disconnects_or_exits(self):
+        central = await self.start_armband(10)
         await central.start(ADDRESS)
         await self.until("end")
         await asyncio.sleep(0.1)
         self.assertEqual((central.disconnections, self.armband.done.is_set()), ([], False))
 
-        central = await self.wear(10, end="disconnect")
+        central = await self.start_armband(10, end="disconnect")
         await central.start(ADDRESS)
         await until(lambda: central.disconnections == [0x13], "the end of the connection")
         await asyncio.sleep(0.1)
         self.assertEqual(len(self.log.named("advertising")), 1)
 
-        central = await self.wear(10, end="exit")
+        central = await self.start_armband(10, end="exit")
         await central.start(ADDRESS)
         await asyncio.wait_for(self.armband.done.wait(), 5)
 
@@ -211,7 +211,7 @@ class Misbehaviour(ArmbandTest):
         self.assertEqual(got, [*range(10), 11, 10, *range(12, 100)])
 
     async def test_a_short_and_a_long_one_keep_their_lane_and_their_first_bytes(self):
-        central = await self.wear(script=[
+        central = await self.start_armband(script=[
             {"do": "corrupt", "at": 10, "kind": "short"},
             {"do": "corrupt", "at": 20, "kind": "long"},
         ])
@@ -221,8 +221,8 @@ class Misbehaviour(ArmbandTest):
         lane, long = central.received[20]
         self.assertEqual((lane, long[:16], len(long)), (0, value(20), 20))
 
-    async def test_foreign_and_garbage_are_no_emg_and_end_nothing(self):
-        central = await self.wear(script=[
+    async def test_foreign_and_garbage_are_no_emg_and_do_not_end_the_stream(self):
+        central = await self.start_armband(script=[
             {"do": "corrupt", "at": 10, "kind": "foreign"},
             {"do": "corrupt", "at": 20, "kind": "garbage"},
         ])
@@ -242,8 +242,8 @@ class Misbehaviour(ArmbandTest):
         self.assertEqual([pdu for pdu in seen if pdu.endswith(value(10))], [foreign])
         self.assertTrue(any(pdu[0] == 0x7F for pdu in seen))
 
-    async def test_what_is_delayed_comes_in_a_bunch_and_whole(self):
-        central = await self.wear(script=[{"do": "delay", "at": 50, "ms": 200}], pace=5.0)
+    async def test_what_is_delayed_comes_at_once_and_complete(self):
+        central = await self.start_armband(script=[{"do": "delay", "at": 50, "ms": 200}], pace=5.0)
         await central.start(ADDRESS)
         await until(lambda: len(central.received) == 50, "the first half")
         before = asyncio.get_running_loop().time()
@@ -254,8 +254,8 @@ class Misbehaviour(ArmbandTest):
         sent = {line["n"]: line["t"] for line in self.log.named("sent")}
         self.assertLess(sent[90] - sent[50], 0.08)
 
-    async def test_it_vanishes_without_a_word_and_comes_back(self):
-        central = await self.wear(script=[{"do": "vanish", "at": 50, "for_ms": 200}])
+    async def test_it_vanishes_and_comes_back(self):
+        central = await self.start_armband(script=[{"do": "vanish", "at": 50, "for_ms": 200}])
         await central.start(ADDRESS)
         await until(lambda: central.disconnections == [0x08], "a lost link")
         await asyncio.sleep(0.1)
@@ -266,14 +266,14 @@ class Misbehaviour(ArmbandTest):
         await asyncio.sleep(0.02)
         self.assertEqual(numbers(central), [*range(100)])
 
-    async def test_it_hangs_up_when_it_sleeps(self):
-        central = await self.wear(script=[{"do": "sleep", "at": 50, "for_ms": 50}])
+    async def test_it_disconnects_when_it_sleeps(self):
+        central = await self.start_armband(script=[{"do": "sleep", "at": 50, "for_ms": 50}])
         await central.start(ADDRESS)
         await until(lambda: central.disconnections == [0x13], "sleep")
         await self.until("advertising", 2)
 
-    async def test_it_refuses_as_often_as_told(self):
-        central = await self.wear(script=[{"do": "refuse", "count": 2}])
+    async def test_it_refuses_as_many_connections_as_scripted(self):
+        central = await self.start_armband(script=[{"do": "refuse", "count": 2}])
         for times in (1, 2):
             await central.connect(ADDRESS)
             await until(lambda times=times: central.disconnections == [0x3E] * times, "a refusal")
@@ -281,16 +281,16 @@ class Misbehaviour(ArmbandTest):
         await central.start(ADDRESS)
         await self.until("end")
 
-    async def test_a_sinking_battery_is_told(self):
-        central = await self.wear(script=[{"do": "battery", "at": 50, "percent": 5}])
+    async def test_a_falling_battery_level_is_notified(self):
+        central = await self.start_armband(script=[{"do": "battery", "at": 50, "percent": 5}])
         await central.connect(ADDRESS)
         await central.discover()
-        told = []
-        await central.find(BATTERY_LEVEL).subscribe(lambda value: told.append(value[0]))
+        levels = []
+        await central.find(BATTERY_LEVEL).subscribe(lambda value: levels.append(value[0]))
         await central.subscribe()
         await central.command(EMG_FILTERED)
         await self.until("end")
-        await until(lambda: told == [5], "the new level")
+        await until(lambda: levels == [5], "the new level")
         self.assertEqual(await central.find(BATTERY_LEVEL).read_value(), b"\x05")
 
 

@@ -3,7 +3,7 @@
 import unittest
 
 from commands import CommandError, Settings
-from misbehaviour import GARBAGE, Packet, Script, ScriptError, Shaper
+from misbehaviour import GARBAGE, Packet, Script, ScriptError, Impairer
 from stream import CATCH_UP, Recording, Schedule
 
 
@@ -25,10 +25,10 @@ class ScheduleTest(unittest.TestCase):
             burst += 1
         self.assertEqual(burst, CATCH_UP)
 
-    def test_what_a_delay_holds_back_is_owed_whole(self):
+    def test_after_a_delay_by_script_all_that_is_due_comes_at_once(self):
         schedule = Schedule.starting(0.0, pace=1.0)
         self.assertAlmostEqual(schedule.next(0.0), 0.01)
-        schedule.hold_back(0.5)
+        schedule.delay(0.5)
         burst = 0
         while schedule.next(0.51) == 0.0:
             burst += 1
@@ -43,12 +43,12 @@ class RecordingTest(unittest.TestCase):
 
 
 class ScriptTest(unittest.TestCase):
-    def test_an_act_is_taken_once(self):
+    def test_an_action_is_taken_once(self):
         script = Script([{"do": "vanish", "at": 3, "for_ms": 1}, {"do": "delay", "at": 3, "ms": 2}])
-        self.assertEqual([script.take_act(3).do, script.take_act(3).do], ["vanish", "delay"])
-        self.assertIsNone(script.take_act(3))
+        self.assertEqual([script.take_action(3).do, script.take_action(3).do], ["vanish", "delay"])
+        self.assertIsNone(script.take_action(3))
 
-    def test_what_the_armband_cannot_do_is_refused(self):
+    def test_an_invalid_script_is_refused(self):
         for entry in (
             "drop",
             {"do": "dance", "at": 1},
@@ -68,16 +68,16 @@ class ScriptTest(unittest.TestCase):
         self.assertEqual(script.refusals, 3)
 
 
-class ShaperTest(unittest.TestCase):
-    def test_what_was_held_back_is_gone_with_the_link(self):
-        shaper = Shaper(Script([{"do": "swap", "at": 0}]))
-        self.assertEqual(shaper.packets(0, 0, b"a"), [])
-        shaper.forget()
-        self.assertEqual(shaper.packets(1, 1, b"b"), [Packet(0x0205, b"b")])
+class ImpairerTest(unittest.TestCase):
+    def test_a_swap_does_not_outlast_the_link(self):
+        impairer = Impairer(Script([{"do": "swap", "at": 0}]))
+        self.assertEqual(impairer.packets(0, 0, b"a"), [])
+        impairer.reset()
+        self.assertEqual(impairer.packets(1, 1, b"b"), [Packet(0x0205, b"b")])
 
     def test_garbage_has_the_flag_of_a_command_that_may_be_ignored(self):
-        shaper = Shaper(Script([{"do": "corrupt", "at": 0, "kind": "garbage"}]))
-        self.assertEqual(shaper.packets(0, 0, b"a"), [GARBAGE])
+        impairer = Impairer(Script([{"do": "corrupt", "at": 0, "kind": "garbage"}]))
+        self.assertEqual(impairer.packets(0, 0, b"a"), [GARBAGE])
         self.assertTrue(GARBAGE.value[0] & 0x40)
 
 
@@ -85,14 +85,14 @@ class SettingsTest(unittest.TestCase):
     def test_only_modes_2_and_3_stream(self):
         for mode, streams in ((0, False), (1, False), (2, True), (3, True)):
             settings = Settings()
-            settings.obey(bytes([1, 3, mode, 0, 0]))
+            settings.apply(bytes([1, 3, mode, 0, 0]))
             self.assertEqual(settings.streams, streams)
 
     def test_a_wrong_length_changes_nothing(self):
         settings = Settings()
         for command in (b"", b"\x09", b"\x09\x01", b"\x09\x02\x01", b"\x09\x01\x01\x00"):
             with self.assertRaises(CommandError):
-                settings.obey(command)
+                settings.apply(command)
         self.assertEqual(settings, Settings())
 
 

@@ -6,25 +6,25 @@ use std::process::Command;
 use anyhow::ensure;
 use xtask::qemu::QEMU;
 
-use super::process::Guarded;
+use super::process::KillOnDrop;
 
-/// Bytes of flash that the model has.
+/// Bytes of the model's flash region, as in `memory.x`.
 pub const MODEL_REGION: usize = 160 * 1024;
 const MODEL_ADDRESS: u32 = 0x5_8000;
-/// A word that slows the guest's clock down, and one that provokes a fault.
+/// Two words: one slows down the guest's clock, one selects a fault to inject.
 const STRAPS_ADDRESS: u32 = 0x8_0000;
 const ERASED: u8 = 0xff;
 
-/// What the board writes: UART0 and UART2, as files of the run's folder.
+/// What the board writes to UART0 and UART2: files in the folder of the run.
 pub const LABELS: &str = "uart0";
 /// See [`LABELS`].
 pub const PINS: &str = "uart2";
 
-/// What the board does wrong, some lines after its first label.
+/// A fault that the board injects into itself, some lines after its first label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u32)]
 pub enum Fault {
-    /// The task that writes lines waits for ever.
+    /// The task that writes lines waits forever.
     TaskStops = 1,
     /// A panic.
     Panic = 2,
@@ -32,12 +32,12 @@ pub enum Fault {
     HardFault = 3,
 }
 
-/// What the board is told before its program runs, and again whenever it starts anew.
+/// Configuration words of the emulated board. A reset keeps them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Straps {
-    /// How many times slower than the wall the guest's clock runs.
+    /// How many times slower than real time the guest's clock runs.
     pub time_scale: u32,
-    /// What is to go wrong.
+    /// The fault to inject.
     pub fault: Option<Fault>,
 }
 
@@ -52,10 +52,10 @@ impl Straps {
 }
 
 /// A running board.
-pub struct Machine(pub Guarded);
+pub struct Machine(pub KillOnDrop);
 
 impl Machine {
-    /// Starts it; `hci` is the socket of a controller that already listens.
+    /// Starts it; `hci` is the socket of a controller that listens already.
     pub fn start(
         folder: &Path,
         image: &Path,
@@ -96,6 +96,6 @@ impl Machine {
             let strap = format!("loader,addr={address:#x},data={word},data-len=4");
             qemu.args(["-device", &strap]);
         }
-        Guarded::start("machine", qemu, folder).map(Self)
+        KillOnDrop::start("machine", qemu, folder).map(Self)
     }
 }

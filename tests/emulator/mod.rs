@@ -1,17 +1,19 @@
 //! The whole device without hardware: its program in an emulated Cortex-M4F, a virtual Bluetooth
-//! controller on its HCI UART, and a virtual armband on the other side of the air.
+//! controller on its HCI UART, and a virtual armband on the other side of the radio link.
 //!
 //! ```text
-//! Armband (Python) -- virtual air -- controller == HCI, unix socket == Machine (QEMU)
-//!     log: what it did                                 UART0: lines   UART2: pins
+//! Armband (Python) -- virtual link -- controller == HCI, unix socket == Machine (QEMU)
+//!     log of events                                     UART0: lines   UART2: pins
 //! ```
 //!
-//! Every process writes into one folder per run; a test reads there, waits with an end to its
-//! patience, and shows the tails of all files when it gives up. Dropping a [`Run`] ends both.
+//! The processes of a run write into one folder. A test reads it, waits with a timeout, and prints the
+//! tails of all files when it fails. Dropping a [`Run`] kills both processes.
 
+mod invariants;
 mod machine;
 mod model_damage;
 mod oracle;
+mod output;
 mod pins;
 mod process;
 mod run;
@@ -29,14 +31,14 @@ use shared::units::Sample;
 use xtask::firmware::{self, Image};
 use xtask::{emulator, qemu, toolchain};
 
-/// While it lives there is no other: each run keeps a core busy, and a starved emulator tests
-/// nothing.
-struct Alone(#[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
+/// A lock that lets one run exist at a time: each keeps a core busy, and timing means nothing in an
+/// emulator that has to share one.
+struct Exclusive(#[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
 
-impl Alone {
+impl Exclusive {
     fn wait() -> Self {
-        static LABELS_ONLY: Mutex<()> = Mutex::new(());
-        Self(LABELS_ONLY.lock().unwrap_or_else(PoisonError::into_inner))
+        static LOCK: Mutex<()> = Mutex::new(());
+        Self(LOCK.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
@@ -44,13 +46,13 @@ impl Alone {
 pub struct Python {
     /// The interpreter.
     pub path: PathBuf,
-    _alone: Alone,
+    _exclusive: Exclusive,
 }
 
 /// An emulated board and its program.
 pub struct Board {
     image: PathBuf,
-    _alone: Alone,
+    _exclusive: Exclusive,
 }
 
 /// A board and an armband.
@@ -59,21 +61,21 @@ pub struct Bench {
     python: PathBuf,
 }
 
-/// One run: what the armband streams and how it misbehaves, and how fast all of it goes.
+/// One run: what the armband streams, how it misbehaves, and how fast.
 ///
-/// The guest sees `pace * time_scale` times real time. With a large scale a pause of a busy
-/// machine is short for the guest, so that what it times cannot disturb the test.
+/// To the guest the armband streams at `pace * time_scale` times 200 Hz. With a large scale a pause of
+/// a busy host is short on the guest's clock, so that its timeouts do not disturb the test.
 #[derive(Clone, Debug)]
-pub struct Scene<'s> {
+pub struct Scenario<'s> {
     /// The model's flash region from its start; the rest is erased.
     pub model: &'s [u8],
     /// What the armband streams.
     pub samples: &'s [Sample],
-    /// How many times slower than the wall the guest's clock runs.
+    /// How many times slower than real time the guest's clock runs.
     pub time_scale: u32,
-    /// How many times faster than 200 Hz of the wall the armband streams.
+    /// How many times faster than 200 Hz of real time the armband streams.
     pub pace: f64,
-    /// What the board itself does wrong.
+    /// The fault that the board injects into itself.
     pub fault: Option<Fault>,
     /// Steps of misbehaviour, as `tests/armband/misbehaviour.py` describes them.
     pub script: serde_json::Value,
@@ -81,17 +83,17 @@ pub struct Scene<'s> {
     pub arguments: Vec<String>,
 }
 
-/// The armband's Python; without it, books the test `name` as skipped.
+/// The armband's Python; without it, reports the test `name` as skipped.
 #[must_use]
 pub fn python(name: &str) -> Option<Python> {
-    let alone = Alone::wait();
+    let exclusive = Exclusive::wait();
     Some(Python {
         path: or_skip(name, emulator::python())?,
-        _alone: alone,
+        _exclusive: exclusive,
     })
 }
 
-/// A board and an armband; without what they need, books the test `name` as skipped.
+/// A board and an armband; if something they need is missing, reports the test `name` as skipped.
 ///
 /// # Panics
 /// As [`board`].
@@ -104,23 +106,23 @@ pub fn bench(name: &str) -> Option<Bench> {
     })
 }
 
-/// A board by itself; without what it needs, books the test `name` as skipped.
+/// A board without an armband; if something it needs is missing, reports the test `name` as skipped.
 ///
 /// # Panics
-/// Where the image does not build: that is no reason to skip.
+/// If the image does not build: that is no reason to skip.
 #[must_use]
 pub fn board(name: &str) -> Option<Board> {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     let toolchain = or_skip(name, toolchain::find(false))?;
     or_skip(name, qemu::find())?;
-    let alone = Alone::wait();
+    let exclusive = Exclusive::wait();
     let image = IMAGE.get_or_init(|| {
         firmware::build_image(&toolchain, Image::Emulator, false, false)
             .unwrap_or_else(|error| panic!("the emulator's image: {error:#}"))
     });
     Some(Board {
         image: image.clone(),
-        _alone: alone,
+        _exclusive: exclusive,
     })
 }
 
@@ -134,18 +136,18 @@ impl Bench {
     /// Starts armband and machine.
     ///
     /// # Errors
-    /// Where one of them does not start.
-    pub fn start(&self, scene: &Scene<'_>) -> anyhow::Result<Run> {
-        Run::start(self, scene)
+    /// When one of them does not start.
+    pub fn start(&self, scenario: &Scenario<'_>) -> anyhow::Result<Run> {
+        Run::start(self, scenario)
     }
 }
 
 impl Board {
-    /// Starts the machine, with a model and nobody to talk to.
+    /// Starts the machine with a model and without a Bluetooth controller.
     ///
     /// # Errors
-    /// Where it does not start.
-    pub fn start_alone(&self, model: &[u8]) -> anyhow::Result<Run> {
-        Run::start_alone(self, model)
+    /// When it does not start.
+    pub fn start_without_armband(&self, model: &[u8]) -> anyhow::Result<Run> {
+        Run::start_without_armband(self, model)
     }
 }

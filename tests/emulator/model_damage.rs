@@ -1,8 +1,9 @@
-//! Model files as they must not be: each damage, and why the device refuses it.
+//! Damaged model files, and why the device refuses each.
 
 use shared::intent::Vocabulary;
-use shared::model::encoder::any_shape::AnyShape;
-use shared::model::file::{Dimensions, Model, samples::random_model};
+use shared::model::dimensions::Dimensions;
+use shared::model::encoder::DeviceEncoder;
+use shared::model::file::{Model, random::random_model};
 
 use super::MODEL_REGION;
 
@@ -10,25 +11,25 @@ use super::MODEL_REGION;
 pub struct Damage {
     /// What was done to it.
     pub name: &'static str,
-    /// The bytes of the model's region; what is missing is erased flash.
+    /// The model's region from its start; the rest is erased flash.
     pub bytes: Vec<u8>,
 }
 
 impl Damage {
-    /// Why the whole region is refused, in the words of the error; none if it is no damage.
+    /// The error that the region is refused with; none if it is accepted.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
         let mut region = vec![0xff; MODEL_REGION];
         region[..self.bytes.len()].copy_from_slice(&self.bytes);
-        let encoder = Model::parse(&region).and_then(|model| AnyShape::new(&model).map(drop));
+        let encoder = Model::parse(&region).and_then(|model| DeviceEncoder::new(&model).map(drop));
         encoder.err().map(|error| error.to_string())
     }
 }
 
-/// Every kind of damage to a good model.
+/// Every kind of damage, done to a good model.
 ///
 /// # Panics
-/// If the good model is too short to be one.
+/// If `good` is too short for a model.
 #[must_use]
 pub fn damages(good: &[u8]) -> Vec<Damage> {
     let changed = |name, change: &dyn Fn(&mut Vec<u8>)| {
@@ -37,12 +38,12 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
         Damage { name, bytes }
     };
     let shape = Dimensions {
-        width: 40,
+        width: 72,
         layers: 2,
         span: 27,
         vocabulary: Vocabulary::Three,
     };
-    let other_shape = random_model(shape, 1).to_bytes();
+    let too_wide = random_model(shape, 1).to_bytes();
     vec![
         changed("an erased region", &|bytes| bytes.fill(0xff)),
         changed("another magic", &|bytes| bytes[0] ^= 0x20),
@@ -68,7 +69,7 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
         }),
         Damage {
             name: "a good model of a shape that is not compiled in",
-            bytes: other_shape.expect("a writable model"),
+            bytes: too_wide.expect("a writable model"),
         },
     ]
 }
@@ -89,7 +90,7 @@ mod tests {
         let good = random_model(shape, 1).to_bytes().unwrap();
         let damages = damages(&good);
         let kinds: BTreeSet<_> = damages.iter().map(|d| d.reason().expect(d.name)).collect();
-        // The two ends that are missing are both noticed by the checksum, with different sums.
+        // Both kinds of truncation are found by the checksum, with different sums.
         assert_eq!(kinds.len(), damages.len());
         let whole = Damage {
             name: "none",

@@ -1,8 +1,8 @@
-//! The lines that a device must write: the shared pipeline, told on the PC what the armband did.
+//! The lines that a device must write: the shared pipeline, run on the PC with what the armband did.
 
-use shared::model::encoder::any_shape::AnyShape;
+use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
-use shared::pipeline::{Encode as _, Pipeline, Reports};
+use shared::pipeline::{Pipeline, Reports};
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
@@ -11,11 +11,11 @@ use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 pub enum Input<'s> {
     /// Samples, one after the other.
     Samples(&'s [Sample]),
-    /// So many are missing.
+    /// So many samples are missing.
     Gap(u32),
-    /// The armband is gone.
+    /// The connection has ended.
     Disconnected,
-    /// Nothing for so long.
+    /// Nothing arrives for so long.
     Silence(Millis),
 }
 
@@ -25,7 +25,7 @@ pub enum Input<'s> {
 /// When the model is refused.
 pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<String>> {
     let model = Model::parse(model)?;
-    let encoder = AnyShape::new(&model)?;
+    let encoder = DeviceEncoder::new(&model)?;
     let mut state = encoder.fresh();
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;

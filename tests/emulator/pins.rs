@@ -1,4 +1,4 @@
-//! Lines of the emulated pins:
+//! The log of the emulated pins:
 //! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0`.
 
 use shared::intent::Intent;
@@ -8,18 +8,18 @@ use shared::intent::Intent;
 pub struct Pins {
     /// The guest's clock, in microseconds; wraps after 71 minutes.
     pub at_us: u32,
-    /// When the newest byte from the controller had come, on the same clock.
+    /// When the newest byte from the controller was received, on the same clock.
     pub last_byte_us: u32,
     /// The `valid` pin.
     pub valid: bool,
     /// The intents whose pin is high.
     pub high: Vec<Intent>,
-    /// The light that tells of an armband that streams.
+    /// The LED that is lit while an armband streams.
     pub armband: bool,
 }
 
 impl Pins {
-    /// Reads a line; none if it is another kind of line or damaged.
+    /// Parses a line; none if it is of another kind or damaged.
     #[must_use]
     pub fn parse(line: &str) -> Option<Self> {
         let mut words = line.trim_end().strip_prefix("PINS ")?.split(' ');
@@ -50,8 +50,8 @@ impl Pins {
         Some(pins)
     }
 
-    /// Microseconds since the newest byte from the controller; none have passed where it came
-    /// while the line was being written.
+    /// Microseconds since the newest byte from the controller; 0 if it was received while the line
+    /// was being written.
     #[must_use]
     pub const fn since_last_byte_us(&self) -> u32 {
         let passed = self.at_us.wrapping_sub(self.last_byte_us);

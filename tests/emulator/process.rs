@@ -1,4 +1,4 @@
-//! A process that does not outlive its test.
+//! A process that ends with its test.
 
 use std::fs::File;
 use std::path::Path;
@@ -6,14 +6,14 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 
 use anyhow::Context as _;
 
-/// Killed when dropped.
-pub struct Guarded {
+/// A process that is killed when this is dropped.
+pub struct KillOnDrop {
     name: &'static str,
     child: Child,
 }
 
-impl Guarded {
-    /// Starts it, its output in `NAME.out` of the folder.
+impl KillOnDrop {
+    /// Starts it; its output goes to `NAME.out` in the folder.
     pub fn start(name: &'static str, mut command: Command, folder: &Path) -> anyhow::Result<Self> {
         let out = File::create(folder.join(format!("{name}.out")))?;
         let child = command
@@ -25,16 +25,16 @@ impl Guarded {
         Ok(Self { name, child })
     }
 
-    /// How it ended, if it did.
+    /// Its name and exit status, if it has ended.
     pub fn ended(&mut self) -> Option<(&'static str, ExitStatus)> {
         let status = self.child.try_wait().ok().flatten()?;
         Some((self.name, status))
     }
 }
 
-impl Drop for Guarded {
+impl Drop for KillOnDrop {
     fn drop(&mut self) {
-        // It may have ended by itself; then there is nothing to kill.
+        // Fails if it has ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,12 +1,12 @@
-//! The virtual armband by itself: a fake that is not what it claims to be proves nothing.
+//! The unit tests of the virtual armband, which all other tests here rely on.
 
 use std::process::Command;
 
 use myointent_tests::emulator::python;
 
 #[test]
-fn the_virtual_armband_keeps_its_own_promises() -> anyhow::Result<()> {
-    let test = "the_virtual_armband_keeps_its_own_promises";
+fn the_virtual_armband_passes_its_own_tests() -> anyhow::Result<()> {
+    let test = "the_virtual_armband_passes_its_own_tests";
     let Some(python) = python(test) else {
         return Ok(());
     };
@@ -15,9 +15,9 @@ fn the_virtual_armband_keeps_its_own_promises() -> anyhow::Result<()> {
         .arg(xtask::emulator::armband())
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .output()?;
-    let told = String::from_utf8_lossy(&tests.stderr);
-    assert!(tests.status.success(), "{told}");
-    // None found is a success too.
-    assert!(!told.contains("Ran 0 tests"), "{told}");
+    let output = String::from_utf8_lossy(&tests.stderr);
+    assert!(tests.status.success(), "{output}");
+    // With no test found, unittest succeeds as well.
+    assert!(!output.contains("Ran 0 tests"), "{output}");
     Ok(())
 }

@@ -1,30 +1,30 @@
-//! The board goes wrong by itself, takes its outputs back, and starts anew.
+//! Injected faults: the board enters the safe state and restarts.
 
-use myointent_tests::emulator::{Fault, Pins, Run, Scene, bench};
+use myointent_tests::emulator::{Fault, Pins, Run, Scenario, bench};
 use serde_json::json;
 use shared::intent::Intent;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 use shared::units::Sample;
 
-/// Where the guest mostly waits for its own time to pass.
+/// Smaller than elsewhere: these runs mostly wait on the guest's clock.
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 3.0;
-/// End of the flash that programs lie in.
+/// End of the program's flash region.
 const FLASH_END: u32 = 0x5_8000;
 
-/// Plays a made-up signal until the board has started anew and follows the armband again.
+/// Streams a synthetic signal until the board has restarted and receives a stream again.
 ///
-/// The fault strikes in every life; what is looked at ends with the stream of the second.
-fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Lives>> {
+/// The fault is injected after every start; the tests look at the first two only.
+fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Restarted>> {
     let Some(bench) = bench(test) else {
         return Ok(None);
     };
-    // As much as makes a label, and then enough for the watchdog to run out.
+    // Enough for a label, and then for the watchdog to expire.
     let samples: Vec<Sample> = (0..4000_i32)
         .map(|n| [(n % 251 * n % 251 - 125) as i8; 8])
         .collect();
-    let mut run = bench.start(&Scene {
+    let mut run = bench.start(&Scenario {
         model: &super::model(),
         samples: &samples,
         time_scale: TIME_SCALE,
@@ -33,71 +33,74 @@ fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Lives>> {
         script: json!([]),
         arguments: Vec::new(),
     })?;
-    run.wait_for("the armband to be followed again", |run| {
+    run.wait_for("a stream after the restart", |run| {
         pins(run)
             .get(1)
-            .is_some_and(|life| life.iter().any(|pins| pins.armband))
+            .is_some_and(|pins| pins.iter().any(|pins| pins.armband))
     })?;
     run.check()?;
-    Ok(Some(Lives {
+    Ok(Some(Restarted {
         pins: pins(&run),
-        reports: run.lives()?,
-        remarks: run.remarks(),
+        reports: run.reports_by_start()?,
+        comments: run.comments(),
         tails: run.tails(),
     }))
 }
 
-/// What the pins showed in each life: with it the guest's clock begins anew.
+/// The pins after each start, which sets the guest's clock to 0.
 fn pins(run: &Run) -> Vec<Vec<Pins>> {
     let pins = run.pins();
-    let lives = pins.chunk_by(|one, next| one.at_us <= next.at_us);
-    lives.map(<[Pins]>::to_vec).collect()
+    let starts = pins.chunk_by(|one, next| one.at_us <= next.at_us);
+    starts.map(<[Pins]>::to_vec).collect()
 }
 
-struct Lives {
+/// A run in which the board has restarted.
+struct Restarted {
+    /// By start.
     pins: Vec<Vec<Pins>>,
+    /// By start.
     reports: Vec<Vec<Report>>,
-    remarks: Vec<String>,
+    comments: Vec<String>,
     tails: String,
 }
 
-impl Lives {
-    /// The second life tells why it began, and with which state; its pins are safe until the
-    /// armband is followed again.
-    fn begin_anew(&self, reason: &str, cause: Cause) {
+impl Restarted {
+    /// The second start reports its reason and its state; the pins are safe until the armband streams
+    /// again.
+    fn check_restart(&self, reason: &str, cause: Cause) {
         let tails = &self.tails;
         let starts = self
-            .remarks
+            .comments
             .iter()
-            .filter_map(|r| r.split_once(", started by "));
+            .filter_map(|c| c.split_once(", started by "));
         let starts: Vec<_> = starts.map(|(_, reason)| reason).take(2).collect();
         assert_eq!(starts, ["power or reset", reason], "{tails}");
         let first = self.reports[1][0];
-        let begun = (first.sequence, first.status.cause());
-        assert_eq!(begun, (0, Some(cause)), "{tails}");
+        let first = (first.sequence, first.status.cause());
+        assert_eq!(first, (0, Some(cause)), "{tails}");
         let pins = &self.pins[1];
-        let followed = pins.iter().position(|pins| pins.armband).expect("a stream");
+        let streams = pins.iter().position(|pins| pins.armband).expect("a stream");
         assert!(
-            followed > 0 && pins[..followed].iter().all(is_safe),
+            streams > 0 && pins[..streams].iter().all(is_safe),
             "{tails}"
         );
     }
 
-    /// The first life ended with a label taken back; gives what was said of it.
-    fn panicked(&self) -> &str {
+    /// The first run of the program ended with a label cleared; gives the panic's message.
+    fn panic_message(&self) -> &str {
         let [.., valid, last] = &self.pins[0][..] else {
-            panic!("nothing was shown\n{}", self.tails);
+            panic!("no pins\n{}", self.tails);
         };
         assert!(
             valid.valid && is_safe(last) && !last.armband,
             "{}",
             self.tails
         );
-        let said = self
-            .remarks
+        let message = self
+            .comments
             .iter()
-            .find(|remark| remark.starts_with("# panicked at "));
-        said.unwrap_or_else(|| panic!("nothing was said\n{}", self.tails))
+            .find(|comment| comment.starts_with("# panicked at "));
+        message.unwrap_or_else(|| panic!("no message\n{}", self.tails))
     }
 }
 
@@ -108,49 +111,48 @@ fn is_safe(pins: &Pins) -> bool {
 #[test]
 fn a_task_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
     let test = "a_task_that_stops_is_ended_by_the_watchdog";
-    let Some(lives) = play(test, Fault::TaskStops)? else {
+    let Some(run) = play(test, Fault::TaskStops)? else {
         return Ok(());
     };
-    // Nothing but the reset takes the label back.
-    let last = lives.pins[0].last().expect("pins");
-    assert!(last.valid && last.armband, "{}", lives.tails);
+    // Nothing but the reset clears the label.
+    let last = run.pins[0].last().expect("pins");
+    assert!(last.valid && last.armband, "{}", run.tails);
     assert!(
-        !lives
-            .remarks
+        !run.comments
             .iter()
-            .any(|remark| remark.contains("panicked"))
+            .any(|comment| comment.contains("panicked"))
     );
-    lives.begin_anew("the watchdog", Cause::Watchdog);
+    run.check_restart("the watchdog", Cause::Watchdog);
     Ok(())
 }
 
 #[test]
-fn a_panic_takes_the_label_back_says_why_and_starts_anew() -> anyhow::Result<()> {
-    let test = "a_panic_takes_the_label_back_says_why_and_starts_anew";
-    let Some(lives) = play(test, Fault::Panic)? else {
+fn a_panic_clears_the_label_writes_its_message_and_restarts() -> anyhow::Result<()> {
+    let test = "a_panic_clears_the_label_writes_its_message_and_restarts";
+    let Some(run) = play(test, Fault::Panic)? else {
         return Ok(());
     };
-    let said = lives.panicked();
-    assert!(said.ends_with(": a panic on demand"), "{said}");
-    lives.begin_anew("software", Cause::Boot);
+    let message = run.panic_message();
+    assert!(message.ends_with(": injected panic"), "{message}");
+    run.check_restart("software", Cause::Boot);
     Ok(())
 }
 
 #[test]
-fn a_hard_fault_is_a_panic_that_tells_its_address() -> anyhow::Result<()> {
-    let test = "a_hard_fault_is_a_panic_that_tells_its_address";
-    let Some(lives) = play(test, Fault::HardFault)? else {
+fn a_hard_fault_is_a_panic_with_its_address() -> anyhow::Result<()> {
+    let test = "a_hard_fault_is_a_panic_with_its_address";
+    let Some(run) = play(test, Fault::HardFault)? else {
         return Ok(());
     };
-    let said = lives.panicked();
-    let address = said
+    let message = run.panic_message();
+    let address = message
         .split_once("hard fault at 0x")
         .map(|(_, address)| address);
     let address = address.and_then(|hex| u32::from_str_radix(hex, 16).ok());
     assert!(
         address.is_some_and(|at| (1..FLASH_END).contains(&at)),
-        "{said}"
+        "{message}"
     );
-    lives.begin_anew("software", Cause::Boot);
+    run.check_restart("software", Cause::Boot);
     Ok(())
 }

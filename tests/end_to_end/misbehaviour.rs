@@ -1,9 +1,9 @@
-//! What the armband does wrong shows in the counters, or not at all, and never in a label.
+//! A misbehaving armband: errors show in the counters, or not at all, and never as a wrong label.
 //!
-//! The guest's clock is slow, so that only lanes and bytes can tell what happened. The lines are
-//! compared with those of the shared pipeline, told what reached the device.
+//! The guest's clock is slow, so that losses are detected by lanes and bytes and not by time. The lines
+//! are compared with those of the shared pipeline, run with what reached the device.
 
-use myointent_tests::emulator::{Bench, Input, Run, Scene, bench, expected_lines};
+use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, expected_lines};
 use serde_json::json;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
@@ -12,12 +12,12 @@ use shared::units::Sample;
 use super::{PACE, TIME_SCALE, play};
 
 const RECORDING: &str = "roshambo/data/subject02_session01_emg.npy";
-/// How long the session waits for a connection.
+/// The session's timeout of a connection attempt.
 const CONNECT_US: u32 = 5_000_000;
-/// Where the guest mostly waits for its own time to pass.
+/// Smaller than elsewhere: these runs mostly wait on the guest's clock.
 const LINK_TIME_SCALE: u32 = 3;
 
-/// Bench, model and so many seconds of a recording.
+/// Bench, model and the first seconds of a recording.
 fn prepare(test: &str, seconds: usize) -> Option<(Bench, Vec<u8>, Vec<Sample>)> {
     let samples = super::samples(test, RECORDING, seconds)?;
     Some((bench(test)?, super::model(), samples))
@@ -46,8 +46,8 @@ fn of(samples: &[Sample], from: usize, to: usize) -> Input<'_> {
 }
 
 #[test]
-fn up_to_two_lost_notifications_are_bridged_and_three_give_up_the_window() -> anyhow::Result<()> {
-    let test = "up_to_two_lost_notifications_are_bridged_and_three_give_up_the_window";
+fn up_to_two_lost_notifications_are_bridged_and_three_reset_the_window() -> anyhow::Result<()> {
+    let test = "up_to_two_lost_notifications_are_bridged_and_three_reset_the_window";
     let Some((bench, model, samples)) = prepare(test, 12) else {
         return Ok(());
     };
@@ -78,7 +78,7 @@ fn up_to_two_lost_notifications_are_bridged_and_three_give_up_the_window() -> an
     Ok(())
 }
 
-/// After the state became safe for this cause, the next label has 600 new samples behind it.
+/// After the state became safe for this cause, the next label needs 600 new samples.
 fn recovers_with_a_full_window(reports: &[Report], cause: Cause) {
     let safe = reports
         .iter()
@@ -91,8 +91,8 @@ fn recovers_with_a_full_window(reports: &[Report], cause: Cause) {
 }
 
 #[test]
-fn what_comes_twice_swapped_too_long_or_late_leaves_no_trace() -> anyhow::Result<()> {
-    let test = "what_comes_twice_swapped_too_long_or_late_leaves_no_trace";
+fn duplicates_swaps_long_values_and_delays_change_no_line() -> anyhow::Result<()> {
+    let test = "duplicates_swaps_long_values_and_delays_change_no_line";
     let Some((bench, model, samples)) = prepare(test, 6) else {
         return Ok(());
     };
@@ -108,8 +108,8 @@ fn what_comes_twice_swapped_too_long_or_late_leaves_no_trace() -> anyhow::Result
 }
 
 #[test]
-fn what_is_short_foreign_or_garbage_counts_as_lost() -> anyhow::Result<()> {
-    let test = "what_is_short_foreign_or_garbage_counts_as_lost";
+fn short_foreign_and_garbage_packets_count_as_lost() -> anyhow::Result<()> {
+    let test = "short_foreign_and_garbage_packets_count_as_lost";
     let Some((bench, model, samples)) = prepare(test, 6) else {
         return Ok(());
     };
@@ -136,8 +136,8 @@ fn what_is_short_foreign_or_garbage_counts_as_lost() -> anyhow::Result<()> {
 }
 
 #[test]
-fn a_lost_link_is_taken_up_again_and_so_is_a_sleeping_armband() -> anyhow::Result<()> {
-    let test = "a_lost_link_is_taken_up_again_and_so_is_a_sleeping_armband";
+fn a_lost_link_and_a_sleeping_armband_are_reconnected() -> anyhow::Result<()> {
+    let test = "a_lost_link_and_a_sleeping_armband_are_reconnected";
     let Some((bench, model, samples)) = prepare(test, 12) else {
         return Ok(());
     };
@@ -159,12 +159,15 @@ fn a_lost_link_is_taken_up_again_and_so_is_a_sleeping_armband() -> anyhow::Resul
         ],
     )?;
     compare(&mut run, &expected)?;
-    assert_eq!((run.happened("refused"), run.happened("connected")), (1, 3));
+    assert_eq!(
+        (run.event_count("refused"), run.event_count("connected")),
+        (1, 3)
+    );
     recovers_with_a_full_window(&run.reports()?, Cause::Disconnected);
     let pins = run.pins();
-    // What was refused is tried again as soon as the session sees fit, not when it loses patience.
-    let follows = pins.iter().find(|pins| pins.armband).expect("a stream");
-    assert!(follows.at_us < CONNECT_US, "{}", run.tails());
+    // A refused connection is retried after the back-off, not after the timeout.
+    let streams = pins.iter().find(|pins| pins.armband).expect("a stream");
+    assert!(streams.at_us < CONNECT_US, "{}", run.tails());
     // Between two connections the pins were safe.
     let levels: Vec<bool> = pins.iter().map(|pins| pins.valid).collect();
     let rises = levels.windows(2).filter(|pair| !pair[0] && pair[1]).count();
@@ -178,7 +181,7 @@ fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Res
     let Some((bench, model, samples)) = prepare(test, 4) else {
         return Ok(());
     };
-    let mut run = bench.start(&Scene {
+    let mut run = bench.start(&Scenario {
         model: &model,
         samples: &samples,
         time_scale: TIME_SCALE,
@@ -194,8 +197,8 @@ fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Res
 }
 
 #[test]
-fn a_battery_that_runs_low_is_told_once_and_disturbs_nothing() -> anyhow::Result<()> {
-    let test = "a_battery_that_runs_low_is_told_once_and_disturbs_nothing";
+fn a_low_battery_is_reported_once_and_changes_no_line() -> anyhow::Result<()> {
+    let test = "a_low_battery_is_reported_once_and_changes_no_line";
     let Some((bench, model, samples)) = prepare(test, 4) else {
         return Ok(());
     };
@@ -206,13 +209,13 @@ fn a_battery_that_runs_low_is_told_once_and_disturbs_nothing() -> anyhow::Result
     let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
     let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
     compare(&mut run, &expected)?;
-    let remarks = run.remarks();
-    let told = |words: &str| remarks.iter().filter(|r| r.contains(words)).count();
-    assert_eq!(told("battery 80 %"), 1, "{remarks:?}");
+    let comments = run.comments();
+    let count = |words: &str| comments.iter().filter(|c| c.contains(words)).count();
+    assert_eq!(count("battery 80 %"), 1, "{comments:?}");
     assert_eq!(
-        (told("battery low: 7 %"), told("battery low")),
+        (count("battery low: 7 %"), count("battery low")),
         (1, 1),
-        "{remarks:?}"
+        "{comments:?}"
     );
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A model that is none leaves the device safe, and the UART says why.
+//! A damaged model leaves the device in the safe state, and the UART says why.
 
 use myointent_tests::emulator::{board, damages};
 use shared::stream::safe_state::Cause;
@@ -13,9 +13,11 @@ fn every_damage_to_the_model_is_refused_with_its_reason() -> anyhow::Result<()> 
     assert!(damages.len() >= 6);
     for damage in &damages {
         let reason = damage.reason().expect("damage is refused on the PC too");
-        let mut run = board.start_alone(&damage.bytes)?;
+        let mut run = board.start_without_armband(&damage.bytes)?;
         run.wait_for(&format!("the reason of {}: {reason}", damage.name), |run| {
-            run.remarks().iter().any(|remark| remark.contains(&reason))
+            run.comments()
+                .iter()
+                .any(|comment| comment.contains(&reason))
         })?;
         run.wait_for("the state", |run| {
             let reports = run.reports().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What the device writes is what `myointent replay` prints.
+//! The device writes the lines that `myointent replay` prints.
 
 use myointent::cli::replay;
 use myointent_tests::emulator::{Input, bench, expected_lines};
@@ -13,15 +13,15 @@ fn emitted_lines_equal_replays(test: &str, recording: &str, seconds: usize) -> a
         return Ok(());
     };
     let model = super::model();
-    let expected = replay::lines_of(&model, &samples)?;
+    let expected = replay::lines(&model, &samples)?;
     let expected: Vec<_> = expected.split_inclusive('\n').collect();
     let mut run = super::play(&bench, &model, &samples, super::TIME_SCALE, json!([]))?;
-    run.wait_for("the line after the last of the recording", |run| {
+    run.wait_for("the line after those of the recording", |run| {
         run.lines().len() > expected.len()
     })?;
     let lines = run.lines();
     assert_eq!(lines[..expected.len()], expected, "{}", run.tails());
-    // The stream is over, and so is what it was good for.
+    // The stream has ended, so the state is safe.
     let last = run.reports()?[expected.len()];
     assert_eq!(last.status.cause(), Some(Cause::Disconnected), "{last}");
     run.wait_for("the pins to be safe", |run| {
@@ -37,7 +37,7 @@ fn the_oracle_of_misbehaviour_agrees_with_replay_where_nothing_happens() -> anyh
         .collect();
     let model = super::model();
     let lines = expected_lines(&model, &[Input::Samples(&samples)])?;
-    assert_eq!(lines.concat(), replay::lines_of(&model, &samples)?);
+    assert_eq!(lines.concat(), replay::lines(&model, &samples)?);
     Ok(())
 }
 

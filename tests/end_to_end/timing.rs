@@ -1,14 +1,15 @@
-//! Where time itself matters: the guest hears the armband in real time, both slowed down alike.
+//! Timing: on the guest's clock the armband streams at 200 Hz, both slowed down by the same factor.
 
-use myointent_tests::emulator::{Bench, Pins, Run, Scene, bench};
+use myointent_tests::emulator::{Bench, Pins, Run, Scenario, bench};
 use serde_json::json;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 
-/// Guest and armband at a third of their speed.
+/// Guest and armband run at a third of their speed.
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 1.0 / 3.0;
-/// How often `valid` fell; that it fell in time is checked in every run.
+
+/// How often `valid` fell. That it fell in time is checked in every run.
 fn falls(run: &Run) -> usize {
     let pins = run.pins();
     let fell = |pair: &&[Pins]| pair[0].valid && !pair[1].valid;
@@ -19,7 +20,7 @@ fn last(run: &Run) -> Option<Report> {
     run.reports().ok()?.last().copied()
 }
 
-/// A run at its natural rate.
+/// A run at 200 Hz on the guest's clock.
 fn play(
     test: &str,
     seconds: usize,
@@ -32,7 +33,7 @@ fn play(
     let Some(bench) = bench(test) else {
         return Ok(None);
     };
-    let run = bench.start(&Scene {
+    let run = bench.start(&Scenario {
         model: &super::model(),
         samples: &samples,
         time_scale: TIME_SCALE,
@@ -60,9 +61,8 @@ fn wait_silent(run: &mut Run) -> anyhow::Result<()> {
 }
 
 #[test]
-fn a_stream_that_falls_silent_is_safe_within_200_ms_and_then_connected_anew() -> anyhow::Result<()>
-{
-    let test = "a_stream_that_falls_silent_is_safe_within_200_ms_and_then_connected_anew";
+fn a_stream_that_falls_silent_is_safe_within_200_ms_and_then_reconnected() -> anyhow::Result<()> {
+    let test = "a_stream_that_falls_silent_is_safe_within_200_ms_and_then_reconnected";
     let Some((_bench, mut run)) = play(test, 4, json!([]))? else {
         return Ok(());
     };
@@ -70,13 +70,15 @@ fn a_stream_that_falls_silent_is_safe_within_200_ms_and_then_connected_anew() ->
     wait_silent(&mut run)?;
     assert_eq!(falls(&run), 1, "{}", run.tails());
     assert_eq!(
-        run.happened("end"),
+        run.event_count("end"),
         1,
         "silent before the end\n{}",
         run.tails()
     );
-    // Asked once more for its stream, then given up: it may be a hung armband.
-    run.wait_for("another connection", |run| run.happened("connected") == 2)?;
+    // The session writes the mode once more, then disconnects: the armband may have hung.
+    run.wait_for("another connection", |run| {
+        run.event_count("connected") == 2
+    })?;
     run.check()
 }
 
@@ -96,8 +98,8 @@ fn after_a_pause_the_lost_are_counted_and_a_full_window_is_valid_again() -> anyh
 
     let reports = run.reports()?;
     let end = *reports.last().expect("reports");
-    // The lanes tell the loss modulo four notifications, the clock how many fours: one four too
-    // many or too few on a machine that is busy. What came before that was clear counts as lost.
+    // The lanes show the loss modulo four notifications, the clock how many times four: on a busy host
+    // one time too many or too few. What arrived before that was decided counts as lost.
     let samples = 8 * 200;
     let off = end.emitted.0 as i32 + 1 - samples;
     assert!(
@@ -115,7 +117,7 @@ fn after_a_pause_the_lost_are_counted_and_a_full_window_is_valid_again() -> anyh
     let again = reports
         .iter()
         .find(|report| report.sequence > silent.sequence && report.status.valid());
-    let gone = again.expect("valid again").emitted.since(silent.emitted);
-    assert!(gone >= 600 + 72, "valid again after {gone} samples");
+    let passed = again.expect("valid again").emitted.since(silent.emitted);
+    assert!(passed >= 600 + 72, "valid again after {passed} samples");
     run.check()
 }

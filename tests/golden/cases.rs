@@ -31,7 +31,6 @@ macro_rules! on_both {
 on_both! {
     whole_recordings_become_the_reference_input: preprocess::whole,
     the_stream_gives_the_reference_input_one_sample_late: preprocess::stream,
-    a_left_arm_is_reordered_before_it_is_cleaned: preprocess::left_arm,
     rectifying_first_is_the_other_variant: preprocess::rectified_first,
     a_window_cleaned_by_itself_has_the_live_edges: preprocess::live_edges,
     live_labels_are_the_references_in_every_case: smoother::live,

@@ -3,27 +3,38 @@
 use std::fs;
 use std::path::Path;
 
-use npyz::{Deserialize, NpyFile, Order};
+use myointent::dataset::npy::{self, Values};
 use serde_json::Value;
 
-/// All values of an npy file, last axis fastest. Some of the reference's own files say the first
-/// axis is: read as they lie, all their samples would be mixed up.
-pub fn npy<T: Deserialize + Copy>(path: &Path) -> Vec<T> {
-    let bytes = fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let file = NpyFile::new(&bytes[..]).unwrap();
-    let (order, shape) = (file.order(), file.shape().to_vec());
-    let values = file.into_vec().unwrap();
-    match (order, &shape[..]) {
-        (Order::C, _) | (_, [_]) => values,
-        (Order::Fortran, [rows, columns]) => {
-            let (rows, columns) = (*rows as usize, *columns as usize);
-            let place = |index| (index % columns) * rows + index / columns;
-            (0..rows * columns)
-                .map(|index| values[place(index)])
-                .collect()
-        }
-        (Order::Fortran, shape) => panic!("{}: shape {shape:?}", path.display()),
-    }
+/// An element type of the reference's npy files.
+pub trait Element {
+    /// Its name in numpy.
+    const DESCR: &'static str;
+    /// Exact for every value of the type.
+    fn from_f64(value: f64) -> Self;
+}
+
+macro_rules! elements {
+    ($($element:ty = $descr:literal)*) => {
+        $(impl Element for $element {
+            const DESCR: &'static str = $descr;
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+        })*
+    };
+}
+
+elements!(i8 = "|i1" i16 = "<i2" f32 = "<f4");
+
+/// All values of an npy file, last axis fastest, whichever axis is fastest in the file.
+pub fn npy<T: Element>(path: &Path) -> Vec<T> {
+    let array = npy::read(path).unwrap_or_else(|error| panic!("{error}"));
+    let Values::Numbers(values) = &array.values else {
+        panic!("{}: {}", path.display(), array.describe());
+    };
+    assert_eq!(array.descr, T::DESCR, "{}", path.display());
+    values.iter().map(|&value| T::from_f64(value)).collect()
 }
 
 /// A JSON file.
@@ -31,6 +42,14 @@ pub fn json(path: &Path) -> Value {
     let text =
         fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     serde_json::from_str(&text).unwrap()
+}
+
+/// FNV-1a of 64 bits, in hexadecimal: what stands for numbers that are not in the repository.
+pub fn checksum(bytes: impl Iterator<Item = u8>) -> String {
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{hash:016x}")
 }
 
 /// Run-length labels, -1 for none, unrolled.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use checks::smoother::{CLASSES, TAIL};
-use myointent_research::offline::{Offline, Vote, WindowRows};
+use myointent_research::offline::{OfflineAggregation, Vote, WindowLogits};
 use myointent_tests::golden;
 use serde_json::Value;
 use shared::stream::smoother::AggregationMode;
@@ -20,10 +20,10 @@ fn logits(folder: &Path, set: &str, part: &str) -> Vec<f32> {
         .collect()
 }
 
-fn offline(case: &Value) -> Offline {
+fn offline(case: &Value) -> OfflineAggregation {
     let max_factor = case["weight_max_factor"].as_f64().unwrap();
-    Offline {
-        aggregation: match same_instant(case) {
+    OfflineAggregation {
+        mode: match same_instant(case) {
             true => AggregationMode::SameInstant,
             false => AggregationMode::AllRowsFrom,
         },
@@ -52,13 +52,13 @@ fn offline_labels_are_the_references_in_every_case() {
         for case in cases["sets"][set]["offline"].as_array().unwrap() {
             let offline = offline(case);
             let stride = case["stride"].as_u64().unwrap() as usize;
-            let mut windows = WindowRows::new(CLASSES, stride, offline.look_ahead).unwrap();
+            let mut windows = WindowLogits::new(CLASSES, stride, offline.look_ahead).unwrap();
             windows.push(&first).unwrap();
             for tail in tails.chunks(TAIL * CLASSES).step_by(stride).skip(1) {
                 windows.push(tail).unwrap();
             }
             assert_eq!(
-                offline.classes(&windows, samples, CLASSES).unwrap(),
+                offline.labels(&windows, samples, CLASSES).unwrap(),
                 labels(&case["labels_by_sample"]),
                 "{set}, stride {stride}: {offline:?}"
             );

@@ -1,7 +1,7 @@
-//! The C library reader that Nordic's controller library is bound with.
+//! `libclang`, which generates the bindings to Nordic's controller library.
 //!
-//! Only the image without a SoftDevice needs it: its build scripts read C headers with `libclang`,
-//! and `libclang` finds its own headers only from the folder that it was installed in.
+//! Only the image without a SoftDevice needs it. `libclang` finds its own headers only if it is loaded
+//! from the folder that it was installed in.
 
 use std::{
     env, fs,
@@ -12,18 +12,18 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::debian;
 
-/// Where the build scripts look for `libclang` first.
+/// The variable in which bindgen looks for the folder of `libclang` first.
 pub const VARIABLE: &str = "LIBCLANG_PATH";
 
 const PACKAGES: [&str; 1] = ["libclang-dev"];
-/// Where Debian installs every version of LLVM.
+/// The folder in which Debian installs all versions of LLVM.
 const INSTALLED: &str = "/usr/lib";
 
-/// The folder of `libclang`; none if the environment names one already, or where this machine is
-/// no Debian and the build scripts must find their own way.
+/// The folder of `libclang`. None if the environment names one already, or where this machine is no
+/// Debian: then bindgen searches by itself.
 ///
 /// # Errors
-/// When it is not there and may not be, or cannot be, installed.
+/// When it is missing and may not be, or cannot be, installed.
 pub fn find(install: bool) -> Result<Option<PathBuf>> {
     if env::var_os(VARIABLE).is_some() || !Path::new("/usr/bin/dpkg-query").exists() {
         return Ok(None);
@@ -39,7 +39,7 @@ pub fn find(install: bool) -> Result<Option<PathBuf>> {
     );
     debian::install(&PACKAGES)?;
     folder(Path::new(INSTALLED))
-        .with_context(|| format!("{command} brought no libclang under {INSTALLED}"))
+        .with_context(|| format!("{command} installed no libclang under {INSTALLED}"))
         .map(Some)
 }
 
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_library_without_its_headers_is_passed_over() {
+    fn a_library_without_its_headers_is_skipped() {
         let root = env::temp_dir().join(format!("xtask-clang-{}", std::process::id()));
         let make = |file: &str| {
             let file = root.join(file);

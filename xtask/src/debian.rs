@@ -1,10 +1,10 @@
-//! Debian's packages: what is missing, and how it is installed.
+//! Debian's packages: which are missing, and their installation.
 
 use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// Those of the packages that are not installed.
+/// Those packages that are not installed.
 pub fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
     let installed = |package: &&&str| {
         let status = Command::new("dpkg-query")
@@ -19,7 +19,7 @@ pub fn missing<'p>(packages: &[&'p str]) -> Vec<&'p str> {
         .collect()
 }
 
-/// The command that installs packages, for a person to type.
+/// The command that installs packages, to be printed.
 pub fn install_command(packages: &[&str]) -> String {
     format!(
         "apt-get install -y --no-install-recommends {}",
@@ -28,13 +28,16 @@ pub fn install_command(packages: &[&str]) -> String {
 }
 
 /// Installs packages, as root.
+///
+/// # Errors
+/// When apt-get fails.
 pub fn install(packages: &[&str]) -> Result<()> {
     let apt = |arguments: &[&str]| -> Result<()> {
         let status = Command::new("apt-get")
             .args(arguments)
             .env("DEBIAN_FRONTEND", "noninteractive")
             .status()
-            .context("apt-get cannot be run: install what is missing by hand")?;
+            .context("apt-get cannot be run: install the packages by hand")?;
         ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
         Ok(())
     };

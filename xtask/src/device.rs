@@ -1,7 +1,7 @@
-//! Programs for the emulated Cortex-M4F: built, started, listened to.
+//! Builds and runs test programs for the emulated Cortex-M4F.
 //!
-//! The emulator is QEMU with its board `mps2-an386`. A program gets its arguments and files, and
-//! gives its output and exit code, by semihosting (tests/device/runtime).
+//! The emulator is QEMU with its board `mps2-an386`. Arguments, files, output and exit code of a
+//! program go through semihosting (tests/device/runtime).
 
 use std::{
     ffi::OsStr,
@@ -15,7 +15,7 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::firmware;
+use crate::cross_target;
 use crate::qemu::QEMU;
 use crate::toolchain::Toolchain;
 
@@ -28,8 +28,6 @@ pub enum Image {
     Golden,
     /// Counts instructions.
     Count,
-    /// The same for models that take patches of 5 samples.
-    CountOfFives,
 }
 
 impl Image {
@@ -46,22 +44,19 @@ impl Image {
                 "--bin=count",
                 "--release",
             ],
-            Self::CountOfFives => &[
-                "--package=myointent-device-images",
-                "--bin=count",
-                "--features=patch-5",
-                "--release",
-            ],
         }
     }
 }
 
 /// Builds an image and gives its path.
+///
+/// # Errors
+/// When it does not build.
 pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("rustc");
     cargo
         .args(image.cargo_arguments())
-        // Cargo.lock is as the cargo that built this program left it.
+        // The cargo that built this program has brought Cargo.lock up to date.
         .args([
             "--locked",
             "--quiet",
@@ -69,8 +64,8 @@ pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
         ])
         // Without --nmagic the linker pads segments to pages of 64 KiB.
         .args(["--", "-Clink-arg=-Tlink.x", "-Clink-arg=--nmagic"])
-        .env("CARGO_TARGET_DIR", firmware::target_directory())
-        // `shared` names the start of its own test harness, for which a stable compiler needs this.
+        .env("CARGO_TARGET_DIR", cross_target())
+        // The test harness of `shared` needs an unstable feature.
         .env("RUSTC_BOOTSTRAP", "1")
         .stderr(Stdio::inherit());
     let output = cargo.output().context("cargo cannot be run")?;
@@ -79,7 +74,7 @@ pub fn build(toolchain: &Toolchain, image: Image) -> Result<PathBuf> {
     executable(&messages).with_context(|| format!("cargo named no executable of {image:?}"))
 }
 
-/// The last executable that cargo's messages tell of: libraries and build scripts come before.
+/// The last executable in cargo's messages: libraries and build scripts come before.
 fn executable(messages: &str) -> Option<PathBuf> {
     let executable = |line: &str| {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
@@ -93,7 +88,7 @@ fn executable(messages: &str) -> Option<PathBuf> {
 pub enum Clock {
     /// As fast as the emulator goes.
     Free,
-    /// 64 ns an instruction, whatever the machine: the timers count instructions.
+    /// 64 ns an instruction, on every machine: the timers count instructions.
     Instructions,
 }
 
@@ -108,7 +103,8 @@ pub struct Outcome {
 
 /// Runs an image to its end.
 ///
-/// Fails if the emulator cannot be started, or if there is no end within `limit`.
+/// # Errors
+/// When the emulator cannot be started, or there is no end within `limit`.
 pub fn run(
     image: &Path,
     arguments: &[impl AsRef<OsStr>],
@@ -131,14 +127,14 @@ pub fn run(
         emulator.args(["-icount", "shift=6"]);
     }
     let mut running = emulator.spawn().context("the emulator cannot be started")?;
-    // It holds the writing end, and the output ends with the last of them.
+    // It holds a writing end of the pipe, and the output ends when the last one is closed.
     drop(emulator);
 
     let (sender, receiver) = mpsc::channel();
     thread::spawn(move || {
         let mut bytes = Vec::new();
         let read = output.read_to_end(&mut bytes);
-        // Nobody listens any more once the limit is over.
+        // The receiver is gone once the limit is over.
         let _ = sender.send(read.map(|_| bytes));
     });
     let Ok(bytes) = receiver.recv_timeout(limit) else {

@@ -1,5 +1,5 @@
-//! What the end-to-end tests need beside a compiler: an emulated Cortex-M4F, and a Python
-//! environment with the virtual Bluetooth controller that the virtual armband is built on.
+//! What the end-to-end tests need besides a compiler: QEMU, and a Python environment with Bumble, the
+//! virtual Bluetooth controller that the virtual armband is built on.
 
 use std::{
     env, fs,
@@ -10,28 +10,28 @@ use std::{
 use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::debian;
-use crate::qemu::{self, QEMU};
+use crate::qemu::{self, HINT, QEMU};
 
-/// Names another Python that has the requirements, in place of the environment that
-/// `cargo xtask emulator --install` makes.
+/// Names another Python that has the requirements, instead of the environment that
+/// `cargo xtask emulator --install` creates.
 pub const PYTHON_VARIABLE: &str = "MYOINTENT_PYTHON";
 
-/// The command that adds what is missing.
-pub const HINT: &str = "cargo xtask emulator --install";
-
-/// Looks for emulator and armband; with `install` it adds what is missing.
+/// Checks that emulator and armband can run; with `install` it installs what is missing.
+///
+/// # Errors
+/// When something is missing that may not be, or cannot be, installed.
 pub fn prepare(install: bool) -> Result<()> {
     if qemu::find().is_err() {
-        add_packages(&[QEMU], install)?;
+        install_packages(&[QEMU], install)?;
     }
     println!("{}", qemu::find()?);
     if python().is_err() {
         ensure!(
             install,
-            "no Python with the armband's requirements.\n  {HINT}\nmakes one in {}",
+            "no Python with the armband's requirements.\n  {HINT}\ncreates one in {}",
             environment().display()
         );
-        make_environment()?;
+        create_environment()?;
     }
     println!(
         "Python {} has {}",
@@ -43,7 +43,8 @@ pub fn prepare(install: bool) -> Result<()> {
 
 /// A Python that can run the virtual armband.
 ///
-/// Fails with the command that would help.
+/// # Errors
+/// When there is none; names the command that creates it.
 pub fn python() -> Result<PathBuf> {
     let python =
         env::var_os(PYTHON_VARIABLE).map_or_else(|| environment().join("bin/python"), Into::into);
@@ -68,7 +69,7 @@ pub fn armband() -> PathBuf {
     crate::workspace().join("tests/armband")
 }
 
-/// A Python program that ends well where every requirement is there, in the version asked for.
+/// A Python program that fails unless every requirement is installed in the required version.
 fn check() -> String {
     let versions: Vec<_> = requirements()
         .iter()
@@ -86,13 +87,13 @@ fn requirements() -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-fn make_environment() -> Result<()> {
+fn create_environment() -> Result<()> {
     let environment = environment();
-    // The module that makes environments comes apart from Python itself on Debian.
+    // On Debian the module that creates environments is a package of its own.
     if !runs(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
-        add_packages(&["python3", "python3-venv"], true)?;
+        install_packages(&["python3", "python3-venv"], true)?;
     }
-    println!("making {}", environment.display());
+    println!("creating {}", environment.display());
     ensure!(
         runs(
             Command::new("python3")
@@ -118,7 +119,7 @@ fn make_environment() -> Result<()> {
     Ok(())
 }
 
-fn add_packages(packages: &[&str], install: bool) -> Result<()> {
+fn install_packages(packages: &[&str], install: bool) -> Result<()> {
     let missing = debian::missing(packages);
     let command = debian::install_command(&missing);
     ensure!(
@@ -138,7 +139,7 @@ fn runs(command: &mut Command) -> bool {
     quiet.status().is_ok_and(|status| status.success())
 }
 
-/// Where the environment lies: a build product like any other.
+/// The folder of the environment.
 fn environment() -> PathBuf {
     crate::target().join("armband")
 }

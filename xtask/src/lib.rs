@@ -1,6 +1,6 @@
-//! The project's own build steps: which compiler builds for the board, and what comes out of it.
+//! Build steps that plain cargo cannot express: cross builds, sizes, instruction counts, checks of the sources.
 //!
-//! A library as well as a command, because the tests that start an emulator build what it runs.
+//! A library as well as a command: the tests that start an emulator build its images with it.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
@@ -10,6 +10,9 @@ mod debian;
 pub mod device;
 pub mod emulator;
 pub mod firmware;
+pub mod modules;
+#[cfg(test)]
+mod pages;
 pub mod qemu;
 pub mod size;
 pub mod stack;
@@ -30,4 +33,10 @@ fn workspace() -> PathBuf {
 /// Where build products go.
 fn target() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
+}
+
+/// Where those for the board go: a folder of its own, so that two versions of cargo do not rebuild each
+/// other's products.
+fn cross_target() -> PathBuf {
+    target().join("cross")
 }

@@ -1,12 +1,10 @@
-//! The project's own build steps, run as `cargo xtask STEP`.
-//!
-//! Steps that plain cargo cannot express: they choose a toolchain and look at what came out.
+//! `cargo xtask STEP`: see the library.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{count, emulator, firmware, toolchain};
+use xtask::{count, emulator, firmware, modules, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -18,19 +16,21 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Step {
-    /// Builds the images of all boards and prints what they take of flash and RAM.
+    /// Builds the images of all boards, prints their flash, RAM and stack, and fails over a budget.
     Images(firmware::Arguments),
-    /// Lints the board's program, which no linter of this machine's own target sees.
+    /// Runs clippy on the board's program, for the targets and features of its images.
     Lint(firmware::LintArguments),
-    /// Counts the instructions that a patch takes on the emulated Cortex-M4F, part by part.
+    /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
     Count(count::Arguments),
-    /// Says which emulator and which Python would run the end-to-end tests, and adds them if asked.
+    /// Prints which modules import which, and fails on an import cycle or a file that is too long.
+    Modules(modules::Arguments),
+    /// Prints which emulator and which Python run the end-to-end tests.
     Emulator {
         /// Installs what is missing: QEMU with apt-get, as root; the armband's requirements with pip.
         #[arg(long)]
         install: bool,
     },
-    /// Says which toolchain would build the board's image, and installs it if asked.
+    /// Prints which toolchain builds the board's images.
     Toolchain {
         /// Installs what is missing, as root, with apt-get.
         #[arg(long)]
@@ -43,6 +43,7 @@ fn main() -> Result<()> {
         Step::Images(arguments) => firmware::build(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
+        Step::Modules(arguments) => modules::check(&arguments),
         Step::Emulator { install } => emulator::prepare(install),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
     }

@@ -1,18 +1,19 @@
-//! The emulator of a Cortex-M4F that tests and instruction counts run in.
+//! QEMU, which emulates the Cortex-M4F of tests and instruction counts.
 
 use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::emulator::HINT;
+/// The command that installs what is missing.
+pub const HINT: &str = "cargo xtask emulator --install";
 
-/// Its program, and the package that has it.
+/// Its program, and the Debian package of it.
 pub const QEMU: &str = "qemu-system-arm";
 
-/// What it says that it is.
+/// Its version line.
 ///
 /// # Errors
-/// Where there is none: with the command that would help.
+/// When it is not installed; names the command that installs it.
 pub fn find() -> Result<String> {
     match Command::new(QEMU).arg("--version").output() {
         Ok(output) if output.status.success() => {

@@ -1,4 +1,4 @@
-//! What an image takes of flash and RAM, read from its ELF sections.
+//! Flash and RAM of an image, from its ELF sections.
 
 use anyhow::{Context as _, Result};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
@@ -14,8 +14,8 @@ pub struct Size {
     pub data: u64,
     /// Variables that start as zero or uninitialised: RAM only.
     pub bss: u64,
-    /// Of text and rodata, what belongs to Nordic's controller library: what on other images is
-    /// the SoftDevice's own.
+    /// Bytes of text and rodata that belong to Nordic's controller library; in other images this code
+    /// is part of the SoftDevice.
     pub controller: u64,
 }
 
@@ -25,12 +25,12 @@ impl Size {
         self.text + self.rodata + self.data
     }
 
-    /// Bytes of flash that are the program's own.
+    /// Bytes of flash without the controller library.
     pub const fn own_flash(self) -> u64 {
         self.flash() - self.controller
     }
 
-    /// Bytes of static RAM; the stack takes what is left.
+    /// Bytes of static RAM; the rest is left for the stack.
     pub const fn ram(self) -> u64 {
         self.data + self.bss
     }
@@ -41,13 +41,13 @@ impl Size {
             SectionKind::ReadOnlyData | SectionKind::ReadOnlyString => self.rodata += bytes,
             SectionKind::Data => self.data += bytes,
             SectionKind::UninitializedData => self.bss += bytes,
-            // Names, debug lines, log strings that stay on the PC.
+            // Symbol names, debug information, log strings: not loaded.
             _ => {}
         }
     }
 }
 
-/// The library comes with its inner names replaced by `sym_` and a code.
+/// The library's internal symbols are renamed to `sym_` and a code.
 fn is_of_the_controller(symbol: &str) -> bool {
     ["sym_", "sdc_", "mpsl_", "MPSL_"]
         .iter()
@@ -55,6 +55,9 @@ fn is_of_the_controller(symbol: &str) -> bool {
 }
 
 /// Sums the sections of an ELF image.
+///
+/// # Errors
+/// When it is none.
 pub fn measure(elf: &[u8]) -> Result<Size> {
     let file = object::File::parse(elf).context("not an ELF image")?;
     let mut size = Size::default();
@@ -75,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sections_are_counted_where_they_will_lie() {
+    fn sections_count_for_flash_or_ram_by_their_kind() {
         let mut size = Size::default();
         size.add(SectionKind::Text, 1000);
         size.add(SectionKind::ReadOnlyData, 200);
@@ -106,6 +109,6 @@ mod tests {
     #[test]
     fn what_is_no_image_is_refused() {
         assert!(measure(b"").is_err());
-        assert!(measure(b"\x7fELF and then nothing of use").is_err());
+        assert!(measure(b"\x7fELF and then nothing").is_err());
     }
 }

@@ -1,6 +1,6 @@
-//! The deepest stack that the emulated board was seen to use, kept beside its image.
+//! The deepest stack that runs of the emulated board have used, recorded in a file beside its image.
 //!
-//! The tasks are the same in every image, and with them what they need of the stack.
+//! The tasks are the same in every image, and so is their use of the stack.
 
 use std::{
     fs,
@@ -11,7 +11,7 @@ use std::{
 
 use anyhow::{Context as _, Result};
 
-/// Keeps what a run of the image used, if no run of it used more.
+/// Records the bytes that a run of the image used, if no run of it used more.
 ///
 /// # Errors
 /// Where a file cannot be read or written.
@@ -19,20 +19,20 @@ pub fn record(image: &Path, used: u64) -> Result<()> {
     if measured(image)?.is_some_and(|most| most >= used) {
         return Ok(());
     }
-    let kept = beside(image);
-    // Whoever reads meanwhile finds the old number or the new one.
+    let kept = record_file(image);
+    // Written apart and renamed: a concurrent reader finds the old number or the new one.
     let fresh = kept.with_extension(format!("stack-{}", process::id()));
     fs::write(&fresh, format!("{used}\n{:016x}\n", fingerprint(image)?))
         .and_then(|()| fs::rename(&fresh, &kept))
         .with_context(|| format!("{} cannot be written", kept.display()))
 }
 
-/// The most bytes that any run of the image used; none where no run was recorded.
+/// The most bytes that any run of this image used; none where no run was recorded.
 ///
 /// # Errors
 /// Where there is no image.
 pub fn measured(image: &Path) -> Result<Option<u64>> {
-    let text = fs::read_to_string(beside(image)).unwrap_or_default();
+    let text = fs::read_to_string(record_file(image)).unwrap_or_default();
     let Some((used, of)) = text.trim_end().split_once('\n') else {
         return Ok(None);
     };
@@ -40,11 +40,11 @@ pub fn measured(image: &Path) -> Result<Option<u64>> {
     Ok(used.parse().ok().filter(|_| of_this))
 }
 
-fn beside(image: &Path) -> PathBuf {
+fn record_file(image: &Path) -> PathBuf {
     image.with_extension("stack")
 }
 
-/// Tells one image from the next. Another compiler's may differ: then the measuring starts anew.
+/// Identifies the image. It may differ between compilers: then the record is ignored.
 fn fingerprint(image: &Path) -> Result<u64> {
     let bytes = fs::read(image).with_context(|| format!("{} cannot be read", image.display()))?;
     let mut hasher = DefaultHasher::new();
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_most_is_kept_until_the_image_is_another() -> Result<()> {
+    fn the_largest_is_kept_until_the_image_changes() -> Result<()> {
         let folder = std::env::temp_dir().join(format!("myointent-stack-{}", process::id()));
         fs::create_dir_all(&folder)?;
         let image = folder.join("emulator.elf");
@@ -71,7 +71,7 @@ mod tests {
         assert_eq!(measured(&image)?, None);
         record(&image, 4000)?;
         assert_eq!(measured(&image)?, Some(4000));
-        // Nothing is left over but the image and the number.
+        // No temporary file is left.
         assert_eq!(fs::read_dir(&folder)?.count(), 2);
         fs::remove_dir_all(&folder)?;
         Ok(())

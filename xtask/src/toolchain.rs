@@ -1,7 +1,7 @@
-//! Which compiler builds for the Cortex-M4F on this machine.
+//! The compiler that builds for the Cortex-M4F on this machine.
 //!
-//! First choice: the target that rustup downloads. Where that download cannot be had, Debian
-//! packages a compiler together with the sources of `core`, which cargo then builds for the target.
+//! First choice: the target that rustup downloads. Where there is no such download, Debian's packages:
+//! a compiler and the sources of `core`, which cargo then builds for the target.
 
 use std::{fmt, fs, path::Path, path::PathBuf, process::Command};
 
@@ -9,13 +9,13 @@ use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::debian;
 
-/// The target of every board: Cortex-M4 with its FPU, hard-float calls.
+/// The target of every board: Cortex-M4 with FPU, hard-float calling convention.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Compiler, cargo, sources of `core` and linter, as Debian packages them.
+/// Debian's packages of compiler, cargo, sources of `core` and clippy.
 const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
-/// Started by itself: cargo would prefer the one of rustup, which lints with rustup's compiler.
+/// Started directly: `cargo clippy` would find rustup's, which uses rustup's compiler.
 const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 
@@ -26,14 +26,15 @@ pub enum Toolchain {
     Rustup,
     /// Debian's compiler builds `core` from source and links with the given `rust-lld`.
     Debian {
-        /// The linker, which Debian does not package: the one of the compiler that cargo runs.
+        /// The linker, which is in no package of Debian's: that of rustup's toolchain.
         linker: PathBuf,
     },
 }
 
-/// Finds a toolchain; installs Debian's if none is there and `install` is set.
+/// Finds a toolchain; installs Debian's if there is none and `install` is set.
 ///
-/// Fails with the command that would help.
+/// # Errors
+/// When there is none; names the commands that install one.
 pub fn find(install: bool) -> Result<Toolchain> {
     if rustup_has_target() {
         return Ok(Toolchain::Rustup);
@@ -54,7 +55,7 @@ pub fn find(install: bool) -> Result<Toolchain> {
 }
 
 impl Toolchain {
-    /// A cargo that builds for the target with this toolchain; subcommand and package are missing.
+    /// A cargo command for the target with this toolchain; the package is to be added.
     pub fn cargo(&self, subcommand: &str) -> Command {
         let mut cargo = match self {
             Self::Rustup => Command::new(env!("CARGO")),
@@ -63,13 +64,13 @@ impl Toolchain {
         };
         cargo.args([subcommand, "--target", TARGET]);
         if let Self::Debian { linker } = self {
-            // build-std is an unstable option; the variable admits it on a stable compiler.
+            // build-std is unstable; RUSTC_BOOTSTRAP permits it on a stable compiler.
             cargo
                 .args(["-Z", "build-std=core,alloc"])
                 .env("RUSTC_BOOTSTRAP", "1")
                 .env("RUSTC", DEBIAN_RUSTC)
                 .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
-            // What the cargo that started us told its children names the other compiler.
+            // Set by the cargo that runs this program, for rustup's compiler.
             for name in ["RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTDOC"] {
                 cargo.env_remove(name);
             }
@@ -97,7 +98,7 @@ fn rustup_has_target() -> bool {
     let installed = Command::new("rustup")
         .args(["target", "list", "--installed"])
         .output();
-    // No rustup at all is an answer too.
+    // Without rustup the command cannot be run: then it has no target either.
     installed.is_ok_and(|output| lists_target(&String::from_utf8_lossy(&output.stdout)))
 }
 
@@ -105,7 +106,7 @@ fn lists_target(installed: &str) -> bool {
     installed.lines().any(|line| line.trim() == TARGET)
 }
 
-/// The linker that every rustup toolchain carries; any place of `rust-lld` on the path does as well.
+/// The linker of rustup's toolchain, or else a `rust-lld` on the path.
 fn rust_lld() -> Result<PathBuf> {
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     let output = Command::new(rustc)
@@ -141,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_whole_name_counts_as_the_target() {
+    fn only_the_full_name_is_the_target() {
         assert!(lists_target(
             "x86_64-unknown-linux-gnu\nthumbv7em-none-eabihf\n"
         ));
@@ -151,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn debians_cargo_is_told_its_own_compiler_and_linker() {
+    fn debians_cargo_gets_its_own_compiler_and_linker() {
         let linker = PathBuf::from("/somewhere/rust-lld");
         let cargo = Toolchain::Debian {
             linker: linker.clone(),

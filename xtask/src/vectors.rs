@@ -1,7 +1,7 @@
-//! Whether the interrupts that a program needs lead anywhere.
+//! Checks the vector table of an image.
 //!
-//! A handler under a name that the vector table does not know links without a word, and on the
-//! board nothing happens. So the table that came out is read.
+//! A handler under a name that the vector table does not contain links without a warning and is never
+//! called. So the table of the linked image is read.
 
 use anyhow::{Context as _, Result, ensure};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
@@ -9,7 +9,7 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
 /// Vectors of the core itself, before the first interrupt.
 const CORE_VECTORS: usize = 16;
 
-/// Fails where one of the interrupts, by number, has no handler of its own.
+/// Fails where one of the interrupts, given by number, leads to no handler or the default one.
 ///
 /// # Errors
 /// Also when the file is no ELF image of `cortex-m-rt`.
@@ -29,7 +29,7 @@ pub fn check(elf: &[u8], needed: &[usize]) -> Result<()> {
         ensure!(
             vector.is_some_and(|vector| vector != 0 && vector != default),
             "interrupt {interrupt} has no handler: it is bound under a name that the vector table \
-             does not know"
+             does not contain"
         );
     }
     Ok(())

@@ -1,8 +1,8 @@
-//! Pins, clocks and wiring; no decisions.
+//! The hardware: pins, clocks, UART, watchdog, Bluetooth controller. No decisions.
 //!
-//! Every board gives the same names: `start`, which takes the peripherals with all outputs safe;
-//! [`Pins`], [`LabelPort`] and [`Watchdog`], which drive them; `run_radio`, which brings up its
-//! Bluetooth and follows the armband for ever; and `last_words`, for a panic.
+//! Every board has the same items: `start`, which takes the peripherals and sets all outputs to
+//! their safe levels; [`Pins`], [`LabelPort`] and [`Watchdog`], which drive them; `run_radio`, which
+//! starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic.
 
 #[cfg(feature = "emulator")]
 mod emulator;
@@ -10,61 +10,22 @@ mod emulator;
 mod nrf52;
 
 #[cfg(feature = "emulator")]
-pub use emulator::{LabelPort, Pins, RadioParts, Watchdog, last_words, run_radio, start};
+pub use emulator::{LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start};
 #[cfg(feature = "chip")]
-pub use nrf52::{LabelPort, Pins, RadioParts, Watchdog, last_words, run_radio, start};
+pub use nrf52::{LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start};
 
-use shared::stream::safe_state::{Cause, Status};
+use crate::reset_reason::ResetReason;
 
-/// Why the program started.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Restart {
-    /// Power, the reset button or a debugger.
-    Power,
-    /// The watchdog: a task had stopped.
-    Watchdog,
-    /// The program itself, after a panic; on a chip also a debugger that asks for it.
-    Software,
-}
-
-impl Restart {
-    /// As the UART tells it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Power => "power or reset",
-            Self::Watchdog => "the watchdog",
-            Self::Software => "software",
-        }
-    }
-}
-
-/// A board as it starts.
+/// A board after its start.
 pub struct Board {
-    /// The line to whoever acts on labels.
+    /// The UART that labels are written to.
     pub labels: LabelPort,
-    /// What shows the label.
+    /// Label pins and LEDs.
     pub pins: Pins,
     /// What the radio needs.
     pub radio: RadioParts,
     /// Runs already.
     pub watchdog: Watchdog,
-    /// Why it started.
-    pub restart: Restart,
-}
-
-/// What pins and LEDs show.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Shown {
-    /// Label and `valid`. Exactly one intent's pin is high, in the safe state that of relax.
-    pub status: Status,
-    /// Whether an armband streams.
-    pub armband: bool,
-}
-
-impl Shown {
-    /// What a start and a panic show.
-    pub const SAFE: Self = Self {
-        status: Status::Safe(Cause::Boot),
-        armband: false,
-    };
+    /// Why the program started.
+    pub reset_reason: ResetReason,
 }

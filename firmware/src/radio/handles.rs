@@ -1,5 +1,5 @@
-//! Where an armband's attributes lie: discovered anew on every connection, for firmware versions
-//! number them differently.
+//! Attribute handles of an armband: discovered on every connection, for they differ between
+//! firmware versions.
 
 use shared::myo::{Characteristic, Found};
 
@@ -11,29 +11,34 @@ pub struct Handles {
 }
 
 impl Handles {
-    /// Notes where a characteristic was found.
-    pub fn note(&mut self, characteristic: Characteristic, value: u16, subscription: Option<u16>) {
-        self.value[characteristic.place()] = value;
-        self.subscription[characteristic.place()] = subscription.unwrap_or(0);
+    /// Adds a characteristic that was discovered.
+    pub fn insert(
+        &mut self,
+        characteristic: Characteristic,
+        value: u16,
+        subscription: Option<u16>,
+    ) {
+        self.value[characteristic.index()] = value;
+        self.subscription[characteristic.index()] = subscription.unwrap_or(0);
     }
 
     /// Handle of the value.
     pub fn value(&self, characteristic: Characteristic) -> Option<u16> {
-        Some(self.value[characteristic.place()]).filter(|&handle| handle != 0)
+        Some(self.value[characteristic.index()]).filter(|&handle| handle != 0)
     }
 
-    /// Handle of the descriptor that asks for notifications.
+    /// Handle of the descriptor that enables notifications.
     pub fn subscription(&self, characteristic: Characteristic) -> Option<u16> {
-        Some(self.subscription[characteristic.place()]).filter(|&handle| handle != 0)
+        Some(self.subscription[characteristic.index()]).filter(|&handle| handle != 0)
     }
 
-    /// Whose value lies at a handle.
+    /// The characteristic whose value has a handle.
     pub fn characteristic(&self, handle: u16) -> Option<Characteristic> {
         let found = self.value.iter().position(|&value| value == handle);
         found.map(|place| Characteristic::ALL[place])
     }
 
-    /// What was found at all.
+    /// The characteristics that were discovered.
     pub fn found(&self) -> Found {
         let there = |characteristic: &Characteristic| self.value(*characteristic).is_some();
         Characteristic::ALL.into_iter().filter(there).collect()

@@ -1,6 +1,6 @@
-//! What the two Bluetooth stacks have in common, and no more than [`follow`] needs of them.
+//! What the two Bluetooth stacks have in common, and no more of it than [`driver`] needs.
 
-pub mod follow;
+pub mod driver;
 mod handles;
 #[cfg(feature = "radio-softdevice")]
 pub mod softdevice;
@@ -10,29 +10,29 @@ pub mod trouble;
 use handles::Handles;
 use shared::myo::Address;
 
-/// Longest advertisement, and longest value that is read or received.
-pub const MOST_BYTES: usize = 31;
+/// Bytes of the longest advertisement, and of the longest value that is read or received.
+pub const MAX_VALUE_BYTES: usize = 31;
 
-/// What asks for notifications, written to the descriptor 0x2902 (Bluetooth Core, Vol 3, Part G,
+/// Enables notifications when written to the descriptor 0x2902 (Bluetooth Core, Vol 3, Part G,
 /// 3.3.3.3).
-const SUBSCRIBE: [u8; 2] = [1, 0];
+const ENABLE_NOTIFICATIONS: [u8; 2] = [1, 0];
 
-/// An armband, or anything else, that made itself heard.
+/// An advertisement of an armband or of any other device.
 #[derive(Clone, Copy)]
 pub struct Advertisement {
-    /// Whose.
+    /// Of the sender.
     pub address: Address,
     /// Signal strength, dBm.
     pub rssi: i8,
-    bytes: [u8; MOST_BYTES],
+    bytes: [u8; MAX_VALUE_BYTES],
     length: usize,
 }
 
 impl Advertisement {
-    /// Keeps what fits; a legacy advertisement does.
+    /// Copies the data; they fit where the advertisement is a legacy one, and are cut where not.
     pub fn new(address: Address, rssi: i8, data: &[u8]) -> Self {
-        let mut bytes = [0; MOST_BYTES];
-        let length = data.len().min(MOST_BYTES);
+        let mut bytes = [0; MAX_VALUE_BYTES];
+        let length = data.len().min(MAX_VALUE_BYTES);
         bytes[..length].copy_from_slice(&data[..length]);
         Self {
             address,
@@ -48,53 +48,54 @@ impl Advertisement {
     }
 }
 
-/// No connection came about.
+/// No connection was established.
 pub struct ConnectFailed;
 
-/// An operation did not succeed. Which way matters only to the log.
+/// An operation did not succeed. The cause is only logged.
 pub struct OperationFailed;
 
-/// The connection is gone.
+/// The connection is closed or lost.
 pub struct Disconnected;
 
 /// A Bluetooth stack as a central.
 ///
-/// Every future may be dropped, which ends what it did.
+/// Every future may be dropped, which ends its operation.
 pub trait Radio {
-    /// Listens passively for as long as it is polled, and passes on all that is heard. Returns
-    /// where the stack gives up.
-    async fn scan(&mut self, heard: impl FnMut(&Advertisement));
+    /// Scans passively for as long as it is polled, and passes every advertisement on. Returns
+    /// where the stack ends the scan.
+    async fn scan(&mut self, on_advertisement: impl FnMut(&Advertisement));
 
-    /// Connects, talks, and disconnects when the talk is over.
+    /// Connects, runs the handler on the connection, and disconnects when the handler returns.
     ///
     /// # Errors
-    /// If no connection came about; nothing was said then.
+    /// If no connection was established; the handler was not run then.
     async fn connect(
         &mut self,
         address: Address,
-        conversation: &impl Conversation,
+        handler: &impl ConnectionHandler,
     ) -> Result<(), ConnectFailed>;
 }
 
 /// What is done while a connection lasts.
-pub trait Conversation {
-    /// Talks; the link is alive when it begins.
-    async fn talk(&self, link: &impl Link);
+pub trait ConnectionHandler {
+    /// Runs on a link that has just been established.
+    async fn run(&self, link: &impl Link);
 }
 
-/// A connection to an armband. Attributes go by the handles that discovery found.
+/// A connection to an armband. Attributes are addressed by the handles that discovery found.
 pub trait Link {
-    /// Finds the armband's characteristics, by UUID.
+    /// Finds the armband's characteristics by their UUIDs.
     async fn discover(&self) -> Result<Handles, OperationFailed>;
 
-    /// Reads a value; gives its length.
+    /// Reads a value; returns its length.
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed>;
 
     /// Writes a value, with response.
     async fn write(&self, handle: u16, value: &[u8]) -> Result<(), OperationFailed>;
 
-    /// Passes notifications on, by the handle of their value, until the connection is gone.
+    /// Passes notifications on, by the handle of their value, until the connection ends.
     ///
-    /// From then on nothing is read, and a write may be taken as done before its response.
-    async fn listen(&self, notified: impl FnMut(u16, &[u8])) -> Disconnected;
+    /// Once it was called nothing can be read any more, and a write may be reported as done before
+    /// its response.
+    async fn listen(&self, on_notification: impl FnMut(u16, &[u8])) -> Disconnected;
 }

@@ -1,5 +1,5 @@
-//! The Bluetooth host `trouble`, over whatever controller speaks HCI: Nordic's library on the
-//! board, a UART in the emulator.
+//! The Bluetooth host `trouble` as a central, on any HCI controller: Nordic's library on a chip, a
+//! UART in the emulator.
 
 use core::{future::poll_fn, task::Poll};
 
@@ -25,21 +25,21 @@ use trouble_host::{
 };
 
 use super::{
-    Advertisement, ConnectFailed, Conversation, Disconnected, Link, OperationFailed, Radio,
-    follow::Follower, handles::Handles,
+    Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
+    driver::SessionDriver, handles::Handles,
 };
 
 /// Bytes of a notification that are kept, as the `mtu` feature of the packet pool sets them.
 const NOTIFICATION_BYTES: usize = trouble_host::config::GATT_CLIENT_NOTIFICATION_MTU;
-/// Services that the client keeps: those that are looked for.
-const MOST_SERVICES: usize = Service::ALL.len();
+/// Services that the client keeps: those that the session knows.
+const MAX_SERVICES: usize = Service::ALL.len();
 /// Characteristics of one service: EMG has four, Control three.
-const MOST_CHARACTERISTICS: usize = 6;
+const MAX_CHARACTERISTICS: usize = 6;
 
-/// Scanning costs nothing but power, so it never pauses.
+/// Window and interval of a scan. Equal: it scans all the time, which costs nothing but power.
 const SCAN_WINDOW: Duration = Duration::from_millis(60);
 
-/// A longer interval costs data, a latency would too.
+/// A longer interval loses data, and so does a latency.
 const LINK: RequestedConnParams = RequestedConnParams {
     min_connection_interval: Duration::from_micros(7_500),
     max_connection_interval: Duration::from_millis(15),
@@ -49,8 +49,8 @@ const LINK: RequestedConnParams = RequestedConnParams {
     supervision_timeout: Duration::from_secs(2),
 };
 
-/// What this central needs of a controller: legacy scanning and connecting, as the armband's.
-pub trait Capable:
+/// The commands that this central needs of a controller: legacy scanning and connecting.
+pub trait CentralController:
     Controller
     + ControllerCmdSync<LeSetScanParams>
     + ControllerCmdSync<LeSetScanEnable>
@@ -60,7 +60,7 @@ pub trait Capable:
 {
 }
 
-impl<C> Capable for C where
+impl<C> CentralController for C where
     C: Controller
         + ControllerCmdSync<LeSetScanParams>
         + ControllerCmdSync<LeSetScanEnable>
@@ -70,29 +70,37 @@ impl<C> Capable for C where
 {
 }
 
-/// Runs the host and follows the armband, until the controller fails.
+/// Runs the host and the session until the controller fails.
 ///
-/// `own` is the central's random static address: its two highest bits are ones.
-pub async fn run<C: Capable>(controller: C, own: [u8; 6], follower: &Follower<'_>) {
+/// `own_address` is the central's random static address: its two highest bits are ones.
+pub async fn run<C: CentralController>(
+    controller: C,
+    own_address: [u8; 6],
+    driver: &SessionDriver<'_>,
+) {
     let mut resources: HostResources<DefaultPacketPool, 1, 1> = HostResources::new();
-    let heard = Heard(Channel::new());
+    let advertisements = Advertisements(Channel::new());
     let stack = trouble_host::new(controller, &mut resources)
-        .set_random_address(Address::random(own))
+        .set_random_address(Address::random(own_address))
         .build();
     let mut runner = stack.runner();
-    let mut radio = Trouble {
+    let mut radio = TroubleRadio {
         stack: &stack,
         central: stack.central(),
-        heard: &heard,
+        advertisements: &advertisements,
     };
-    select(runner.run_with_handler(&heard), follower.follow(&mut radio)).await;
+    select(
+        runner.run_with_handler(&advertisements),
+        driver.run(&mut radio),
+    )
+    .await;
 }
 
-/// Advertisements on their way from the host to the scan; what it has no room for will be
-/// repeated by its sender.
-struct Heard(Channel<NoopRawMutex, Advertisement, 4>);
+/// Advertisements on their way from the host to the scan. One that finds it full is dropped: its
+/// sender repeats it.
+struct Advertisements(Channel<NoopRawMutex, Advertisement, 4>);
 
-impl EventHandler for Heard {
+impl EventHandler for Advertisements {
     fn on_adv_reports(&self, reports: LeAdvReportsIter<'_>) {
         for report in reports.flatten() {
             let mut bytes = [0; 6];
@@ -111,34 +119,34 @@ impl EventHandler for Heard {
     }
 }
 
-struct Trouble<'s, 'r, C: Controller> {
+struct TroubleRadio<'s, 'r, C: Controller> {
     stack: &'s Stack<'r, C, DefaultPacketPool>,
     central: Central<'s, C, DefaultPacketPool>,
-    heard: &'s Heard,
+    advertisements: &'s Advertisements,
 }
 
-impl<C: Capable> Radio for Trouble<'_, '_, C> {
-    async fn scan(&mut self, mut heard: impl FnMut(&Advertisement)) {
+impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
+    async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
         let config = ScanConfig {
             active: false,
             interval: SCAN_WINDOW,
             window: SCAN_WINDOW,
             ..ScanConfig::default()
         };
-        self.heard.0.clear();
+        self.advertisements.0.clear();
         let mut scanner = Scanner::new(&mut self.central);
         let Ok(_session) = scanner.scan(&config).await else {
             return;
         };
         loop {
-            heard(&self.heard.0.receive().await);
+            on_advertisement(&self.advertisements.0.receive().await);
         }
     }
 
     async fn connect(
         &mut self,
         address: myo::Address,
-        conversation: &impl Conversation,
+        handler: &impl ConnectionHandler,
     ) -> Result<(), ConnectFailed> {
         let kind = match address.kind {
             AddressKind::Public => AddrKind::PUBLIC,
@@ -154,14 +162,14 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
             },
             connect_params: LINK,
         };
-        // Where the armband drops the link at once, both events come in one go, and the host forgets
-        // the connection before `connect` gets to see it and waits on. But it counts connections,
-        // and the event that made one has woken this task: one that `connect`, asked first, has not
-        // got by now is over.
-        let begun = || self.stack.metrics(|host| host.connect_events);
-        let before = begun();
+        // If the armband drops the link at once, both events are handled before this task runs: the
+        // host has removed the connection, and `connect` would wait forever. The host also counts
+        // connections. `connect` is polled first, so a connection that was counted and that
+        // `connect` did not return has ended.
+        let established = || self.stack.metrics(|host| host.connect_events);
+        let before = established();
         let missed = poll_fn(|_| {
-            if begun() == before {
+            if established() == before {
                 Poll::Pending
             } else {
                 Poll::Ready(())
@@ -171,29 +179,29 @@ impl<C: Capable> Radio for Trouble<'_, '_, C> {
             Either::First(connection) => connection.map_err(|_| ConnectFailed)?,
             Either::Second(()) => return Err(ConnectFailed),
         };
-        let client: GattClient<'_, C, DefaultPacketPool, MOST_SERVICES> =
+        let client: GattClient<'_, C, DefaultPacketPool, MAX_SERVICES> =
             GattClient::new(self.stack, &connection)
                 .await
                 .map_err(|_| ConnectFailed)?;
-        // Before anything is subscribed: what nobody listens for is thrown away.
+        // Before any subscription: the host drops notifications that have no listener.
         let listener = client.listen_all().map_err(|_| ConnectFailed)?;
         let link = TroubleLink {
             client: &client,
             listener: Mutex::new(listener),
         };
-        // The client's task ends when the connection does, and only it notices.
-        select(client.task(), conversation.talk(&link)).await;
+        // Only the client's task notices the end of the connection, and ends then.
+        select(client.task(), handler.run(&link)).await;
         connection.disconnect();
         Ok(())
     }
 }
 
 struct TroubleLink<'c, C: Controller> {
-    client: &'c GattClient<'c, C, DefaultPacketPool, MOST_SERVICES>,
+    client: &'c GattClient<'c, C, DefaultPacketPool, MAX_SERVICES>,
     listener: Mutex<NoopRawMutex, NotificationListener<'c, NOTIFICATION_BYTES>>,
 }
 
-impl<C: Capable> Link for TroubleLink<'_, C> {
+impl<C: CentralController> Link for TroubleLink<'_, C> {
     async fn discover(&self) -> Result<Handles, OperationFailed> {
         let mut handles = Handles::default();
         for service in Service::ALL {
@@ -201,13 +209,13 @@ impl<C: Capable> Link for TroubleLink<'_, C> {
             for service in services.map_err(|_| OperationFailed)? {
                 let characteristics = self
                     .client
-                    .characteristics::<MOST_CHARACTERISTICS>(&service)
+                    .characteristics::<MAX_CHARACTERISTICS>(&service)
                     .await;
                 for found in characteristics.map_err(|_| OperationFailed)? {
-                    let known = myo::uuid::Uuid::from_le_bytes(found.uuid.as_raw())
+                    let known = myo::Uuid::from_le_bytes(found.uuid.as_raw())
                         .and_then(Characteristic::from_uuid);
                     if let Some(characteristic) = known {
-                        handles.note(characteristic, found.handle, found.cccd_handle);
+                        handles.insert(characteristic, found.handle, found.cccd_handle);
                     }
                 }
             }
@@ -225,18 +233,18 @@ impl<C: Capable> Link for TroubleLink<'_, C> {
         written.map_err(|_| OperationFailed)
     }
 
-    async fn listen(&self, mut notified: impl FnMut(u16, &[u8])) -> Disconnected {
+    async fn listen(&self, mut on_notification: impl FnMut(u16, &[u8])) -> Disconnected {
         let mut listener = self.listener.lock().await;
         loop {
             let notification = listener.next().await;
-            notified(notification.handle(), notification.as_ref());
+            on_notification(notification.handle(), notification.as_ref());
         }
     }
 }
 
-fn uuid(uuid: myo::uuid::Uuid) -> Uuid {
+fn uuid(uuid: myo::Uuid) -> Uuid {
     match uuid {
-        myo::uuid::Uuid::Sig(short) => Uuid::new_short(short),
-        myo::uuid::Uuid::Vendor(_) => Uuid::new_long(uuid.to_le_bytes()),
+        myo::Uuid::Sig(short) => Uuid::new_short(short),
+        myo::Uuid::Vendor(_) => Uuid::new_long(uuid.to_le_bytes()),
     }
 }

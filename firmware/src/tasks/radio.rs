@@ -1,47 +1,48 @@
-//! Follows the armband; tells the output how it stands with it.
+//! Runs the Myo session on the board's radio and reports its phase and the armband's battery.
 
 use core::cell::Cell;
 
 use embassy_executor::Spawner;
 use shared::myo::{MyoSession, Phase};
 
-use super::{
-    PACKETS,
-    output::{self, Armband, Line},
-};
 use crate::board::{self, RadioParts};
-use crate::radio::follow::Follower;
+use crate::messages::{
+    packets::PACKETS,
+    pin_state,
+    uart::{self, Armband, UartMessage},
+};
+use crate::radio::driver::SessionDriver;
 use crate::settings;
 
-/// Runs for ever; a stack that fails ends in a panic, and so in a restart.
+/// Runs forever; a Bluetooth stack that stops ends in a panic, and so in a restart.
 #[embassy_executor::task]
 pub async fn run(spawner: Spawner, parts: RadioParts) {
-    let told = Told::default();
-    let watch = |session: &MyoSession| told.news(session);
+    let reporter = Reporter::default();
+    let observe = |session: &MyoSession| reporter.report(session);
     let session = MyoSession::new(settings::SESSION);
-    let follower = Follower::new(session, &PACKETS, &watch);
-    board::run_radio(spawner, parts, &follower).await;
+    let driver = SessionDriver::new(session, &PACKETS, &observe);
+    board::run_radio(spawner, parts, &driver).await;
     panic!("the Bluetooth stack has stopped");
 }
 
-/// What was told last, so that only news is told.
+/// The session's state as it was last reported: only changes are.
 #[derive(Default)]
-struct Told {
+struct Reporter {
     phase: Cell<Option<Phase>>,
-    low: Cell<bool>,
+    battery_is_low: Cell<bool>,
 }
 
-impl Told {
-    fn news(&self, session: &MyoSession) {
+impl Reporter {
+    fn report(&self, session: &MyoSession) {
         let phase = session.phase();
         let before = self.phase.replace(Some(phase));
         if before != Some(phase) {
-            output::armband(phase == Phase::Streaming);
+            pin_state::set_armband(phase == Phase::Streaming);
             if before == Some(Phase::Streaming) {
-                output::say(Line::StreamOver(session.counters()));
+                uart::enqueue(UartMessage::StreamEnded(session.counters()));
             }
             if phase == Phase::Streaming {
-                output::say(Line::Armband(Armband {
+                uart::enqueue(UartMessage::Armband(Armband {
                     address: session.armband(),
                     firmware: session.firmware(),
                     battery: session.battery(),
@@ -49,9 +50,9 @@ impl Told {
             }
         }
         let low = session.battery().filter(|_| session.battery_is_low());
-        let news = self.low.replace(low.is_some()) != low.is_some();
-        if let Some(percent) = low.filter(|_| news) {
-            output::say(Line::LowBattery(percent));
+        let changed = self.battery_is_low.replace(low.is_some()) != low.is_some();
+        if let Some(percent) = low.filter(|_| changed) {
+            uart::enqueue(UartMessage::LowBattery(percent));
         }
     }
 }

@@ -1,7 +1,12 @@
-//! What the product does not need: the paper's baselines, its comparisons and their tables, and the
-//! reference's offline aggregation.
+//! Research beside the product: the paper's five baselines, its comparisons and their tables, and the
+//! aggregation of overlapping windows that its published numbers were computed with.
+//!
+//! Models, metrics, data sets and run folders are those of the crate `myointent`, which does not depend
+//! on this one.
 
-pub mod baselines;
+#![deny(missing_docs)]
+
+mod baselines;
 pub mod cli;
-pub mod comparison;
+mod comparison;
 pub mod offline;

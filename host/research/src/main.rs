@@ -1,11 +1,11 @@
-//! The command line of `myointent-research`.
+//! The binary `myointent-research`.
 
 use std::process::ExitCode;
 
 use clap::Parser;
 use myointent_research::cli::Cli;
 
-// Training allocates and frees large tensors by the thousand; this allocator keeps their pages.
+// Training allocates and frees thousands of large tensors; this allocator keeps their pages.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -12,18 +12,18 @@ use crate::execution::progress;
 use crate::run::context::RunContext;
 use crate::run::preset::Preset;
 
-/// Where recordings lie.
+/// Which recordings to read.
 #[derive(Clone, Debug, Args)]
 pub struct DataArguments {
     /// Folder of recordings, of one data set or of several; `MYOINTENT_DATA` if not given.
     #[arg(long, value_name = "DIR", env = "MYOINTENT_DATA")]
     pub data: Option<PathBuf>,
-    /// Stop at the first damaged file instead of leaving damaged files out.
+    /// Refuse damaged files instead of leaving them out.
     #[arg(long)]
     pub strict: bool,
 }
 
-/// What tensors are computed on.
+/// Library that computes on tensors.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Backend {
     /// Burn's newer CPU backend.
@@ -43,7 +43,7 @@ pub enum Backend {
 /// Choice of a backend among those compiled in.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct BackendArguments {
-    /// What to compute on; the fastest that is compiled in if not given.
+    /// Library that computes on tensors; the fastest that is compiled in if not given.
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
 }
@@ -75,7 +75,7 @@ fn ndarray() -> Device {
 }
 
 impl DataArguments {
-    /// Loads the recordings, or makes synthetic ones where none are given; logs which.
+    /// Loads the recordings, or generates synthetic ones without `--data`; logs which.
     ///
     /// # Errors
     /// When nothing can be read, or a file is damaged and `--strict` is given.
@@ -84,14 +84,14 @@ impl DataArguments {
     }
 }
 
-/// The run in a folder, with the recordings that it was begun with.
+/// The run in a folder, with the recordings that it was started with.
 ///
 /// # Errors
 /// When the folder holds no run or the recordings cannot be read.
 pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunContext> {
     let (folder, config) = RunContext::find(path).with_context(|| {
         let run = path.display();
-        format!("no run has begun in {run}; start with `myointent train --run {run}`")
+        format!("{run} is not a run folder; start with `myointent train --run {run}`")
     })?;
     let library = recordings(config.data.as_deref(), config.strict, &config.preset)?;
     Ok(RunContext {
@@ -104,15 +104,19 @@ pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunCon
     })
 }
 
-/// Recordings below a path, of the preset's data sets if any of them is there; synthetic ones without
-/// a path.
+/// Recordings below a path, of the preset's data sets, or of all if none of these is found; synthetic
+/// ones without a path.
 ///
 /// # Errors
 /// When nothing can be read, or a file is damaged and `strict`.
-pub fn recordings(data: Option<&Path>, strict: bool, preset: &Preset) -> anyhow::Result<Library> {
+pub(crate) fn recordings(
+    data: Option<&Path>,
+    strict: bool,
+    preset: &Preset,
+) -> anyhow::Result<Library> {
     let Some(path) = data else {
         progress::log(
-            "no recordings given: making synthetic ones (give real ones with --data DIR)",
+            "no --data DIR: generating synthetic recordings, which show that the code works and no more",
         );
         return Ok(Library {
             recordings: synthetic::generate(&synthetic::SynthOptions {
@@ -128,22 +132,20 @@ pub fn recordings(data: Option<&Path>, strict: bool, preset: &Preset) -> anyhow:
     };
     let library = match load(path, &options) {
         Err(LoadError::NoRecordings { .. }) if !options.data_sets.is_empty() => {
-            progress::log("none of the preset's data sets is there: taking all recordings");
-            load(
-                path,
-                &LoadOptions {
-                    strict,
-                    ..LoadOptions::default()
-                },
-            )?
+            progress::log(&format!(
+                "none of the preset's data sets is in {}: using all recordings",
+                path.display()
+            ));
+            let data_sets = Vec::new();
+            load(path, &LoadOptions { strict, data_sets })
         }
-        library => library?,
-    };
+        library => library,
+    }
+    .map_err(refused)?;
     if let Some(first) = library.skipped.first() {
         progress::log(&format!(
-            "damaged files left out: {}; the first: {} (`myointent data inspect` lists all, --strict refuses them)",
-            library.skipped.len(),
-            first.error
+            "damaged files left out: {} (`myointent data inspect` lists them); the first: {first}",
+            library.skipped.len()
         ));
     }
     progress::log(&format!(
@@ -152,4 +154,13 @@ pub fn recordings(data: Option<&Path>, strict: bool, preset: &Preset) -> anyhow:
         path.display()
     ));
     Ok(library)
+}
+
+/// What stops a load, with the option that leaves damaged files out.
+pub(crate) fn refused(error: LoadError) -> anyhow::Error {
+    match error {
+        LoadError::Damaged { .. } => anyhow::Error::new(error)
+            .context("--strict refuses this file; without it, damaged files are left out"),
+        other => other.into(),
+    }
 }

@@ -1,4 +1,4 @@
-//! `myointent data`: what lies in a folder of recordings, and synthetic recordings.
+//! `myointent data`: contents of a folder of recordings, and synthetic recordings.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,49 +8,49 @@ use clap::{Args, Subcommand};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::dataset::LoadOptions;
-use crate::dataset::inspection::{Inspection, SetInspection};
-use crate::dataset::load;
+use super::arguments::refused;
+use crate::dataset::library::inspection::{Inspection, SetInspection};
 use crate::dataset::synthetic::{self, SynthOptions};
+use crate::dataset::{LoadOptions, load};
 use crate::report::Table;
 
-/// How many files of one oddity are listed for people; `--json` has all.
+/// How many files with the same anomaly are listed; `--json` has all.
 const SHOWN: usize = 4;
 
 /// What `myointent data` does.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Shows subjects, seconds per intent, transitions, saturation and suspicious files
+    /// Show subjects, seconds per intent, transitions, saturation and anomalies
     Inspect(InspectArguments),
-    /// Writes synthetic recordings, for trying things with no data set at hand
+    /// Write synthetic recordings, to try things without a data set
     Synth(SynthArguments),
 }
 
 /// Arguments of `myointent data inspect`.
 #[derive(Args, Debug)]
 #[command(
-    // Here and not in `long_about`: the one line of the subcommand would hide that.
+    // Not in `long_about`, which the one line of the subcommand hides.
     after_help = "Reads every recording at or below PATH and shows what is in it: a folder of \
         many data sets, one set, or one file.\n\n\
-        Formats are told by what the files look like:\n  \
-        roshambo         *_emg.npy (n, 8) of integers with *_ann.npy, a word per sample\n  \
+        Formats are recognised by the content of the files:\n  \
+        roshambo         *_emg.npy (n, 8) of integers with *_ann.npy, a gesture's name per sample\n  \
         ss-stm           MxTy.csv, eight decimals a row (count / 128)\n  \
         cote-allard      classe_N.dat, int16, eight values a sample\n  \
         myo-readings     G.txt, eight integers and the label a row\n  \
         one-subject-myo  csv, eight integers a row, classes in metadata.json\n  \
         emg-epn-612      JSON per user with trainingSamples, testingSamples\n  \
         react-emg        csv with gt and emg_0..emg_7, or npy with the label first\n\n\
-        The folders name the person, so give PATH with the set's own layout below it.\n\nExamples:\n  \
-        myointent data inspect ../shared/data\n  \
+        Names of folders identify the person: keep the published layout below PATH.\n\nExamples:\n  \
+        myointent data inspect recordings\n  \
         myointent data inspect recordings/s1/s1_grasp.csv --json"
 )]
 pub struct InspectArguments {
     /// File or folder
     path: PathBuf,
-    /// Stop at the first damaged file instead of leaving damaged files out and listing them
+    /// Refuse damaged files instead of leaving them out and listing them
     #[arg(long)]
     strict: bool,
-    /// Print JSON for programs
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
@@ -58,20 +58,20 @@ pub struct InspectArguments {
 /// Arguments of `myointent data synth`.
 #[derive(Args, Debug)]
 #[command(
-    // Here and not in `long_about`: the one line of the subcommand would hide that.
+    // Not in `long_about`, which the one line of the subcommand hides.
     after_help = "Writes synthetic recordings in ReactEMG's csv layout (OUT/s1/s1_synthetic_1.csv): \
         noise whose amplitude follows a pattern per intent, with ramps, crosstalk, gain and \
         rotation per person, and labels that the muscle follows late. They show that the code \
-        works, nothing about people.\n\nExample:\n  myointent data synth --out synthetic --subjects 12 --seed 7"
+        works, nothing about accuracy on people.\n\nExample:\n  myointent data synth --out synthetic --subjects 12 --seed 7"
 )]
 pub struct SynthArguments {
     /// Folder to write to
     #[arg(long)]
     out: PathBuf,
-    /// People
+    /// Number of people
     #[arg(long, default_value_t = SynthOptions::default().subjects)]
     subjects: usize,
-    /// Recordings of each person
+    /// Number of recordings of each person
     #[arg(long, default_value_t = SynthOptions::default().recordings)]
     recordings: usize,
     /// Seconds of each recording
@@ -80,14 +80,14 @@ pub struct SynthArguments {
     /// Classes: 3 (relax, open, close) or 6
     #[arg(long, default_value = "3", value_parser = vocabulary)]
     classes: Vocabulary,
-    /// How late the muscle follows a label, in ms
+    /// Label lag: how late the muscle follows a label, in ms
     #[arg(
         long,
         default_value_t = SynthOptions::default().label_lag_ms,
         value_parser = clap::value_parser!(u32).range(100..=500)
     )]
     label_lag: u32,
-    /// The same seed makes the same recordings
+    /// Seed of every draw
     #[arg(long, default_value_t = SynthOptions::default().seed)]
     seed: u64,
 }
@@ -101,7 +101,7 @@ fn vocabulary(text: &str) -> Result<Vocabulary, String> {
 ///
 /// # Errors
 /// If recordings cannot be read or written.
-pub fn run(command: Command) -> anyhow::Result<()> {
+pub(super) fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Inspect(args) => inspect(&args),
         Command::Synth(args) => write_synthetic(&args),
@@ -109,13 +109,11 @@ pub fn run(command: Command) -> anyhow::Result<()> {
 }
 
 fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
-    let library = load(
-        &args.path,
-        &LoadOptions {
-            strict: args.strict,
-            ..LoadOptions::default()
-        },
-    )?;
+    let options = LoadOptions {
+        strict: args.strict,
+        ..LoadOptions::default()
+    };
+    let library = load(&args.path, &options).map_err(refused)?;
     let inspection = Inspection::new(&library);
     let report = if args.json {
         serde_json::to_string_pretty(&inspection)? + "\n"
@@ -138,7 +136,7 @@ fn tables(inspection: &Inspection) -> String {
         }
     }
     if inspection.ignored > 0 {
-        text += &format!("\n{} other files are no recordings\n", inspection.ignored);
+        text += &format!("\n{} other files, not read\n", inspection.ignored);
     }
     text
 }
@@ -150,7 +148,7 @@ fn sets(sets: &[SetInspection]) -> Table {
         &["unlabelled", "transitions", "saturated %", "lag ms"],
     ];
     let caption = "Seconds by label; the largest share of a channel that saturates in a \
-        recording; how late the muscle follows its label (median).";
+        recording; label lag (median).";
     let mut table = Table::new(caption, columns.concat());
     for set in sets {
         let mut row = vec![

@@ -12,16 +12,16 @@ use crate::student::distillation;
 /// Arguments of `distill`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Run folder that `train` has filled.
+    /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Weight of the soft targets' loss against that of the labels, instead of the preset's; 0 trains on labels alone.
+    /// Weight of the soft targets in the loss, instead of the preset's; 0 trains on the labels alone.
     #[arg(long, value_name = "0..1", value_parser = share)]
     teacher_share: Option<f64>,
-    /// Train a second student on the labels alone, beside the one with a teacher, for comparison.
+    /// Train a second student on the labels alone, for comparison with the distilled one.
     #[arg(long, conflicts_with = "teacher_share")]
     labels_only: bool,
-    /// Go on after the last complete epoch.
+    /// Continue after the last complete epoch.
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -39,7 +39,7 @@ fn share(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// When the run folder holds no teacher or cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut context = RunContext {
         resume: arguments.resume,
         ..open_run(&arguments.run, arguments.backend)?

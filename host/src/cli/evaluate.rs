@@ -1,4 +1,4 @@
-//! `myointent evaluate`: teacher, float student and integer student on people none has seen.
+//! `myointent evaluate`: teacher, float student and integer student on held-out subjects.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -16,16 +16,16 @@ use crate::student::distillation;
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "TA is transition accuracy with a buffer of 60, 120 or 200 samples around each change. Offsets are of\n\
-    the changes that were followed, labels booked at the instant they speak of; `emitted ms` books them when\n\
-    the device emits them, look-ahead included. Deviations are over subjects. All numbers, every reading and\n\
-    every subject are in results.json of the run folder."
+    after_help = "TA is transition accuracy with a buffer of 60, 120 or 200 samples around each transition. Offsets are\n\
+    those of the transitions that were followed, each label at its reference time; `emitted ms` takes the\n\
+    emission time instead, look-ahead included. Deviations are over subjects. results.json in the run folder\n\
+    has all numbers, with every aggregation mode and every subject."
 )]
 pub struct Arguments {
-    /// Run folder that `quantize` has filled.
+    /// Run folder of `myointent quantize`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Model file to judge; the run folder's if not given.
+    /// Model file to evaluate; the run folder's if not given.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Print results.json instead of tables.
@@ -35,17 +35,17 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// Judges the run's models and writes results.json and report.html.
+/// Evaluates the run's models and writes results.json and report.html.
 ///
 /// # Errors
 /// When a model is missing or damaged.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     let path = arguments
         .model
         .clone()
         .unwrap_or_else(|| context.folder.file(MODEL));
-    // A run that has trained a teacher alone is judged too.
+    // A run with a teacher alone is evaluated too.
     let expected = arguments.model.is_some() || context.has(distillation::NAME);
     let model = expected
         .then(|| std::fs::read(&path))
@@ -66,8 +66,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         for table in tables(&results) {
             writeln!(out, "{}", table.plain())?;
         }
-        writeln!(out, "left out: {}", results.held_out.join(", "))?;
-        writeln!(out, "report: {}", page.display())?;
+        writeln!(out, "held out: {}", results.held_out.join(", "))?;
+        writeln!(out, "report:   {}", page.display())?;
     }
     Ok(())
 }

@@ -10,13 +10,14 @@ use crate::teacher::checkpoint;
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The reference reads the file of a `paper` run; back comes a checkpoint with `train --from FILE`."
+    after_help = "The reference's code reads the file if the run's preset is `paper`. `myointent train --from FILE` reads it\n\
+    and the reference's own checkpoints."
 )]
 pub struct Arguments {
-    /// Run folder that `train` has filled.
+    /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// File to write, safetensors under the reference's names; `teacher.safetensors` in the run folder if not given.
+    /// File to write; `teacher.safetensors` in the run folder if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -27,7 +28,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When the run folder holds no teacher or the file cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out

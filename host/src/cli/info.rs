@@ -1,4 +1,4 @@
-//! `myointent info`: what is in a model file.
+//! `myointent info`: the header of a model file.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ pub struct Arguments {
     /// Model file.
     #[arg(value_name = "FILE.intent")]
     model: PathBuf,
-    /// For programs.
+    /// Print JSON.
     #[arg(long)]
     json: bool,
 }
@@ -21,8 +21,8 @@ pub struct Arguments {
 /// Prints a model file's header.
 ///
 /// # Errors
-/// When the file is missing or refused; the reason is the one that the device gives.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+/// When the file is missing or refused, for the reason that the device reports too.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
@@ -36,7 +36,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .map(|intent| intent.name())
         .collect();
     let sets: Vec<&str> = provenance.data_sets.iter().collect();
-    let left_out: Vec<&str> = provenance.subjects_left_out.iter().collect();
+    let held_out: Vec<&str> = provenance.subjects_left_out.iter().collect();
     let metrics: Vec<(&str, f32)> = provenance.metrics.iter().collect();
     let mut out = std::io::stdout().lock();
     if arguments.json {
@@ -48,11 +48,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             "span": dimensions.span,
             "companding": format!("{:?}", header.companding),
             "aggregation": format!("{:?}", smoother.aggregation),
-            "likelihood": format!("{:?}", smoother.likelihood),
             "look_ahead": smoother.look_ahead,
             "hold": smoother.hold,
             "data_sets": sets,
-            "subjects_left_out": left_out,
+            "subjects_left_out": held_out,
             "git_revision": provenance.git_revision,
             "seed": provenance.seed,
             "metrics": metrics.iter().copied().collect::<std::collections::BTreeMap<_, _>>(),
@@ -62,7 +61,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     writeln!(
         out,
-        "{}: {} bytes, checksum right",
+        "{}: {} bytes, checksum correct",
         path.display(),
         model.length
     )?;
@@ -74,8 +73,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     )?;
     writeln!(
         out,
-        "smoother      {:?} of {:?}, look-ahead {} samples, hold {} samples",
-        smoother.aggregation, smoother.likelihood, smoother.look_ahead, smoother.hold
+        "smoother      {:?}, look-ahead {} samples, hold {} samples",
+        smoother.aggregation, smoother.look_ahead, smoother.hold
     )?;
     writeln!(
         out,
@@ -84,7 +83,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         provenance.seed,
         provenance.git_revision
     )?;
-    writeln!(out, "never saw     {}", left_out.join(", "))?;
+    writeln!(out, "held out      {}", held_out.join(", "))?;
     for (name, value) in metrics {
         writeln!(out, "measured      {name} {value:.3}")?;
     }

@@ -1,18 +1,18 @@
-//! The command line: parse and dispatch; one file a subcommand.
+//! The command line: parse, call, print; one file a subcommand.
 
 pub mod arguments;
-pub mod data;
-pub mod distill;
-pub mod evaluate;
-pub mod export;
-pub mod info;
-pub mod predict;
-pub mod presets;
-pub mod quantize;
-pub mod quickstart;
+mod data;
+mod distill;
+mod evaluate;
+mod export;
+mod info;
+mod predict;
+mod presets;
+mod quantize;
+mod quickstart;
 pub mod replay;
-pub mod score;
-pub mod train;
+mod score;
+mod train;
 
 use std::process::ExitCode;
 
@@ -21,17 +21,21 @@ use clap::{Parser, Subcommand};
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
 
-/// Intent detection from Myo recordings: train, distil, quantize, measure, replay.
+/// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay.
 #[derive(Debug, Parser)]
 #[command(
     version,
     about,
-    long_about = "Turns recordings of a Myo armband (8 channels, 200 Hz) into a model file that a small board runs,\n\
-                  and shows how well that model detects intent on people it has never seen.",
-    after_help = "Start here:\n  myointent quickstart                     everything in one go, in a few minutes\n  \
-                  myointent replay models/three-class.intent RECORDING.npy   what the board would say\n\n\
-                  Step by step, each into the same run folder:\n  myointent train --preset cpu --data DIR --run runs/mine\n  \
-                  myointent distill --run runs/mine\n  myointent quantize --run runs/mine\n  myointent evaluate --run runs/mine\n\n\
+    long_about = "Trains intent detection on recordings of a Myo armband (8 channels, 200 Hz), writes it as a model file for\n\
+                  a microcontroller, and evaluates it on subjects that are held out from training.",
+    after_help = "Start here:\n  \
+                  myointent quickstart                                       all steps in one command, in a few minutes\n  \
+                  myointent replay models/three-class.intent RECORDING       the UART lines that the device would write\n\n\
+                  Step by step, each into the same run folder:\n  \
+                  myointent train --preset cpu --data DIR --run runs/mine\n  \
+                  myointent distill --run runs/mine\n  \
+                  myointent quantize --run runs/mine\n  \
+                  myointent evaluate --run runs/mine\n\n\
                   Exit codes: 0 done, 1 failed, 2 wrong arguments, 130 interrupted (continue with --resume)."
 )]
 pub struct Cli {
@@ -41,35 +45,35 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// All of it in one go, at a size that fits two cores in a few minutes.
+    /// Train, quantize and evaluate in one command, in a few minutes on two cores.
     Quickstart(quickstart::Arguments),
-    /// Look at recordings, or make synthetic ones.
+    /// Inspect recordings, or write synthetic ones.
     #[command(subcommand)]
     Data(data::Command),
-    /// Train the teacher: the masked transformer.
+    /// Train the teacher, a masked transformer.
     Train(train::Arguments),
-    /// Train the student from the teacher and the labels.
+    /// Train the student on the teacher's soft targets and the labels.
     Distill(distill::Arguments),
-    /// Write the student as a model file of integers.
+    /// Quantize the student and write the model file.
     Quantize(quantize::Arguments),
-    /// Write the teacher's weights as safetensors, under the reference's names.
+    /// Write the teacher's weights as safetensors, with the names of the reference's code.
     Export(export::Arguments),
-    /// Judge teacher, float student and integer student on the people left out.
+    /// Evaluate teacher, float student and integer student on the held-out subjects.
     Evaluate(evaluate::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),
-    /// Write a model's logits and labels over a recording or a window.
+    /// Write a model's labels and logits for a recording or a window.
     Predict(predict::Arguments),
-    /// Measure any predicted label sequence against the true one.
+    /// Score any predicted label sequence against the true one.
     Score(score::Arguments),
-    /// Show what is in a model file.
+    /// Show the header of a model file.
     Info(info::Arguments),
     /// List the built-in presets, or print one.
     Presets(presets::Arguments),
 }
 
 impl Cli {
-    /// Runs the command and says how it ended.
+    /// Runs the command and returns its exit code; an error is printed on standard error.
     #[must_use]
     pub fn run(self) -> ExitCode {
         let result = match self.command {
@@ -111,7 +115,7 @@ pub fn exit_code(error: &anyhow::Error) -> ExitCode {
     }
 }
 
-/// `myointent replay ... | head` ends well.
+/// Whether the reader of the output has closed it: `myointent replay ... | head` is no failure.
 #[must_use]
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error

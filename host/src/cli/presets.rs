@@ -1,4 +1,4 @@
-//! `myointent presets`: what can be run by name.
+//! `myointent presets`: the built-in presets.
 
 use std::io::Write as _;
 
@@ -9,7 +9,7 @@ use crate::run::preset::{BUILT_IN, Preset};
 /// Arguments of `presets`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Preset to print as TOML; lists all if not given.
+    /// Preset to print as TOML; all are listed if not given.
     name: Option<String>,
 }
 
@@ -17,10 +17,10 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When there is no such preset.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     if let Some(name) = &arguments.name {
-        // As it was written, comments included, once it is known to be good.
+        // The text itself, comments included, after a check that it is valid.
         Preset::find(name)?;
         let text = BUILT_IN
             .iter()

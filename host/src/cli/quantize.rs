@@ -10,7 +10,7 @@ use crate::run::quantize::{MODEL, quantize};
 /// Arguments of `quantize`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Run folder that `distill` has filled.
+    /// Run folder of `myointent distill`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
     /// Model file to write; `student.intent` in the run folder if not given.
@@ -24,7 +24,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When the run folder holds no student or the file cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out

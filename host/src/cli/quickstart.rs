@@ -1,5 +1,6 @@
-//! `myointent quickstart`: from recordings to a judged model file in one go.
+//! `myointent quickstart`: from recordings to an evaluated model file in one command.
 
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -15,37 +16,39 @@ use crate::report::scores::{summary, tables};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
 use crate::run::distill::distill;
-use crate::run::evaluate::{INTEGER, evaluate, no_more};
+use crate::run::evaluate::{INTEGER, Results, evaluate, no_more};
 use crate::run::preset::Preset;
 use crate::run::quantize::{MODEL, quantize};
 use crate::run::train::train;
 
-/// Where recordings are looked for when none are given.
-const USUAL_PLACES: [&str; 2] = ["data", "../shared/data"];
+/// Folders that are searched for recordings if none is given.
+const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Recordings are taken from --data, else MYOINTENT_DATA, else ./data or ../shared/data; without any,\n\
-    synthetic ones are made. The output says which, and who was left out."
+    after_help = "Recordings are read from --data, or else $MYOINTENT_DATA, ./data or ../shared/data; without any of them,\n\
+    synthetic ones are generated. The last lines of the output name them and the held-out subjects.\n\n\
+    Examples:\n  myointent quickstart --data recordings\n  \
+    myointent quickstart --preset cpu --data recordings --run runs/cpu"
 )]
 pub struct Arguments {
-    /// Folder for checkpoints, metrics, model file and report.
+    /// Run folder to write checkpoints, metrics, model file and report to.
     #[arg(long, value_name = "DIR", default_value = "runs/quickstart")]
     run: PathBuf,
     /// Built-in preset or a TOML file.
     #[arg(long, default_value = "quickstart")]
     preset: String,
-    /// Seed of everything drawn, instead of the preset's.
+    /// Seed of all random numbers, instead of the preset's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Go on where an interrupted quickstart of this run folder stopped.
+    /// Continue an interrupted quickstart of this run folder.
     #[arg(long)]
     resume: bool,
     /// Train the teacher even if the preset's student does not learn from it.
     #[arg(long)]
     teacher: bool,
-    /// Print all tables.
+    /// Print all tables, not only the scores of the model file.
     #[arg(long)]
     verbose: bool,
     #[command(flatten)]
@@ -54,20 +57,20 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// Trains, distils, quantizes, judges and reports.
+/// Trains, distils, quantizes, evaluates and writes the report.
 ///
 /// # Errors
 /// When recordings, preset or folder cannot be used.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut preset = Preset::find(&arguments.preset)?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);
-    let found = USUAL_PLACES
+    let found = DEFAULT_FOLDERS
         .iter()
         .map(Path::new)
-        .find(|place| place.is_dir());
+        .find(|folder| folder.is_dir());
     let data = arguments.data.data.as_deref().or(found);
     let context = begin(arguments, preset, data)?;
-    log_beginning(&context);
+    log_start(&context);
 
     if arguments.teacher || context.config.preset.distillation.teacher_share > 0.0 {
         train(&context)?;
@@ -76,7 +79,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = context.folder.file(MODEL);
     let bytes = quantize(&context, &model)?;
     let (results, evaluation) = evaluate(&context, Some(&bytes), &no_more)?;
-    // Once more, now that there are measurements to put beside the weights.
+    // Again, now with the scores in the header.
     quantize(&context, &model)?;
     let page = context.folder.file(REPORT);
     run_report::write(&context, &results, &evaluation, &page)?;
@@ -87,22 +90,51 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             writeln!(out, "{}", table.plain())?;
         }
     }
-    let recordings = data.map_or_else(|| "synthetic".to_owned(), |path| path.display().to_string());
-    writeln!(
-        out,
-        "{INTEGER}, lag-compensated labels, mean (deviation) over people it has never seen:\n\n{}",
-        summary(&results, INTEGER).plain()
-    )?;
-    writeln!(out, "recordings: {recordings}")?;
-    writeln!(out, "left out:   {}", results.held_out.join(", "))?;
-    writeln!(out, "model file: {}", model.display())?;
-    writeln!(out, "report:     {}", page.display())?;
-    writeln!(
-        out,
-        "next:       myointent replay {} RECORDING    # the lines that a board would write",
-        model.display()
-    )?;
+    let recordings = recordings_used(&context);
+    write!(out, "{}", last_screen(&results, &recordings, &model, &page))?;
     Ok(())
+}
+
+/// Where the recordings come from, and how many files were left out.
+fn recordings_used(context: &RunContext) -> String {
+    let recordings = match &context.config.data {
+        Some(path) => path.display().to_string(),
+        None => "synthetic".to_owned(),
+    };
+    match context.library.skipped.len() {
+        0 => recordings,
+        files => format!("{recordings}; damaged files left out: {files}"),
+    }
+}
+
+/// The end of the output, at most 20 lines: scores of the model file, and where everything is.
+fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -> String {
+    let (model, page) = (model.display(), page.display());
+    format!(
+        "{INTEGER}, held-out subjects, lag-compensated labels; mean (deviation)\n\n\
+        {}\n\
+        recordings: {recordings}\n\
+        held out:   {}\n\
+        model file: {model}\n\
+        report:     {page}\n\
+        next:       myointent replay {model} RECORDING    # the UART lines of the device\n",
+        summary(results, INTEGER).plain(),
+        by_data_set(&results.held_out),
+    )
+}
+
+/// Subjects in few words: `roshambo 03, 06; ss-stm sub3`.
+fn by_data_set(subjects: &[String]) -> String {
+    let mut sets: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for subject in subjects {
+        let (set, name) = subject.split_once('/').unwrap_or(("", subject));
+        sets.entry(set).or_default().push(name);
+    }
+    let sets: Vec<_> = sets
+        .into_iter()
+        .map(|(set, names)| format!("{set} {}", names.join(", ")))
+        .collect();
+    sets.join("; ")
 }
 
 fn begin(arguments: &Arguments, preset: Preset, data: Option<&Path>) -> anyhow::Result<RunContext> {
@@ -121,22 +153,88 @@ fn begin(arguments: &Arguments, preset: Preset, data: Option<&Path>) -> anyhow::
     })
 }
 
-fn log_beginning(context: &RunContext) {
+fn log_start(context: &RunContext) {
     let config = &context.config;
     progress::log(&format!(
         "training on {} subjects: {}",
         config.split.training.len(),
         config.split.training.join(", ")
     ));
-    progress::log(&format!(
-        "left out, never trained on: {}",
-        config.split.held_out.join(", ")
-    ));
+    progress::log(&format!("held out: {}", config.split.held_out.join(", ")));
     for (data_set, lag) in &config.lags {
         progress::log(&format!(
-            "labels of {} are moved by {} ms",
+            "label lag of {}: {} ms",
             data_set.name(),
             lag.samples * SAMPLE_PERIOD_MS as usize
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::metric::offset;
+    use crate::evaluation::metric::summary::{SubjectScore, Summary};
+    use crate::evaluation::{ALL, LookAhead, Score, Truth};
+
+    fn score(data_set: &str) -> Score {
+        let subject = |subject: &str, offset| SubjectScore {
+            subject: subject.to_owned(),
+            recordings: 3,
+            raw_accuracy: Some(0.865),
+            correct: 1,
+            events: 2,
+            transition_accuracy: Some(0.525),
+            offsets: vec![offset],
+            offset: offset::summary(&[offset]),
+        };
+        let summary = Summary::of_subjects(vec![subject("1", -30), subject("2", -34)]);
+        Score {
+            model: INTEGER.to_owned(),
+            data_set: data_set.to_owned(),
+            look_ahead: LookAhead::SameInstant,
+            truth: Truth::LagCompensated,
+            reference: std::array::from_fn(|_| summary.clone()),
+            emitted: summary,
+        }
+    }
+
+    #[test]
+    fn the_last_screen_has_at_most_20_lines_and_its_table_80_columns() {
+        let sets = [
+            "cote-allard",
+            "emg-epn-612",
+            "myo-readings",
+            "one-subject-myo",
+            "react-emg",
+            "roshambo",
+            "ss-stm",
+            "synthetic",
+            ALL,
+        ];
+        let results = Results {
+            held_out: vec![
+                "ss-stm/sub3".into(),
+                "roshambo/03".into(),
+                "roshambo/06".into(),
+            ],
+            aggregation: LookAhead::SameInstant,
+            published: sets.map(score).to_vec(),
+            spliced: Vec::new(),
+        };
+        let (model, page) = (Path::new("m.intent"), Path::new("report.html"));
+        let screen = last_screen(&results, "recordings", model, page);
+        let lines: Vec<&str> = screen.lines().collect();
+        assert!(lines.len() <= 20, "{screen}");
+        assert!(
+            lines[..lines.len() - 5].iter().all(|line| line.len() <= 80),
+            "{screen}"
+        );
+        assert!(
+            screen.contains("held out:   roshambo 03, 06; ss-stm sub3\n"),
+            "{screen}"
+        );
+        let row = "roshambo         0.865 (0.00)  0.525 (0.00)          -160        -160         2";
+        assert!(lines.contains(&row), "{screen}");
     }
 }

@@ -1,4 +1,4 @@
-//! `myointent replay`: one recording through exactly the device's pipeline.
+//! `myointent replay`: one recording through the device's own pipeline.
 
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -6,21 +6,21 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::pipeline::{Encode, Pipeline, Reports};
+use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
-use crate::dataset::LoadOptions;
-use crate::dataset::Recording;
-use crate::dataset::load;
-use crate::inference::device::{WithEncoder, with_encoder};
+use crate::dataset::{LoadOptions, Recording, load};
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The board's clock starts with the first sample; samples come two at a time, every 10 ms.\n\
-    Lines are the device's, byte for byte: see the README for what they mean."
+    after_help = "The device's clock starts with the first sample; samples arrive two at a time, every 10 ms.\n\
+    Lines are the device's, byte for byte; the README explains them.\n\n\
+    Examples:\n  myointent replay models/three-class.intent recordings/s1/s1_grasp.csv\n  \
+    myointent replay models/three-class.intent recordings --name react-emg/s1/s1_grasp --speed"
 )]
 pub struct Arguments {
     /// Model file.
@@ -29,13 +29,13 @@ pub struct Arguments {
     /// A recording: any format that `data inspect` reads, one recording in it.
     #[arg(value_name = "RECORDING")]
     recording: PathBuf,
-    /// Which recording, where the path holds several: subject/name as `data inspect` prints it.
+    /// Which recording, if the path holds several, as data-set/subject/name.
     #[arg(long)]
     name: Option<String>,
-    /// Let the recording take as long as it did.
+    /// Replay in real time.
     #[arg(long)]
     real_time: bool,
-    /// Print no lines but how many times faster than real time the pipeline ran.
+    /// Print how many times faster than real time the pipeline runs, instead of the lines.
     #[arg(long, conflicts_with = "real_time")]
     speed: bool,
 }
@@ -44,86 +44,92 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When the model is refused or the recording cannot be read.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let recording = one_recording(&arguments.recording, arguments.name.as_deref())?;
-    let pace = if arguments.real_time {
-        Some(Instant::now())
-    } else {
-        None
-    };
     let mut out = BufWriter::new(std::io::stdout().lock());
     if arguments.speed {
         let start = Instant::now();
         let mut lines = 0_usize;
-        let task = Replay {
-            settings: model.header.smoother.in_patches(),
-            samples: &recording.samples,
-            pace,
-            tell: |_: &str| {
-                lines += 1;
-                Ok(())
-            },
-        };
-        with_encoder(&model, task)??;
+        replay(&model, &recording.samples, None, |_| {
+            lines += 1;
+            Ok(())
+        })?;
         let taken = start.elapsed().as_secs_f64();
         writeln!(
             out,
-            "{:.0} x real time: {:.1} s of EMG in {:.4} s, {lines} lines",
+            "{:.0} x real time: {:.1} s of EMG in {taken:.4} s, {lines} lines",
             recording.seconds() / taken,
             recording.seconds(),
-            taken
         )?;
         return Ok(());
     }
-    let task = Replay {
-        settings: model.header.smoother.in_patches(),
-        samples: &recording.samples,
-        pace,
-        tell: |line: &str| {
-            out.write_all(line.as_bytes())?;
-            if pace.is_some() { out.flush() } else { Ok(()) }
-        },
-    };
-    with_encoder(&model, task)??;
+    let start = arguments.real_time.then(Instant::now);
+    replay(&model, &recording.samples, start, |line| {
+        out.write_all(line.as_bytes())?;
+        if arguments.real_time {
+            out.flush()
+        } else {
+            Ok(())
+        }
+    })?;
     out.flush()?;
     Ok(())
 }
 
-/// The lines of a whole recording.
-///
-/// # Errors
-/// When the model is refused or the recording cannot be read.
-pub fn lines(model: &[u8], recording: &std::path::Path) -> anyhow::Result<String> {
-    lines_of(model, &one_recording(recording, None)?.samples)
-}
-
-/// The lines of samples.
+/// The UART lines that a model gives for samples.
 ///
 /// # Errors
 /// When the model is refused.
-pub fn lines_of(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
+pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     let model = Model::parse(model)?;
     let mut lines = String::new();
-    let task = Replay {
-        settings: model.header.smoother.in_patches(),
-        samples,
-        pace: None,
-        tell: |line: &str| {
-            lines.push_str(line);
-            Ok(())
-        },
-    };
-    with_encoder(&model, task)??;
+    replay(&model, samples, None, |line| {
+        lines.push_str(line);
+        Ok(())
+    })?;
     Ok(lines)
 }
 
-/// The recording at a path, by name where there are several.
+/// Runs the device's pipeline over samples, in real time from `start` on if there is one.
+fn replay(
+    model: &Model<'_>,
+    samples: &[Sample],
+    start: Option<Instant>,
+    mut output: impl FnMut(&str) -> std::io::Result<()>,
+) -> anyhow::Result<()> {
+    let encoder = HostEncoder::new(model)?;
+    let mut state = encoder.fresh();
+    let settings = model.header.smoother.in_patches();
+    let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
+    output(&pipeline.state_report().to_string())?;
+    for (index, pair) in samples.chunks(2).enumerate() {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a recording is shorter than 49 days"
+        )]
+        let now = Millis(index as u32 * 2 * SAMPLE_PERIOD_MS);
+        if let Some(start) = start {
+            std::thread::sleep(
+                (start + Duration::from_millis(now.0.into()))
+                    .saturating_duration_since(Instant::now()),
+            );
+        }
+        for &sample in pair {
+            for report in pipeline.sample(now, sample) {
+                output(&report.to_string())?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The recording at a path, by name if there are several.
 ///
 /// # Errors
-/// When there is none, or several and no name.
+/// When there is none, or several without a name.
 pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Result<Recording> {
     let mut library = load(path, &LoadOptions::default())?;
     let full = |recording: &Recording| format!("{}/{}", recording.subject, recording.name);
@@ -134,7 +140,7 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
     }
     match library.recordings.len() {
         0 => bail!(
-            "{}: no recording{} found",
+            "{}: found no recording{}",
             path.display(),
             name.map(|name| format!(" {name}")).unwrap_or_default()
         ),
@@ -142,53 +148,9 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
         several => {
             let first = full(&library.recordings[0]);
             bail!(
-                "{}: {several} recordings found, one expected: give one file, or --name such as {first}",
+                "{}: expected one recording, found {several}: give one file, or --name such as {first}",
                 path.display()
             )
         }
-    }
-}
-
-struct Replay<'s, T> {
-    settings: shared::stream::smoother::Settings,
-    samples: &'s [Sample],
-    pace: Option<Instant>,
-    tell: T,
-}
-
-impl<'m, T: FnMut(&str) -> std::io::Result<()>> WithEncoder<'m> for Replay<'_, T> {
-    type Output = anyhow::Result<()>;
-
-    fn run<E: Encode<State: Send> + Send + 'm>(mut self, encoder: E) -> anyhow::Result<()> {
-        let mut state = encoder.fresh();
-        let mut pipeline = Pipeline::new(encoder, &mut state, self.settings, Start::Boot)?;
-        let first = pipeline.state_report();
-        (self.tell)(&first.to_string())?;
-        for (index, pair) in self.samples.chunks(2).enumerate() {
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "a recording is shorter than 49 days"
-            )]
-            let now = Millis(index as u32 * 2 * SAMPLE_PERIOD_MS);
-            if let Some(start) = self.pace {
-                std::thread::sleep(
-                    (start + Duration::from_millis(now.0.into()))
-                        .saturating_duration_since(Instant::now()),
-                );
-            }
-            for &sample in pair {
-                self.report(pipeline.sample(now, sample))?;
-            }
-        }
-        Ok(())
-    }
-}
-
-impl<T: FnMut(&str) -> std::io::Result<()>> Replay<'_, T> {
-    fn report(&mut self, reports: Reports) -> std::io::Result<()> {
-        for report in reports {
-            (self.tell)(&report.to_string())?;
-        }
-        Ok(())
     }
 }

@@ -5,10 +5,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
-use shared::intent::{Intent, Vocabulary};
 use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
-use crate::dataset::label_file;
+use crate::dataset::labels::vocabulary;
+use crate::dataset::readers::label_file;
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::offset;
 use crate::evaluation::metric::predicted_length;
@@ -19,17 +19,17 @@ use crate::report::Table;
 /// Arguments of `myointent score`.
 #[derive(clap::Args, Debug)]
 #[command(
-    // Here and not in `long_about`: the one line of the subcommand would hide that.
+    // Not in `long_about`, which the one line of the subcommand hides.
     after_help = "Scores one recording's predicted labels against the true ones: raw accuracy, \
         transition accuracy with the reason of every failure, signed offsets.\n\n\
         Files: npy (one axis of class numbers or names, or ReactEMG's n x 9), or text with one \
         label per line, or csv with a column label, prediction, predicted, gt or truth. Labels \
         are class numbers (0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch) or names; \
         -1 or none: no label. Both files have one label per sample at 200 Hz.\n\n\
-        A change of the truth is followed if the prediction changes the same way within the \
-        buffer around it, shows no third label there, and then holds the new label until the \
-        next buffer. Unlabelled stretches of the truth divide it into parts that are scored \
-        apart; samples after the last prediction are not scored.\n\nExamples:\n  \
+        A transition of the truth is followed if the prediction changes the same way within the \
+        buffer around it, without a third label there, and then holds the new label until the \
+        next buffer. Unlabelled samples divide the truth into parts that are scored \
+        separately; samples after the last prediction are not scored.\n\nExamples:\n  \
         myointent score --truth s1_grasp.csv --prediction labels.npy\n  \
         myointent score --truth truth.npy --prediction labels.csv --buffer 120 --json"
 )]
@@ -40,16 +40,16 @@ pub struct Arguments {
     /// Predicted labels
     #[arg(long)]
     prediction: PathBuf,
-    /// Width of the buffer around a change, both sides together, in samples (paper: 200)
+    /// Width of the buffer around a transition, both sides together, in samples (paper: 200)
     #[arg(long, default_value_t = Rule::default().buffer)]
     buffer: usize,
-    /// Once the new label has come, nothing else may follow
+    /// After the new label, allow no other
     #[arg(long)]
     strict: bool,
-    /// Allow relax in buffer and maintenance
+    /// Allow relax in the buffer and while the new label is held
     #[arg(long)]
     allow_relax: bool,
-    /// Print JSON for programs
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
@@ -58,7 +58,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// If a file cannot be read or the two do not fit.
-pub fn run(args: Arguments) -> anyhow::Result<()> {
+pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     let truth = label_file::read(&args.truth)?;
     let prediction = label_file::read(&args.prediction)?;
     let rule = Rule {
@@ -69,7 +69,7 @@ pub fn run(args: Arguments) -> anyhow::Result<()> {
     let name = args.prediction.display().to_string();
     let score = RecordingScore::new("", &name, &truth, &prediction, &rule)
         .with_context(|| format!("cannot score {} against {}", name, args.truth.display()))?;
-    let mut confusion = Confusion::new(vocabulary(&truth, &prediction));
+    let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
     let report = if args.json {
@@ -79,16 +79,6 @@ pub fn run(args: Arguments) -> anyhow::Result<()> {
     };
     std::io::stdout().write_all(report.as_bytes())?;
     Ok(())
-}
-
-/// Three classes unless a label needs six.
-fn vocabulary(truth: &[Option<Intent>], prediction: &[Option<Intent>]) -> Vocabulary {
-    let mut labels = truth.iter().chain(prediction).flatten();
-    if labels.all(|&intent| Vocabulary::Three.contains(intent)) {
-        Vocabulary::Three
-    } else {
-        Vocabulary::Six
-    }
 }
 
 fn json(score: &RecordingScore, rule: &Rule, confusion: &Confusion) -> serde_json::Result<String> {
@@ -125,7 +115,8 @@ fn tables(score: &RecordingScore, unscored: usize, confusion: &Confusion) -> Str
         );
     }
     if unscored > 0 {
-        text += &format!("not scored           the last {unscored} samples, never predicted\n");
+        text +=
+            &format!("not scored           the last {unscored} samples, without a prediction\n");
     }
     if !transitions.changes.is_empty() {
         text += &format!("\n{}", changes(&transitions.changes).plain());
@@ -174,6 +165,8 @@ fn matrix(confusion: &Confusion) -> Table {
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Intent;
+
     use super::*;
 
     #[test]
@@ -182,7 +175,7 @@ mod tests {
         let truth = [vec![r; 300], vec![o; 300], vec![r; 300]].concat();
         let prediction = [vec![r; 310], vec![o; 540], vec![None; 50]].concat();
         let score = RecordingScore::new("", "", &truth, &prediction, &Rule::default()).unwrap();
-        let mut confusion = Confusion::new(vocabulary(&truth, &prediction));
+        let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
         confusion.add(&truth[..850], &prediction[..850]).unwrap();
         let text = tables(&score, 50, &confusion);
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");

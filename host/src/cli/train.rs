@@ -28,27 +28,27 @@ pub struct Arguments {
     /// Built-in preset (quickstart, cpu, paper) or a TOML file.
     #[arg(long, default_value = "cpu")]
     preset: String,
-    /// Folder for checkpoints, metrics and everything that follows.
+    /// Run folder to write checkpoints and metrics to.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Start from this run's teacher, or from a checkpoint of the reference (.pth, .safetensors), with the
+    /// Fine-tune the teacher of this run, or a checkpoint of the reference (.pth, .safetensors), with the
     /// preset's fine-tuning settings.
     #[arg(long, value_name = "RUN|FILE", conflicts_with = "resume")]
     from: Option<PathBuf>,
-    /// Train low-rank additions alone (LoRA).
+    /// Train low-rank adapters alone (LoRA).
     #[arg(long, requires = "from")]
     lora: bool,
-    /// Who is left out: `loso` leaves one subject of each data set out, `4-fold` (or any number) a
-    /// fourth of them; the preset's lists if not given.
+    /// Cross-validation: `loso` holds out one subject of each data set, `4-fold` (or any number) a
+    /// fourth of them; without it, the preset's lists say who is held out.
     #[arg(long, requires = "fold", conflicts_with = "resume")]
     protocol: Option<Protocol>,
-    /// Which of the protocol's runs, from 1 on; each stands for itself.
+    /// Fold of the cross-validation, from 1 on; folds are independent.
     #[arg(long, requires = "protocol")]
     fold: Option<usize>,
-    /// Seed of everything drawn, instead of the preset's.
+    /// Seed of all random numbers, instead of the preset's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Go on after the last complete epoch of this run folder.
+    /// Continue after the last complete epoch of this run folder.
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -61,7 +61,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// When recordings, preset or folder cannot be used.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = if arguments.resume {
         RunContext {
             resume: true,
@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         begin(arguments)?
     };
     progress::log(&format!(
-        "left out: {}",
+        "held out: {}",
         context.config.split.held_out.join(", ")
     ));
     train::train(&context)?;

@@ -2,16 +2,16 @@
 
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::preprocess::clean;
-use shared::units::{CleanSample, PATCH, Sample};
+use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample};
 
 /// One continuous stream: a recording, or pieces of one subject's recordings joined.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    /// Samples as the armband sends them, 200 Hz: what most of the baselines learn from.
+    /// Samples as the armband sends them, 200 Hz: input of most of the baselines.
     pub raw: Vec<Sample>,
     /// The same samples, cleaned.
     pub emg: Vec<CleanSample>,
-    /// What the hand wants at each sample, within the vocabulary; none where nobody knows.
+    /// The intent at each sample, within the vocabulary; none where it is unknown.
     pub labels: Vec<Option<Intent>>,
 }
 
@@ -44,7 +44,7 @@ impl Corpus {
             .iter()
             .map(|stream| stream.emg.len())
             .sum::<usize>() as f64
-            / 200.0
+            / f64::from(SAMPLE_RATE_HZ)
     }
 }
 
@@ -67,7 +67,7 @@ pub fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
         .next()
 }
 
-/// Labels patch by patch, the last partial patch left out.
+/// The label of each patch; a partial last patch is left out.
 #[must_use]
 pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
     labels.chunks_exact(PATCH).map(patch_label).collect()

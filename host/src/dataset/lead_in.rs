@@ -2,18 +2,18 @@
 
 use shared::units::{CleanSample, WINDOW};
 
-/// Samples repeated in front of a stream (the reference does the same for its baselines).
+/// Samples that are repeated in front of a stream (as the reference does for its baselines).
 const LEAD: usize = 100;
 
-/// The stream with a full window in front: its first 100 samples, six times over.
+/// The stream with a full window in front: its first 100 samples, six times.
 ///
-/// So every model judges every sample of a short recording, and none has seen its future.
+/// Every model then has an output for every sample of a short recording, without samples after it.
 #[must_use]
 pub fn padded(emg: &[CleanSample]) -> Vec<CleanSample> {
     lead_in(emg, WINDOW)
 }
 
-/// A stream of any kind with `length` samples in front: its first 100, over and over.
+/// A stream of any kind with `length` samples in front: its first 100, repeated.
 #[must_use]
 pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
     let lead = &samples[..samples.len().min(LEAD)];

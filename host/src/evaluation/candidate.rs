@@ -1,6 +1,6 @@
 //! A model under evaluation.
 
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 
 use super::condition::LookAhead;
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, Vocabulary};
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::stream::smoother::{Settings, SettingsError};
 use thiserror::Error;
 

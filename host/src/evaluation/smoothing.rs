@@ -1,7 +1,7 @@
 //! From the logits of a recording to its labels, by the device's own smoother.
 
 use shared::intent::{Intent, MAX_CLASSES};
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::stream::smoother::{Settings, SettingsError, Smoother};
 use shared::units::{LOOK_BACK, PATCH, SampleIndex};
 
@@ -44,7 +44,7 @@ pub(crate) fn smooth(
             let instant = decision.instant.0 as usize;
             held_until = (instant + settings.hold * PATCH).min(samples);
             reference[instant.min(samples)..].fill(label);
-            emitted[(decision.known.0 as usize).min(samples)..].fill(label);
+            emitted[(decision.window_end.0 as usize).min(samples)..].fill(label);
         }
     }
     reference[held_until..].fill(None);

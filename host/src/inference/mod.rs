@@ -1,7 +1,7 @@
 //! Inference over whole recordings: the logits of a model at every patch.
 //!
 //! The output has one form for teacher, float student and integer student: after each patch, logits of
-//! that patch and of the five before it ([`LookBackLogits`](shared::pipeline::LookBackLogits), newest
+//! that patch and of the five before it ([`LookBackLogits`](shared::model::LookBackLogits), newest
 //! first, unused classes 0). The code that smooths and scores them is the same for all models.
 
 pub mod device;

@@ -1,7 +1,7 @@
 //! Inference of the float student.
 
 use burn::tensor::{Device, Tensor};
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
 use crate::dataset::lead_in::padded;

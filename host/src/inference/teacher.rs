@@ -1,7 +1,7 @@
 //! Inference of the teacher: one window per patch.
 
 use burn::tensor::Device;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW};
 
 use crate::dataset::lead_in::padded;

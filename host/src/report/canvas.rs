@@ -1,7 +1,7 @@
-//! What every picture shares: size, colours, type, a title for those who cannot see it.
+//! What every picture shares: scale, colours, type, a title for screen readers.
 //!
-//! Pictures are drawn in plain colours, so they read anywhere; the style sheet then turns each
-//! neutral colour into its dark counterpart where the reader's screen is dark.
+//! Pictures are drawn in the colours of a light page; on a dark screen the style sheet replaces each
+//! neutral colour by its dark counterpart.
 
 use std::io;
 
@@ -29,8 +29,8 @@ pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE6, 0xEB);
 /// The trace of a muscle.
 pub(super) const TRACE: RGBColor = RGBColor(0x52, 0x60, 0x6D);
 
-/// Colours of lines in order. Okabe and Ito, "Color Universal Design" (2008): told apart by every
-/// common kind of colour vision.
+/// Colours of lines in order. Okabe and Ito, "Color Universal Design" (2008): distinguishable
+/// with every common kind of colour vision.
 pub(super) const LINES: [RGBColor; 5] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
@@ -51,7 +51,7 @@ svg [fill='#B8C0CA']{fill:#56616E}\
 svg [fill='#0072B2']{fill:#2B83C0}svg [stroke='#0072B2']{stroke:#2B83C0}\
 }";
 
-/// Colour of an intent in every picture: rest is grey, so that what moves stands out.
+/// Colour of an intent in every picture; rest is grey, so that gestures stand out.
 pub(super) fn intent_colour(intent: Intent) -> RGBColor {
     match intent {
         Intent::Relax => RGBColor(0xB8, 0xC0, 0xCA),
@@ -65,7 +65,7 @@ pub(super) fn intent_colour(intent: Intent) -> RGBColor {
 
 /// Text of `points` pixels, anchored where it is put.
 pub(super) fn text(points: f64, colour: RGBColor, h: HPos, v: VPos) -> TextStyle<'static> {
-    // plotters writes a size over 1.24, its idea of a font's box.
+    // plotters divides a size by 1.24, the height of a font's box.
     let size = points * f64::from(SCALE) * 1.24;
     ("sans-serif", size)
         .into_font()
@@ -73,7 +73,7 @@ pub(super) fn text(points: f64, colour: RGBColor, h: HPos, v: VPos) -> TextStyle
         .pos(Pos::new(h, v))
 }
 
-/// Draws a picture of `width` x `height` pixels; `title` and `description` are read aloud.
+/// Draws a picture of `width` x `height` pixels; `title` and `description` are for screen readers.
 ///
 /// The SVG is fit for a page: no fixed size, no name space.
 pub(super) fn draw(

@@ -1,11 +1,11 @@
-//! Numbers as tables show them: every table of the program writes them here.
+//! Format of numbers in tables, the same in every table.
 
 use crate::statistics::MeanSd;
 
-/// What stands where there is no number.
+/// In place of a missing number.
 const NONE: &str = "-";
 
-/// One cell, for people and for programs.
+/// One cell, as text and as fields.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell {
     /// As text, in a terminal or Markdown: `0.912 (0.04)`.
@@ -21,7 +21,7 @@ pub type Parts = &'static [&'static str];
 pub const ONE: Parts = &[""];
 /// Mean and sample deviation.
 pub const MEAN_SD: Parts = &["mean", "sd"];
-/// How many people and how many changes a number rests on.
+/// Number of subjects and of transitions behind a score.
 pub const SUPPORT: Parts = &["subjects", "transitions"];
 /// A mean of paired differences.
 pub const PAIRED: Parts = &["mean", "sd", "subjects"];
@@ -36,7 +36,7 @@ pub fn text(text: impl Into<String>) -> Cell {
     }
 }
 
-/// Nothing to show.
+/// A missing number.
 #[must_use]
 pub fn none() -> Cell {
     Cell {
@@ -56,25 +56,25 @@ fn milliseconds(value: f64) -> String {
     format!("{:+.0}", unsigned_zero(value, 1.0))
 }
 
-/// A number by itself, a median say, in signed milliseconds.
+/// One number, such as a median, in signed milliseconds.
 #[must_use]
 pub fn one_ms(value: Option<f64>) -> Cell {
     value.map_or_else(none, |value| text(milliseconds(value)))
 }
 
-/// Signed milliseconds over changes, mean and deviation.
+/// Signed milliseconds over transitions, mean and deviation.
 #[must_use]
 pub fn signed_ms(value: Option<MeanSd>) -> Cell {
     spread(value, milliseconds, whole)
 }
 
-/// Absolute milliseconds over changes, mean and deviation.
+/// Absolute milliseconds over transitions, mean and deviation.
 #[must_use]
 pub fn absolute_ms(value: Option<MeanSd>) -> Cell {
     spread(value, whole, whole)
 }
 
-/// What a number rests on: `subjects / transitions`.
+/// Number of subjects and of transitions behind a score: `subjects / transitions`.
 #[must_use]
 pub fn support(subjects: usize, transitions: usize) -> Cell {
     Cell {
@@ -83,7 +83,7 @@ pub fn support(subjects: usize, transitions: usize) -> Cell {
     }
 }
 
-/// Mean and deviation of a difference of shares over so many subjects: `+0.012 (0.034) n 8`.
+/// Mean and deviation of a difference of shares over a number of subjects: `+0.012 (0.034) n 8`.
 #[must_use]
 pub fn difference(value: Option<MeanSd>, subjects: usize) -> Cell {
     let mean = |mean: f64| format!("{:+.3}", unsigned_zero(mean, 1000.0));
@@ -115,7 +115,7 @@ fn whole(value: f64) -> String {
     format!("{:.0}", value.round())
 }
 
-/// Rounded to a step of 1 / `steps`; what rounds to nothing must not keep its minus.
+/// Rounded to a step of 1 / `steps`; zero has no minus.
 fn unsigned_zero(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps + 0.0
 }
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_number_reads_the_same_for_people_and_programs() {
+    fn text_and_fields_hold_the_same_number() {
         let both = MeanSd {
             mean: 0.9116,
             sd: Some(0.044),
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rounds_to_nothing_has_no_minus() {
+    fn what_rounds_to_zero_has_no_minus() {
         assert_eq!(milliseconds(-0.3), "+0");
         assert_eq!(milliseconds(-160.4), "-160");
         let tiny = MeanSd {

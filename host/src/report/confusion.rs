@@ -1,4 +1,4 @@
-//! Which intents are taken for which.
+//! The picture of a confusion matrix.
 
 use plotters::{
     prelude::*,
@@ -9,29 +9,22 @@ use super::{
     ReportError,
     canvas::{self, INK, LINES, MUTED, SCALE, text},
 };
-
-/// Counts of samples: `counts[true][emitted]`, both in the order of `names`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Confusion {
-    /// Names of the classes.
-    pub names: Vec<String>,
-    /// One row per true class, one column per emitted class.
-    pub counts: Vec<Vec<u64>>,
-}
+use crate::evaluation::metric::confusion::Confusion;
 
 const CELL: i32 = 84;
 const GUTTER: i32 = 92;
 const HEAD: i32 = 52;
 
-/// A square per pair, its share of the true class in percent and in depth of colour.
+/// A square per pair of true and emitted label, its share of the true label in percent and in depth of
+/// colour. Samples without an emitted label are left out.
 pub(super) fn svg(confusion: &Confusion) -> Result<String, ReportError> {
-    let classes = confusion.names.len();
+    let classes = confusion.intents.len();
     let side = CELL * classes as i32;
     let diagonal: Vec<_> = (0..classes)
         .map(|class| {
             format!(
                 "{} {:.0} %",
-                confusion.names[class],
+                confusion.intents[class],
                 100.0 * share(confusion, class, class)
             )
         })
@@ -46,9 +39,9 @@ pub(super) fn svg(confusion: &Confusion) -> Result<String, ReportError> {
         &description,
         |area| {
             let at = |x: i32, y: i32| (x * SCALE, y * SCALE);
-            let label = |words: &str, points, colour, h, (x, y)| {
+            let label = |label: &str, points, colour, h, (x, y)| {
                 area.draw(&Text::new(
-                    words.to_owned(),
+                    label.to_owned(),
                     at(x, y),
                     text(points, colour, h, VPos::Center),
                 ))
@@ -61,7 +54,7 @@ pub(super) fn svg(confusion: &Confusion) -> Result<String, ReportError> {
                 (GUTTER + side / 2, 12),
             )?;
             label("true", 11.0, MUTED, HPos::Right, (GUTTER - 10, 36))?;
-            for (class, name) in confusion.names.iter().enumerate() {
+            for (class, name) in confusion.intents.iter().enumerate() {
                 let middle = CELL * class as i32 + CELL / 2;
                 label(name, 12.0, INK, HPos::Center, (GUTTER + middle, 36))?;
                 label(name, 12.0, INK, HPos::Right, (GUTTER - 10, HEAD + middle))?;
@@ -90,7 +83,7 @@ pub(super) fn svg(confusion: &Confusion) -> Result<String, ReportError> {
                         HPos::Center,
                         (middle.0, middle.1 - 8),
                     )?;
-                    let count = count(confusion, row, column).to_string();
+                    let count = confusion.counts[row][column].to_string();
                     label(
                         &count,
                         10.0,
@@ -105,25 +98,12 @@ pub(super) fn svg(confusion: &Confusion) -> Result<String, ReportError> {
     )
 }
 
-fn count(confusion: &Confusion, row: usize, column: usize) -> u64 {
-    confusion
-        .counts
-        .get(row)
-        .and_then(|counts| counts.get(column))
-        .copied()
-        .unwrap_or(0)
-}
-
-/// Part of the true class `row` that was emitted as `column`; 0 for a class that never came.
+/// Part of the emitted labels of the true class `row` that is `column`; 0 for a class without any.
 fn share(confusion: &Confusion, row: usize, column: usize) -> f64 {
-    let total: u64 = confusion
-        .counts
-        .get(row)
-        .map_or(0, |counts| counts.iter().sum());
-    if total == 0 {
-        0.0
-    } else {
-        count(confusion, row, column) as f64 / total as f64
+    let emitted = &confusion.counts[row][..confusion.intents.len()];
+    match emitted.iter().sum::<u64>() {
+        0 => 0.0,
+        total => emitted[column] as f64 / total as f64,
     }
 }
 
@@ -134,8 +114,8 @@ mod tests {
     #[test]
     fn shares_are_of_the_true_class() {
         let confusion = Confusion {
-            names: vec!["relax".into(), "open".into(), "close".into()],
-            counts: vec![vec![30, 10, 0], vec![0, 0, 0], vec![1]],
+            intents: vec!["relax", "open", "close"],
+            counts: vec![vec![30, 10, 0, 7], vec![0; 4], vec![1, 0, 0, 0]],
         };
         assert_eq!(share(&confusion, 0, 1), 0.25);
         assert_eq!(share(&confusion, 1, 1), 0.0);

@@ -1,4 +1,4 @@
-//! How values went while something learned.
+//! Learning curves.
 
 use plotters::{
     prelude::*,
@@ -12,7 +12,7 @@ use super::{
 
 /// A value over steps.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curve {
+pub(super) struct Curve {
     /// Name at the end of the line.
     pub name: String,
     /// Step and value, steps ascending. Values that are not finite are left out.
@@ -21,10 +21,10 @@ pub struct Curve {
 
 /// Curves that share their axes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Panel {
-    /// What the panel shows, with the unit.
+pub(super) struct Panel {
+    /// Title, with the unit.
     pub title: String,
-    /// What a step is: "epoch", "step".
+    /// Name of the horizontal axis: "epoch", "step".
     pub step: String,
     /// At most five, for the colours to differ.
     pub curves: Vec<Curve>,
@@ -101,7 +101,7 @@ pub(super) fn svg(panel: &Panel) -> Result<String, ReportError> {
         names.sort_by_key(|&((_, y), _)| y);
         let mut free = 0;
         for ((x, y), i) in names {
-            // Names that would touch move down, in the order of their lines.
+            // Names that would overlap move down, in the order of their lines.
             let y = y.max(free);
             free = y + LINE_HEIGHT * SCALE;
             let style = text(12.0, colour(i), HPos::Left, VPos::Center);

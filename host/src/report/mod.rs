@@ -1,7 +1,7 @@
 //! The report of a run: one HTML file that stands alone, and the tables that the terminal shows too.
 //!
-//! Everything is drawn here and nothing is computed: numbers come in as they will be read. The file
-//! carries its pictures and its style, so it can be mailed, archived and opened without a network.
+//! Numbers are formatted and drawn here, not computed. The file contains its pictures and its style, so it
+//! can be mailed, archived and opened without a network.
 
 mod canvas;
 pub mod cell;
@@ -16,37 +16,34 @@ mod timeline;
 
 use std::path::Path;
 
+use self::curves::Panel;
+pub use self::table::Table;
+use self::timeline::Timeline;
 use crate::evaluation::EvaluationError;
+use crate::evaluation::metric::confusion::Confusion;
 use crate::execution::run_folder::{RunError, write_whole};
 
-pub use self::{
-    confusion::Confusion,
-    curves::{Curve, Panel},
-    table::Table,
-    timeline::{Timeline, timeline_svg},
-};
-
-/// All that a report shows; what is empty is left out of the page.
+/// Contents of a report; empty parts are left out of the page.
 #[derive(Clone, Debug, Default)]
-pub struct ReportData {
+struct ReportData {
     /// Headline.
-    pub title: String,
-    /// One sentence under the headline: what was measured, and on whom.
-    pub summary: String,
+    title: String,
+    /// One sentence under the headline: what was evaluated, and on whom.
+    summary: String,
     /// What produced the numbers: name and value, in the order to be shown.
-    pub provenance: Vec<(String, String)>,
+    provenance: Vec<(String, String)>,
     /// Tables, the most important first.
-    pub tables: Vec<Table>,
+    tables: Vec<Table>,
     /// Held-out recordings with true and emitted labels.
-    pub timelines: Vec<Timeline>,
+    timelines: Vec<Timeline>,
     /// Learning curves, one picture per panel.
-    pub panels: Vec<Panel>,
-    /// True against emitted intents, in samples.
-    pub confusion: Option<Confusion>,
-    /// Emitted minus true instant of every matched transition, in milliseconds: positive is late.
-    pub offsets_ms: Vec<f64>,
-    /// What a reader must know before believing the numbers; one paragraph each.
-    pub notes: Vec<String>,
+    panels: Vec<Panel>,
+    /// True against emitted labels, in samples.
+    confusion: Option<Confusion>,
+    /// Offset of every transition that was followed, in milliseconds: positive is late.
+    offsets_ms: Vec<f64>,
+    /// Limits of the numbers; one paragraph each.
+    notes: Vec<String>,
 }
 
 /// Why a report was not written.
@@ -63,7 +60,7 @@ pub enum ReportError {
     Draw {
         /// Title of the picture.
         picture: String,
-        /// What the drawing said.
+        /// The drawing library's message.
         reason: String,
     },
 }
@@ -72,7 +69,7 @@ pub enum ReportError {
 ///
 /// # Errors
 /// [`ReportError::Write`] when the file system refuses, [`ReportError::Draw`] never with finite sizes.
-pub fn write_html(data: &ReportData, path: &Path) -> Result<(), ReportError> {
+fn write_html(data: &ReportData, path: &Path) -> Result<(), ReportError> {
     let html = page::html(data)?;
     Ok(write_whole(path, html.as_bytes())?)
 }

@@ -1,4 +1,4 @@
-//! How late the emitted transitions are.
+//! Histogram of the offsets of transitions.
 
 use plotters::{
     prelude::*,
@@ -9,10 +9,11 @@ use super::{
     ReportError,
     canvas::{self, GRID, INK, LINES, MUTED, SCALE, nice_step, text},
 };
+use crate::statistics::median;
 
 const SIZE: (i32, i32) = (520, 340);
 
-/// A histogram of the offsets in milliseconds, the median marked. Values that are not finite do not count.
+/// A histogram of the offsets in milliseconds, the median marked. Values that are not finite are left out.
 pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
     let mut sorted: Vec<f64> = offsets_ms
         .iter()
@@ -20,7 +21,7 @@ pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
         .filter(|offset| offset.is_finite())
         .collect();
     sorted.sort_by(f64::total_cmp);
-    let middle = median(&sorted);
+    let middle = median(&sorted).unwrap_or(0.0);
     let mean = sorted.iter().sum::<f64>() / sorted.len().max(1) as f64;
     let summary = format!(
         "{} transitions, median {middle:+.0} ms, mean {mean:+.0} ms",
@@ -101,14 +102,6 @@ fn bins(sorted: &[f64]) -> Bins {
         start,
         width,
         counts,
-    }
-}
-
-fn median(sorted: &[f64]) -> f64 {
-    match sorted.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => f64::midpoint(sorted[n / 2 - 1], sorted[n / 2]),
     }
 }
 

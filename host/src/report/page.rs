@@ -1,4 +1,4 @@
-//! The page around the pictures.
+//! The report as HTML.
 
 use std::fmt::Write as _;
 
@@ -50,8 +50,8 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
     if !data.timelines.is_empty() {
         heading(
             &mut page,
-            "A recording never seen in training",
-            "Rectified EMG, channel by channel on one scale. Thin lines mark where the true label changes; \
+            "A recording of a held-out subject",
+            "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; \
              the emitted label should change near them.",
         );
         for recording in &data.timelines {
@@ -59,7 +59,7 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
         }
     }
     if !data.panels.is_empty() {
-        heading(&mut page, "Learning", "");
+        heading(&mut page, "Training", "");
         let pictures: Result<Vec<_>, _> = data.panels.iter().map(curves::svg).collect();
         pair(&mut page, &pictures?);
     }
@@ -73,14 +73,14 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
     if !errors.is_empty() {
         heading(
             &mut page,
-            "Where it errs",
-            "Left, each row is one true intent and adds up to 100 % of its samples. Right, how far emitted \
-             transitions lie from true ones: right of zero is late, the orange line is the median.",
+            "Errors",
+            "Left: confusion matrix; each row is one true label and adds up to 100 % of its samples. Right: offsets \
+             of emitted transitions from true ones; right of zero is late, the orange line is the median.",
         );
         pair(&mut page, &errors);
     }
     if !data.notes.is_empty() {
-        heading(&mut page, "Before you believe these numbers", "");
+        heading(&mut page, "Limits of these numbers", "");
         data.notes
             .iter()
             .for_each(|note| paragraph(&mut page, "", note));

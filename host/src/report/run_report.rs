@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use shared::units::LOOK_AHEAD;
+use shared::units::{LOOK_AHEAD, SAMPLE_PERIOD_MS};
 
+use super::curves::{Curve, Panel};
 use super::scores::tables;
-use super::{Confusion, Curve, Panel, ReportData, ReportError, Timeline, timeline_svg};
-use crate::evaluation::{EvaluationError, LookAhead, confusion, offsets, smooth};
+use super::timeline::{Timeline, timeline_svg};
+use super::{ReportData, ReportError};
+use crate::evaluation::{Candidate, EvaluationError, LookAhead, Trial, confusion, offsets, smooth};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
@@ -16,113 +18,50 @@ use crate::training::metrics::EpochMetrics;
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";
 
-/// Writes the page that shows what a run's models do.
+/// Samples of the recording in the picture: 20 s.
+const SHOWN: usize = 4000;
+
+/// Writes the report of a run's models to `page`, and its timeline to `timeline.svg` beside it.
 ///
 /// # Errors
-/// When the page cannot be written.
+/// When a file cannot be written.
 pub fn write(
     context: &RunContext,
     results: &Results,
     evaluation: &Evaluation,
     page: &Path,
 ) -> Result<(), ReportError> {
-    let (config, preset) = (&context.config, &context.config.preset);
+    let config = &context.config;
     let mut data = ReportData {
-        title: format!("Intent from muscles alone: preset {}", preset.name),
+        title: format!("Intent detection: preset {}", config.preset.name),
         summary: format!(
-            "Trained on {} people, judged on {} people none of the models has seen.",
+            "Trained on {} subjects, evaluated on {} held-out subjects.",
             config.split.training.len(),
             config.split.held_out.len()
         ),
+        provenance: provenance(config, results),
         tables: tables(results),
         panels: panels(&context.folder)?,
+        notes: notes(),
         ..ReportData::default()
     };
-    data.provenance = vec![
-        (
-            "recordings".to_owned(),
-            config
-                .data
-                .as_ref()
-                .map_or_else(|| "synthetic".to_owned(), |_| data_sets(config)),
-        ),
-        ("left out".to_owned(), config.split.held_out.join(", ")),
-        (
-            "chose the checkpoint".to_owned(),
-            config.split.validation.join(", "),
-        ),
-        ("seed".to_owned(), preset.seed.to_string()),
-        (
-            "revision".to_owned(),
-            config
-                .git_revision
-                .clone()
-                .unwrap_or_else(|| "unknown".to_owned()),
-        ),
-        (
-            "look-ahead".to_owned(),
-            results.aggregation.name().to_owned(),
-        ),
-    ];
-    for (data_set, lag) in &config.lags {
-        data.provenance.push((
-            format!("label lag of {}", data_set.name()),
-            format!("{} ms", lag.samples * 5),
-        ));
-    }
-    data.notes = vec![
-        "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. Tables show both, labels as published and lag-compensated labels, moved by one constant a data set that is estimated on training subjects.".to_owned(),
-        "Every recording is preceded by its own first half second, six times over, so that short recordings are judged from their first sample; the device itself stays silent until it has 3 s of contiguous EMG.".to_owned(),
-    ];
-    let device = evaluation
+    let integer = evaluation
         .candidates
         .iter()
         .find(|candidate| candidate.name == INTEGER);
-    if let Some(integer) = device.or(evaluation.candidates.first()) {
-        let aggregation = integer.condition(evaluation.aggregation);
-        let settings = aggregation.settings();
-        let vocabulary = preset.vocabulary();
-        // The recording with the most changes shows most.
-        let changes =
-            |labels: &[Option<_>]| labels.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        if let Some(at) = (0..evaluation.trials.len())
-            .max_by_key(|&at| changes(&evaluation.trials[at].lag_compensated))
-        {
-            let trial = &evaluation.trials[at];
-            let labels = smooth(
-                &integer.logits[at],
-                trial.emg.len(),
-                vocabulary.classes(),
-                settings,
-            )
-            .map_err(EvaluationError::from)?;
-            data.timelines.push(
-                Timeline {
-                    subject: trial.subject.clone(),
-                    recording: trial.name.clone(),
-                    emg: trial.emg.clone(),
-                    truth: trial.lag_compensated.clone(),
-                    emitted: labels.reference,
-                    look_ahead_samples: match aggregation {
-                        LookAhead::None => 0,
-                        LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
-                    },
-                }
-                .section(0..SHOWN),
-            );
+    if let Some(candidate) = integer.or(evaluation.candidates.first()) {
+        let look_ahead = candidate.condition(evaluation.aggregation);
+        let (trials, vocabulary) = (&evaluation.trials, config.preset.vocabulary());
+        // The recording with the most transitions.
+        if let Some(at) = (0..trials.len()).max_by_key(|&at| changes(&trials[at])) {
+            let classes = vocabulary.classes();
+            let timeline = timeline(candidate, trials, at, look_ahead, classes)?;
+            data.timelines.push(timeline.section(0..SHOWN));
         }
-        let counts = confusion(integer, &evaluation.trials, vocabulary, aggregation)?;
-        data.confusion = Some(Confusion {
-            names: counts.intents.iter().map(|&name| name.to_owned()).collect(),
-            counts: counts
-                .counts
-                .iter()
-                .map(|row| row[..vocabulary.classes()].to_vec())
-                .collect(),
-        });
-        data.offsets_ms = offsets(integer, &evaluation.trials, vocabulary, aggregation)?
+        data.confusion = Some(confusion(candidate, trials, vocabulary, look_ahead)?);
+        data.offsets_ms = offsets(candidate, trials, vocabulary, look_ahead)?
             .into_iter()
-            .map(|samples| f64::from(samples) * 5.0)
+            .map(|samples| f64::from(samples) * f64::from(SAMPLE_PERIOD_MS))
             .collect();
     }
     super::write_html(&data, page)?;
@@ -133,19 +72,82 @@ pub fn write(
     Ok(())
 }
 
-/// Samples of the recording in the picture: 20 s.
-const SHOWN: usize = 4000;
-
-fn data_sets(config: &ResolvedConfig) -> String {
-    config
-        .lags
-        .keys()
-        .map(|data_set| data_set.name())
-        .collect::<Vec<_>>()
-        .join(", ")
+/// What produced the numbers.
+fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<(String, String)> {
+    let recordings = if config.data.is_some() {
+        let sets: Vec<_> = config.lags.keys().map(|set| set.name()).collect();
+        sets.join(", ")
+    } else {
+        "synthetic".to_owned()
+    };
+    let revision = config.git_revision.as_deref().unwrap_or("unknown");
+    let mut facts = vec![
+        ("recordings".to_owned(), recordings),
+        ("held out".to_owned(), config.split.held_out.join(", ")),
+        ("validation".to_owned(), config.split.validation.join(", ")),
+        ("seed".to_owned(), config.preset.seed.to_string()),
+        ("revision".to_owned(), revision.to_owned()),
+        (
+            "look-ahead".to_owned(),
+            results.aggregation.name().to_owned(),
+        ),
+    ];
+    for (data_set, lag) in &config.lags {
+        facts.push((
+            format!("label lag of {}", data_set.name()),
+            format!("{} ms", lag.samples * SAMPLE_PERIOD_MS as usize),
+        ));
+    }
+    facts
 }
 
-/// Learning curves of whatever was trained in the folder.
+fn notes() -> Vec<String> {
+    [
+        "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
+         both labels as published and lag-compensated labels, shifted by one constant per data set that is estimated \
+         on training subjects.",
+        "Every recording is preceded by its own first half second, repeated six times, so that short recordings are \
+         evaluated from their first sample; the device emits no label until it has 3 s of contiguous EMG.",
+    ]
+    .map(str::to_owned)
+    .to_vec()
+}
+
+/// Changes of the true label.
+fn changes(trial: &Trial) -> usize {
+    let labels = &trial.lag_compensated;
+    labels.windows(2).filter(|pair| pair[0] != pair[1]).count()
+}
+
+/// One trial with the labels that a candidate emits for it.
+fn timeline(
+    candidate: &Candidate,
+    trials: &[Trial],
+    at: usize,
+    look_ahead: LookAhead,
+    classes: usize,
+) -> Result<Timeline, EvaluationError> {
+    let trial = &trials[at];
+    let labels = smooth(
+        &candidate.logits[at],
+        trial.emg.len(),
+        classes,
+        look_ahead.settings(),
+    )?;
+    Ok(Timeline {
+        subject: trial.subject.clone(),
+        recording: trial.name.clone(),
+        emg: trial.emg.clone(),
+        truth: trial.lag_compensated.clone(),
+        emitted: labels.reference,
+        look_ahead_samples: match look_ahead {
+            LookAhead::None => 0,
+            LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
+        },
+    })
+}
+
+/// Learning curves of the models that were trained in the folder.
 fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
     let mut panels = Vec::new();
     for name in ["teacher", "student"] {

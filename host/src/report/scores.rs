@@ -6,7 +6,7 @@ use crate::evaluation::metric::summary::Summary;
 use crate::evaluation::{LookAhead, Score, Truth};
 use crate::run::evaluate::Results;
 
-/// Tables of an evaluation: lag-compensated labels, labels as published, random order and rhythm.
+/// Tables of an evaluation: lag-compensated labels, labels as published, spliced recordings.
 #[must_use]
 pub fn tables(results: &Results) -> Vec<Table> {
     let published = |truth: Truth| {
@@ -19,15 +19,15 @@ pub fn tables(results: &Results) -> Vec<Table> {
     let aggregation = results.aggregation;
     [
         (
-            "Lag-compensated labels: moved by each data set's lag, to where muscle activity begins",
+            "Lag-compensated labels: shifted by each data set's lag, to the onset of muscle activity",
             published(Truth::LagCompensated),
         ),
         (
-            "Labels as published: the cues, as the paper scores",
+            "Labels as published: the times of the cues, as in the paper's evaluation",
             published(Truth::Published),
         ),
         (
-            "The same people in random order and rhythm, lag-compensated labels",
+            "Spliced recordings of the same subjects, in random order and rhythm; lag-compensated labels",
             results.spliced.iter().collect(),
         ),
     ]
@@ -37,19 +37,37 @@ pub fn tables(results: &Results) -> Vec<Table> {
     .collect()
 }
 
-/// The model that devices run, a row a data set: lag-compensated labels, the aggregation of the model file.
-#[must_use]
-pub fn summary(results: &Results, model: &str) -> Table {
-    let shown: Vec<&Score> = results
-        .published
-        .iter()
-        .filter(|score| {
-            score.model == model
-                && score.truth == Truth::LagCompensated
-                && score.look_ahead == results.aggregation
-        })
-        .collect();
-    table("", &shown, results.aggregation)
+/// The scores of one model in 80 columns, a row a data set: lag-compensated labels, the paper's buffer, the
+/// model file's aggregation mode.
+pub(crate) fn summary(results: &Results, model: &str) -> Table {
+    let mut table = Table::new(
+        "",
+        [
+            "recordings",
+            "raw acc.",
+            "transition acc.",
+            "offset ms",
+            "emitted ms",
+            "subjects",
+        ],
+    );
+    for score in &results.published {
+        if score.model == model
+            && score.truth == Truth::LagCompensated
+            && score.look_ahead == results.aggregation
+        {
+            let widest = score.widest();
+            table.push([
+                score.data_set.clone(),
+                share(widest.raw_accuracy).shown,
+                share(widest.transition_accuracy).shown,
+                mean_offset(widest),
+                mean_offset(&score.emitted),
+                widest.subjects.len().to_string(),
+            ]);
+        }
+    }
+    table
 }
 
 fn table(caption: &str, scores: &[&Score], aggregation: LookAhead) -> Table {
@@ -67,7 +85,7 @@ fn table(caption: &str, scores: &[&Score], aggregation: LookAhead) -> Table {
             "median",
             "emitted ms",
             "subjects",
-            "changes",
+            "transitions",
         ],
     );
     let mut sets: Vec<&str> = scores.iter().map(|score| score.data_set.as_str()).collect();
@@ -88,8 +106,6 @@ fn table(caption: &str, scores: &[&Score], aggregation: LookAhead) -> Table {
 fn row(score: &Score) -> Vec<String> {
     let widest = score.widest();
     let accuracy = |summary: &Summary| share(summary.transition_accuracy).shown;
-    let mean = |summary: &Summary| summary.offset.map(|offset| offset.signed.mean);
-    let offset = |value: Option<f64>| one_ms(value).shown;
     let mut cells = vec![
         score.data_set.clone(),
         score.model.clone(),
@@ -98,11 +114,15 @@ fn row(score: &Score) -> Vec<String> {
     ];
     cells.extend(score.reference.iter().map(accuracy));
     cells.extend([
-        offset(mean(widest)),
-        offset(widest.offset.map(|offset| offset.signed_median)),
-        offset(mean(&score.emitted)),
+        mean_offset(widest),
+        one_ms(widest.offset.map(|offset| offset.signed_median)).shown,
+        mean_offset(&score.emitted),
         widest.subjects.len().to_string(),
         widest.events.to_string(),
     ]);
     cells
+}
+
+fn mean_offset(summary: &Summary) -> String {
+    one_ms(summary.offset.map(|offset| offset.signed.mean)).shown
 }

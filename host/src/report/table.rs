@@ -1,4 +1,4 @@
-//! Tables, for the terminal, for Markdown and for the page.
+//! Tables, for the terminal, for Markdown and for HTML.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use super::canvas::escape;
 /// Rows of text under a header. A row shorter than the header ends in empty cells.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
-    /// What the table shows, and how; above it everywhere, may be empty.
+    /// Caption, above the table in every format; may be empty.
     pub caption: String,
     /// Names of the columns.
     pub header: Vec<String>,
@@ -38,7 +38,7 @@ impl Table {
     #[must_use]
     pub fn plain(&self) -> String {
         let columns = self.columns();
-        let mut out = self.caption_line("", "\n");
+        let mut out = self.caption_line("\n");
         let mut line = |cells: &[String]| {
             let padded: Vec<_> = columns
                 .iter()
@@ -63,7 +63,7 @@ impl Table {
     #[must_use]
     pub fn markdown(&self) -> String {
         let columns = self.columns();
-        let mut out = self.caption_line("", "\n\n");
+        let mut out = self.caption_line("\n\n");
         let mut line = |cells: &[String]| {
             for (i, column) in columns.iter().enumerate() {
                 let _ = write!(
@@ -109,11 +109,11 @@ impl Table {
         out
     }
 
-    fn caption_line(&self, before: &str, after: &str) -> String {
+    fn caption_line(&self, end: &str) -> String {
         if self.caption.is_empty() {
             String::new()
         } else {
-            format!("{before}{}{after}", self.caption)
+            self.caption.clone() + end
         }
     }
 
@@ -187,7 +187,7 @@ student, i8   0.8        -
     }
 
     #[test]
-    fn markdown_says_the_alignment_in_its_rule() {
+    fn markdown_has_the_alignment_in_its_rule() {
         let expected = "\
 Held-out subjects
 

@@ -1,4 +1,4 @@
-//! A report of invented numbers, checked as a whole.
+//! A report of synthetic numbers, checked as a whole.
 
 use std::{error::Error, fs};
 
@@ -7,10 +7,12 @@ use rand_chacha::ChaCha8Rng;
 use shared::intent::{Intent, Vocabulary};
 use shared::units::CHANNELS;
 
-use super::{Confusion, Curve, Panel, ReportData, Table, Timeline, timeline_svg, write_html};
+use super::curves::{Curve, Panel};
+use super::timeline::{Timeline, timeline_svg};
+use super::{Confusion, ReportData, Table, write_html};
 
-/// Rest and gestures in turn, each with its own muscles; emitted labels late by a tenth of a second or so.
-fn invented_timeline(random: &mut ChaCha8Rng) -> Timeline {
+/// Rest and gestures in turn, each with its own muscles; emitted labels 50 to 300 ms late.
+fn synthetic_timeline(random: &mut ChaCha8Rng) -> Timeline {
     let mut timeline = Timeline {
         subject: "subject 3".into(),
         recording: "session 1 & <only>".into(),
@@ -47,7 +49,7 @@ fn invented_timeline(random: &mut ChaCha8Rng) -> Timeline {
     timeline
 }
 
-fn invented_report() -> ReportData {
+fn synthetic_report() -> ReportData {
     let random = &mut ChaCha8Rng::seed_from_u64(42);
     let mut table = Table::new(
         "Held-out subjects, look-ahead 0.25 s, mean ± SD over subjects",
@@ -125,22 +127,18 @@ fn invented_report() -> ReportData {
         .map(|(name, value)| (name.to_owned(), value.to_owned()))
         .to_vec(),
         tables: vec![table],
-        timelines: vec![invented_timeline(random)],
+        timelines: vec![synthetic_timeline(random)],
         panels,
         confusion: Some(Confusion {
-            names: Vocabulary::Three
-                .intents()
-                .iter()
-                .map(|intent| intent.name().to_owned())
-                .collect(),
             counts: vec![
-                vec![9120, 310, 402],
-                vec![820, 4110, 230],
-                vec![960, 120, 3980],
+                vec![9120, 310, 402, 31],
+                vec![820, 4110, 230, 12],
+                vec![960, 120, 3980, 0],
             ],
+            ..Confusion::new(Vocabulary::Three)
         }),
         offsets_ms,
-        notes: vec!["Every number on this page is invented.".into()],
+        notes: vec!["Every number on this page is synthetic.".into()],
     }
 }
 
@@ -178,7 +176,7 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
     let folder = std::env::temp_dir().join(format!("myointent-report-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
     let path = folder.join("report.html");
-    write_html(&invented_report(), &path)?;
+    write_html(&synthetic_report(), &path)?;
     let html = fs::read_to_string(&path)?;
     assert_eq!(
         fs::read_dir(&folder)?.count(),
@@ -188,7 +186,7 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
     // To look at it: MYOINTENT_KEEP_REPORT=folder cargo test report
     if let Some(keep) = std::env::var_os("MYOINTENT_KEEP_REPORT") {
         fs::write(std::path::Path::new(&keep).join("report.html"), &html)?;
-        let picture = timeline_svg(&invented_report().timelines[0])?;
+        let picture = timeline_svg(&synthetic_report().timelines[0])?;
         fs::write(std::path::Path::new(&keep).join("timeline.svg"), picture)?;
     }
     fs::remove_dir_all(&folder)?;
@@ -205,7 +203,7 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
         "Confusion matrix",
         "median",
         "Loss",
-        "invented",
+        "Every number on this page is synthetic.",
         "+150 ms",
     ] {
         assert!(html.contains(part), "{part} is missing");
@@ -215,7 +213,7 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn a_report_needs_nothing_from_elsewhere() -> Result<(), Box<dyn Error>> {
-    let html = super::page::html(&invented_report())?;
+    let html = super::page::html(&synthetic_report())?;
     for reference in [
         "http:", "https:", "src=", "href=", "url(", "@import", "<script", "<link",
     ] {
@@ -230,7 +228,7 @@ fn a_report_needs_nothing_from_elsewhere() -> Result<(), Box<dyn Error>> {
 #[test]
 fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
     let hostile = "<script>alert('&')</script>";
-    let mut data = invented_report();
+    let mut data = synthetic_report();
     data.title = hostile.into();
     data.summary = hostile.into();
     data.notes = vec![hostile.into()];
@@ -240,8 +238,6 @@ fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
     data.panels[0].title = hostile.into();
     data.panels[0].step = hostile.into();
     data.panels[0].curves[0].name = hostile.into();
-    let confusion = data.confusion.get_or_insert_default();
-    confusion.names[1] = hostile.into();
     let html = super::page::html(&data)?;
     assert!(!html.contains("<script"));
     well_formed(&html)?;

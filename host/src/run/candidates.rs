@@ -1,8 +1,8 @@
 //! The models of a run and their logits over trials.
 
 use rayon::prelude::*;
+use shared::model::LookBackLogits;
 use shared::model::file::Model;
-use shared::pipeline::LookBackLogits;
 use shared::units::CleanSample;
 
 use super::context::RunContext;

@@ -9,7 +9,7 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::preset::Preset;
-use crate::dataset::lag::{self, LagEstimate};
+use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Recording};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
@@ -85,7 +85,7 @@ impl ResolvedConfig {
     /// Lag-compensated labels of a recording, in the preset's vocabulary.
     #[must_use]
     pub(crate) fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
-        lag::shifted(
+        lag::compensated(
             &recording.labels_in(self.preset.vocabulary()),
             self.lag(recording.data_set),
         )

@@ -7,7 +7,6 @@ use thiserror::Error;
 
 use crate::evaluation::EvaluationError;
 use crate::execution::run_folder::RunError;
-use crate::inference::device::AnyEncoderError;
 use crate::teacher::checkpoint::CheckpointError;
 
 /// Why a step of a run cannot be done.
@@ -46,9 +45,6 @@ pub enum StepError {
     /// The model file is invalid.
     #[error("the model file is refused: {0}")]
     Model(#[from] ModelError),
-    /// No encoder is compiled for the model file's shape.
-    #[error(transparent)]
-    Encoder(#[from] AnyEncoderError),
     /// The models cannot be evaluated.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),
@@ -57,7 +53,7 @@ pub enum StepError {
 impl StepError {
     /// Whether the user interrupted.
     #[must_use]
-    pub(crate) const fn is_interrupt(&self) -> bool {
+    pub const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Run(RunError::Interrupted { .. }))
     }
 }

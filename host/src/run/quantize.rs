@@ -71,7 +71,6 @@ pub(super) fn model_bytes(
             LookAhead::SameInstant => AggregationMode::SameInstant,
             LookAhead::None | LookAhead::AllRows => AggregationMode::AllRowsFrom,
         },
-        likelihood: shared::stream::smoother::Likelihood::Logits,
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
     };

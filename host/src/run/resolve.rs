@@ -11,7 +11,7 @@ use thiserror::Error;
 use super::config::{Fold, Lag, ResolvedConfig};
 use super::preset::{LabelLag, Preset};
 use crate::dataset::folds::{self, Protocol};
-use crate::dataset::lag;
+use crate::dataset::labels::lag;
 use crate::dataset::split::{Choice, Role, Split, SplitError, SplitOptions};
 use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::run_folder::{RunError, RunFolder};

@@ -1,6 +1,6 @@
 //! Soft targets: the teacher's logits over the training streams, computed once and kept in the run folder.
 
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::{CleanSample, PATCH};
 
 use super::context::RunContext;

@@ -120,7 +120,7 @@ impl Batch {
 #[cfg(test)]
 mod tests {
     use shared::intent::{Intent, Vocabulary};
-    use shared::pipeline::LookBackLogits;
+    use shared::model::LookBackLogits;
 
     use super::*;
     use crate::dataset::corpus::{Corpus, Stream};

@@ -3,7 +3,7 @@
 use burn::tensor::activation::{log_softmax, softmax};
 use burn::tensor::{Device, Tensor};
 use rand_chacha::ChaCha8Rng;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::LOOK_BACK;
 
 use super::batch::{Batch, BatchShape, SoftTargets};

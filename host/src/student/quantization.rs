@@ -4,9 +4,9 @@ use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
 use burn::tensor::Tensor;
 use shared::intent::Vocabulary;
+use shared::model::dimensions::{self, Dimensions};
 use shared::model::file::{
-    self, Dimensions, LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts,
-    SmootherDefaults,
+    LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts, SmootherDefaults,
 };
 
 use super::model::{Student, StudentConfig};
@@ -39,8 +39,8 @@ pub(crate) fn quantize(
             vocabulary,
         },
         companding: match companding {
-            Companding::Linear => file::Companding::Linear,
-            Companding::SquareRoot => file::Companding::SquareRoot,
+            Companding::Linear => dimensions::Companding::Linear,
+            Companding::SquareRoot => dimensions::Companding::SquareRoot,
         },
         smoother,
         provenance,

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
-use shared::pipeline::LookBackLogits;
+use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, PATCH, WINDOW_PATCHES};
 
 use super::distillation::Distillation;

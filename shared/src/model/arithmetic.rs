@@ -1,14 +1,14 @@
-//! The few float functions of the encoder and the smoother, in one fixed order of operations.
+//! Float functions of the encoder, each with a fixed order of operations.
 //!
-//! Every one is made of single IEEE additions, multiplications and bit moves: no platform libm and
-//! no fused multiply-add, so every bit agrees on x86-64 and on a Cortex-M4F. The order is part of
-//! each function's meaning; do not rearrange it.
+//! They consist of single IEEE operations and bit operations, without a platform libm and without fused
+//! multiply-add: every bit agrees on x86-64 and on a Cortex-M4F. The order is part of each function's
+//! definition; do not rearrange it.
 
 use micromath::F32Ext;
 
-/// Beyond this on either side [`exp`] is infinite or zero: what is left out is under 1.7e-38.
+/// Above this [`exp`] is infinite; below its negative, where e^x is under 1.7e-38, it is zero.
 const EXP_LIMIT: f32 = 87.0;
-/// Steps of [`exp`]'s table within one power of two.
+/// Entries of [`exp`]'s table per power of two.
 const STEPS: usize = 32;
 /// `2^(step / 32)`, by 32 products in f64.
 const POWERS: [f32; STEPS] = {
@@ -23,8 +23,8 @@ const POWERS: [f32; STEPS] = {
     }
     powers
 };
-/// 1.5 x 2^23: added to a number below 2^22 it leaves the nearest integer, halves to even, in the
-/// lowest bits of the sum, two's complement.
+/// 1.5 x 2^23: the sum with a number below 2^22 has the nearest integer, halves to even, in its lowest
+/// bits, as two's complement.
 pub(crate) const ROUNDING: f32 = 12_582_912.0;
 
 /// e to the power `x`; relative error at most 6e-7 for |x| <= 8, 5e-6 everywhere.
@@ -33,7 +33,7 @@ pub(crate) const ROUNDING: f32 = 12_582_912.0;
 /// series to the second power (r^3 / 6 is 2e-7), the rest a power of two from a table, shifted.
 #[must_use]
 #[inline(always)]
-pub fn exp(x: f32) -> f32 {
+pub(crate) fn exp(x: f32) -> f32 {
     if x.to_bits() & 0x7fff_ffff > EXP_LIMIT.to_bits() {
         return exp_beyond(x);
     }
@@ -42,7 +42,7 @@ pub fn exp(x: f32) -> f32 {
     let r = x - (shifted - ROUNDING) * (core::f32::consts::LN_2 / STEPS as f32);
     let series = (r * 0.5 + 1.0) * r + 1.0;
     let power = POWERS[bits as usize % STEPS].to_bits();
-    // The integer's bits above the table's five, as an exponent.
+    // The integer's bits above the five of the table index, as an exponent.
     let exponent = (bits >> STEPS.ilog2()) << 23;
     series * f32::from_bits(power.wrapping_add(exponent))
 }
@@ -58,10 +58,10 @@ fn exp_beyond(x: f32) -> f32 {
     }
 }
 
-/// `x * sigmoid(1.702 x)`: the GELU that the student is trained with.
+/// `x * sigmoid(1.702 x)`: the GELU approximation that the student is trained with.
 #[must_use]
 #[inline(always)]
-pub fn gelu(x: f32) -> f32 {
+pub(crate) fn gelu(x: f32) -> f32 {
     x / (1.0 + exp(-1.702 * x))
 }
 
@@ -69,8 +69,8 @@ pub fn gelu(x: f32) -> f32 {
 ///
 /// `x` normal. Three Newton steps from the bit-pattern guess (4 % off).
 #[must_use]
-pub fn inverse_square_root(x: f32) -> f32 {
-    // The guess subtracts bit patterns and would wrap for negative numbers and negative NaNs.
+pub(crate) fn inverse_square_root(x: f32) -> f32 {
+    // The first guess subtracts bit patterns, which would wrap for negative numbers and NaNs.
     if x.is_nan() || x <= 0.0 {
         return 0.0;
     }
@@ -84,28 +84,28 @@ pub fn inverse_square_root(x: f32) -> f32 {
 
 /// The nearest integer, halves away from zero; exact for |x| < 2^23, saturating beyond, 0 for NaN.
 ///
-/// The addend is the largest number below one half: one half itself would round
-/// 0.499_999_97 up.
+/// The addend is the largest number below one half: one half itself would round 0.499_999_97 up.
+#[cfg(any(test, feature = "write"))]
 #[must_use]
 #[inline]
-pub fn round(x: f32) -> i32 {
+pub(crate) fn round(x: f32) -> i32 {
     (x + 0.499_999_97_f32.copysign(x)) as i32
 }
 
 /// The nearest integer, halves to even; |x| < 2^22.
 #[must_use]
 #[inline]
-pub fn round_to_even(x: f32) -> i32 {
+pub(crate) fn round_to_even(x: f32) -> i32 {
     (x + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
 }
 
 /// The largest magnitude, 0 of nothing; NaN if any value is NaN.
 ///
-/// Magnitudes of floats are ordered as their bit patterns are, and the integer maximum is the
-/// cheaper one on both machines.
+/// Magnitudes of floats are ordered as their bit patterns, and the integer maximum is faster on x86-64
+/// and on a Cortex-M4F.
 #[must_use]
 #[inline]
-pub fn absmax(values: &[f32]) -> f32 {
+pub(crate) fn absmax(values: &[f32]) -> f32 {
     let largest = values
         .iter()
         .map(|value| value.to_bits() & 0x7fff_ffff)
@@ -119,7 +119,7 @@ pub fn absmax(values: &[f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::file::samples::Noise;
+    use crate::model::noise::Noise;
 
     fn worst_error_of_exp(limit: f32) -> f64 {
         let mut worst = 0.0_f64;
@@ -132,14 +132,14 @@ mod tests {
     }
 
     #[test]
-    fn exp_keeps_its_stated_errors() {
+    fn exp_has_its_stated_errors() {
         let [near, everywhere] = [8.0, EXP_LIMIT].map(worst_error_of_exp);
         assert!(near <= 6e-7, "relative error {near:e}");
         assert!(everywhere <= 5e-6, "relative error {everywhere:e}");
     }
 
     #[test]
-    fn exp_has_its_edges() {
+    fn exp_has_its_limits() {
         assert_eq!(exp(0.0), 1.0);
         assert_eq!(exp(-0.0), 1.0);
         assert_eq!(exp(87.001), f32::INFINITY);
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn inverse_square_root_keeps_its_stated_error() {
+    fn inverse_square_root_has_its_stated_error() {
         let mut worst = 0.0_f64;
         let mut x = 1e-12_f32;
         while x < 1e12 {
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(round_to_even(-32_767.0), -32_767);
     }
 
-    /// Whatever machine runs this, PC or emulated core, must come to the same checksum.
+    /// The checksum is the same on the PC and on the emulated core.
     #[test]
     fn every_machine_gives_the_same_bits() {
         let mut noise = Noise(7);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn absmax_sees_either_sign() {
+    fn absmax_takes_either_sign() {
         assert_eq!(absmax(&[]), 0.0);
         assert_eq!(absmax(&[-0.0]), 0.0);
         assert_eq!(absmax(&[1.0, -3.5, 2.0]), 3.5);

@@ -1,6 +1,15 @@
-//! The student: its file format, the integer encoder that runs it, and the kernels below.
+//! The student: its file format, the integer encoder that runs it, and the kernels.
+//!
+//! Imports go downwards only: `encoder` -> `file` -> `dimensions` -> `kernels` -> `arithmetic`.
 
-pub mod arithmetic;
+mod arithmetic;
+pub mod dimensions;
+mod encode;
 pub mod encoder;
 pub mod file;
-pub mod kernels;
+mod kernels;
+#[cfg(any(test, feature = "write"))]
+pub mod noise;
+
+pub use encode::{Encode, LookBackLogits};
+pub use kernels::Aligned;

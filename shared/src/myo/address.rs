@@ -1,26 +1,26 @@
-//! Who an armband is.
+//! Device addresses.
 
 use core::fmt;
 
-/// How an address was assigned. A Myo's is public, although it looks like a random one.
+/// How an address was assigned. A Myo's address is public, although it looks like a random one.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum AddressKind {
-    /// By the maker.
+    /// By the manufacturer.
     Public,
-    /// By chance.
+    /// At random.
     Random,
 }
 
-/// A device address. Shown, and parsed, as `FA:01:23:45:67:89`: the last byte on air first.
+/// A device address. Displayed and parsed as `FA:01:23:45:67:89`: the last byte on air first.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Address {
-    /// How it was assigned.
+    /// How the address was assigned.
     pub kind: AddressKind,
     /// Its bytes, little-endian as on air.
     pub bytes: [u8; 6],
 }
 
-/// Why a text is no address.
+/// Why a text is not an address.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum AddressError {
     /// Not 17 characters.
@@ -29,7 +29,7 @@ pub enum AddressError {
     /// A colon is missing.
     #[error("expected a colon at character {0} of the address: write it as FA:01:23:45:67:89")]
     Colon(usize),
-    /// Something else than a hexadecimal digit.
+    /// Not a hexadecimal digit.
     #[error("expected a hexadecimal digit at character {0} of the address: 0-9, a-f or A-F")]
     Digit(usize),
 }
@@ -45,7 +45,7 @@ impl Address {
             return Err(AddressError::Length(text.len()));
         }
         let mut bytes = [0; 6];
-        // `while`: constants know no `for`.
+        // `for` does not work in a `const fn`.
         let mut place = 0;
         while place < text.len() {
             let byte = 5 - place / 3;

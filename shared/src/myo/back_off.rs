@@ -1,14 +1,14 @@
-//! How long to rest before the next attempt.
+//! Delays before the next connection attempt.
 
-/// The shortest rest. Below it a radio may still be cancelling the failed connect and cancel the
-/// next one with it, and so on.
+/// Shortest delay. With a shorter one a radio may still be cancelling the failed attempt, and cancel
+/// the next one with it.
 const SHORTEST_MS: u32 = 300;
-/// The longest rest after ordinary failures.
+/// Longest delay after ordinary failures.
 const LONGEST_MS: u32 = 5_000;
-/// The rest after a refusal: it would be the same again.
+/// Delay after a refused armband: it would be refused again.
 pub(super) const REFUSED_MS: u32 = 60_000;
 
-/// Rests that double from failure to failure, 0.3 s to 5 s.
+/// Exponential back-off: delays double from failure to failure, 0.3 s to 5 s.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct BackOff {
     next_ms: u32,
@@ -21,19 +21,19 @@ impl BackOff {
         }
     }
 
-    /// The rest that is due now, in milliseconds.
-    pub(super) const fn rest(&mut self) -> u32 {
-        let rest = self.next_ms;
-        let doubled = 2 * rest;
+    /// The delay after a failure, in milliseconds.
+    pub(super) const fn delay(&mut self) -> u32 {
+        let delay = self.next_ms;
+        let doubled = 2 * delay;
         self.next_ms = if doubled < LONGEST_MS {
             doubled
         } else {
             LONGEST_MS
         };
-        rest
+        delay
     }
 
-    /// All went well.
+    /// The connection worked: the next delay is the shortest.
     pub(super) const fn reset(&mut self) {
         *self = Self::new();
     }
@@ -44,11 +44,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rests_double_up_to_five_seconds_and_start_again() {
+    fn delays_double_up_to_five_seconds_and_start_again() {
         let mut back_off = BackOff::new();
-        let rests = [(); 7].map(|()| back_off.rest());
-        assert_eq!(rests, [300, 600, 1200, 2400, 4800, 5000, 5000]);
+        let delays = [(); 7].map(|()| back_off.delay());
+        assert_eq!(delays, [300, 600, 1200, 2400, 4800, 5000, 5000]);
         back_off.reset();
-        assert_eq!(back_off.rest(), 300);
+        assert_eq!(back_off.delay(), 300);
     }
 }

@@ -1,4 +1,4 @@
-//! What the armband offers, as far as it is used here.
+//! The armband's services and characteristics that are used here.
 
 use super::lane::Lane;
 use super::uuid::Uuid;
@@ -34,7 +34,7 @@ impl Service {
 pub enum Characteristic {
     /// Read: 8 bytes, see [`FirmwareVersion`](super::FirmwareVersion).
     FirmwareVersion,
-    /// Written **with response** only: a command sent without one vanishes, and no error tells.
+    /// Written **with response** only: the armband ignores a write without response, and reports no error.
     Command,
     /// Notifies: two samples in 16 bytes.
     Emg(Lane),
@@ -54,7 +54,7 @@ impl Characteristic {
         Self::BatteryLevel,
     ];
 
-    /// The service that it belongs to.
+    /// Its service.
     #[must_use]
     pub const fn service(self) -> Service {
         match self {
@@ -75,15 +75,15 @@ impl Characteristic {
         }
     }
 
-    /// The characteristic of a UUID; none of those that are not used.
+    /// The characteristic of a UUID; none where it is not used here.
     #[must_use]
     pub fn from_uuid(uuid: Uuid) -> Option<Self> {
         Self::ALL.into_iter().find(|one| one.uuid() == uuid)
     }
 
-    /// Its place in [`Characteristic::ALL`], 0..=6: an index for an adapter's table of handles.
+    /// Its index in [`Characteristic::ALL`], 0..=6, for a radio's table of handles.
     #[must_use]
-    pub const fn place(self) -> usize {
+    pub const fn index(self) -> usize {
         match self {
             Self::FirmwareVersion => 0,
             Self::Command => 1,
@@ -99,23 +99,23 @@ pub struct Found(u8);
 
 impl Found {
     /// None.
-    pub const NONE: Self = Self(0);
+    pub(super) const NONE: Self = Self(0);
 
-    /// These and `characteristic`.
+    /// This set and `characteristic`.
     #[must_use]
     pub const fn with(self, characteristic: Characteristic) -> Self {
-        Self(self.0 | 1 << characteristic.place())
+        Self(self.0 | 1 << characteristic.index())
     }
 
-    /// Whether `characteristic` is among them.
+    /// Whether `characteristic` was found.
     #[must_use]
-    pub const fn contains(self, characteristic: Characteristic) -> bool {
-        self.0 & (1 << characteristic.place()) != 0
+    pub(super) const fn contains(self, characteristic: Characteristic) -> bool {
+        self.0 & (1 << characteristic.index()) != 0
     }
 
-    /// Whether a stream can be set up: only the battery may be missing.
+    /// Whether a stream can be set up: only the battery level may be missing.
     #[must_use]
-    pub const fn suffices(self) -> bool {
+    pub(super) const fn is_sufficient(self) -> bool {
         self.with(Characteristic::BatteryLevel).0 == ALL_FOUND
     }
 }
@@ -133,9 +133,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn uuids_and_places_lead_back_to_their_characteristic() {
+    fn uuids_and_indices_lead_back_to_their_characteristic() {
         for (place, characteristic) in Characteristic::ALL.into_iter().enumerate() {
-            assert_eq!(characteristic.place(), place);
+            assert_eq!(characteristic.index(), place);
             let uuid = characteristic.uuid();
             assert_eq!(Characteristic::from_uuid(uuid), Some(characteristic));
         }
@@ -158,13 +158,13 @@ mod tests {
                 .collect();
             assert!(!found.contains(absent));
             let optional = absent == Characteristic::BatteryLevel;
-            assert_eq!(found.suffices(), optional, "without {absent:?}");
+            assert_eq!(found.is_sufficient(), optional, "without {absent:?}");
         }
         assert!(
             Characteristic::ALL
                 .into_iter()
                 .collect::<Found>()
-                .suffices()
+                .is_sufficient()
         );
     }
 }

@@ -1,32 +1,32 @@
-//! What the armband is told, as bytes for its Command characteristic.
+//! Commands to the armband, as bytes for its Command characteristic.
 
 use super::action::Payload;
 
-/// How the armband treats the EMG before it sends it. A model must be fed in the mode that it was
-/// trained in: the signals differ by the mains filter.
+/// How the armband processes EMG before it sends it. A model needs the mode that it was trained with:
+/// the signals differ by the mains filter.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum EmgMode {
-    /// Mains interference removed, not rectified: the mode that the vendor recommends.
+    /// Mains interference removed, not rectified: the mode recommended by the vendor.
     #[default]
     Filtered,
-    /// As the electrodes give it.
+    /// Unfiltered.
     Raw,
 }
 
-/// A command. IMU and gestures are never wanted: their notifications would take air time.
+/// A command. IMU and gesture classifier stay off: their notifications would take air time.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Command {
-    /// Stream EMG at 200 Hz; IMU and classifier off. Forgotten by the armband at a disconnect.
+pub(super) enum Command {
+    /// Stream EMG at 200 Hz; IMU and classifier off. Lost at a disconnection.
     SetMode(EmgMode),
-    /// Stay connected through inactivity; without it the link is dropped after about 30 s, EMG or
-    /// not. Forgotten at a disconnect as well.
+    /// Never sleep: without it the armband drops the link after about 30 s of inactivity, even while
+    /// EMG streams. Lost at a disconnection.
     NeverSleep,
 }
 
 impl Command {
     /// The bytes to write: command, payload length, payload.
     #[must_use]
-    pub const fn payload(self) -> Payload {
+    pub(super) const fn payload(self) -> Payload {
         match self {
             Self::SetMode(EmgMode::Filtered) => Payload::new([0x01, 3, 2, 0, 0]),
             Self::SetMode(EmgMode::Raw) => Payload::new([0x01, 3, 3, 0, 0]),

@@ -1,37 +1,37 @@
-//! What a session has lived through.
+//! Event counts of a session.
 
-/// Counts since the session began, over all its connections. They stop at their maximum.
+/// Counts since the session began, over all its connections. A count stays at its maximum.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Counters {
     /// Connections made.
     pub connections: u32,
     /// Attempts to connect that failed.
     pub failed_connects: u32,
-    /// Operations that were not answered in time.
+    /// Operations without an answer within 5 s.
     pub timeouts: u32,
-    /// Streams given up because nothing came for a second.
+    /// Connections closed because no EMG arrived for a second.
     pub stalls: u32,
-    /// Set-ups in which a step failed, or a characteristic was missing.
+    /// Set-ups with a failed step or a missing characteristic.
     pub failed_set_ups: u32,
-    /// Armbands refused for their firmware.
+    /// Armbands refused because of their firmware version.
     pub refused: u32,
-    /// EMG notifications taken in, duplicates included.
+    /// EMG notifications received, duplicates included.
     pub notifications: u32,
-    /// Samples reported missing, those given up included.
+    /// Samples reported missing, those of `given_up` included.
     pub lost: u32,
-    /// Samples that came and were dropped, because their place among lost ones could not be told.
+    /// Samples received but discarded, because their position among lost ones is unknown.
     pub given_up: u32,
-    /// Notifications that came twice.
+    /// Duplicate notifications.
     pub duplicates: u32,
-    /// Pairs of neighbours that came in the wrong order and were put right.
+    /// Pairs of notifications received in the wrong order and swapped back.
     pub reordered: u32,
-    /// Values too short to be what they should be.
+    /// Values shorter than their minimum length.
     pub malformed: u32,
-    /// Notifications that nobody waits for: of no stream, or of a characteristic that never should.
+    /// Unexpected notifications: outside a stream, or of a characteristic without subscription.
     pub foreign: u32,
 }
 
-/// Adds to a counter that stops at its maximum.
+/// Adds to a counter that stays at its maximum.
 pub(super) const fn count(counter: &mut u32, more: u32) {
     *counter = counter.saturating_add(more);
 }

@@ -1,44 +1,44 @@
-//! What a session hears.
+//! Inputs of a session.
 
 use super::address::Address;
 use super::characteristic::{Characteristic, Found};
 
-/// Something that happened to the radio, or time that passed.
+/// An event of the radio, or the passing of time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Event<'a> {
-    /// Somebody advertises.
-    Heard {
-        /// Who, with the kind of address that the report names.
+    /// An advertisement was received.
+    Advertisement {
+        /// The sender's address, of the kind that the report names.
         address: Address,
-        /// How loud, in dBm; 127 where the radio does not know.
+        /// Signal strength in dBm; 127 where the radio does not know it.
         rssi: i8,
         /// The advertising data.
         data: &'a [u8],
     },
-    /// The scan ended by itself, or could not start.
+    /// The scan ended by itself, or did not start.
     ScanEnded,
-    /// The connection asked for is there.
+    /// The requested connection is established.
     Connected,
-    /// There will be no such connection.
+    /// The requested connection failed, or was cancelled.
     ConnectFailed,
-    /// Discovery ended, with these characteristics.
+    /// Discovery succeeded and found these characteristics.
     Discovered(Found),
-    /// The value asked for.
+    /// The value of a read.
     Read(&'a [u8]),
-    /// A write or a subscription is confirmed.
+    /// The write or the subscription succeeded.
     Done,
     /// The outstanding discovery, read, write or subscription failed.
     Failed,
-    /// A characteristic notified.
+    /// A notification was received.
     Notification {
-        /// Which.
+        /// Its characteristic.
         characteristic: Characteristic,
         /// Its value.
         bytes: &'a [u8],
     },
-    /// The connection is gone, whoever closed it.
+    /// The connection ended, whoever closed it.
     Disconnected,
-    /// Nothing but time passed. Due about every 50 ms, for nothing else wakes the session: with
-    /// fewer ticks retries, time-outs and the watchdog come later, and nothing else changes.
+    /// Only time passed. To be sent about every 50 ms; with fewer ticks retries, time-outs and
+    /// keep-alives come later, and nothing else changes.
     Tick,
 }

@@ -1,22 +1,22 @@
-//! The four characteristics that carry EMG in turn.
+//! The four EMG characteristics, which notify in turn.
 
-/// Characteristics that carry EMG.
-pub const LANES: u8 = 4;
+/// Number of EMG characteristics.
+pub(super) const LANES: u8 = 4;
 /// Milliseconds between two notifications, whatever their lanes.
-pub const NOTIFICATION_PERIOD_MS: u32 = 10;
+pub(super) const NOTIFICATION_PERIOD_MS: u32 = 10;
 
-/// One of the four EMG characteristics, 0..=3. They take turns, 0 -> 1 -> 2 -> 3 -> 0, a
-/// notification every 10 ms: that is the only trace of order, for a notification has no counter.
+/// One of the four EMG characteristics, 0..=3. They notify in turn, 0 -> 1 -> 2 -> 3 -> 0, one every
+/// 10 ms. Notifications carry no counter, so lane and arrival time are all that shows their order.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Lane(u8);
 
 impl Lane {
-    /// Every lane, in their order.
-    pub const ALL: [Self; LANES as usize] = [Self(0), Self(1), Self(2), Self(3)];
+    /// All lanes, in order.
+    pub(super) const ALL: [Self; LANES as usize] = [Self(0), Self(1), Self(2), Self(3)];
 
     /// The lane of a number; none from 4 on.
     #[must_use]
-    pub const fn new(number: u8) -> Option<Self> {
+    pub(super) const fn new(number: u8) -> Option<Self> {
         if number < LANES {
             Some(Self(number))
         } else {
@@ -26,20 +26,20 @@ impl Lane {
 
     /// Its number, 0..=3.
     #[must_use]
-    pub const fn number(self) -> u8 {
+    pub(super) const fn number(self) -> u8 {
         self.0
     }
 
-    /// The lane whose turn is next.
+    /// The lane that notifies next.
     #[must_use]
-    pub const fn next(self) -> Self {
+    pub(super) const fn next(self) -> Self {
         Self((self.0 + 1) % LANES)
     }
 
-    /// Fewest notifications that must be missing when this lane comes and `expected` was due, 0..=3.
-    /// Any multiple of four more may be.
+    /// Least number of missing notifications when this lane arrives and `expected` was due, 0..=3. Any
+    /// multiple of four more may be missing.
     #[must_use]
-    pub const fn missing_since(self, expected: Self) -> u32 {
+    pub(super) const fn missing_since(self, expected: Self) -> u32 {
         ((self.0 + LANES - expected.0) % LANES) as u32
     }
 }

@@ -1,16 +1,16 @@
-//! Puts neighbours that swapped places right, and counts what is missing by the lanes.
+//! Restores the order of two swapped notifications, and counts by lane how many are missing.
 //!
-//! After `p` the lane of `p + 1` is due. The lane of `p + 2` instead means that `p + 1` is lost, or
-//! that the two swapped places: that packet waits for the next one or two.
+//! After `p` the lane of `p + 1` is due. If the lane of `p + 2` comes instead, `p + 1` is lost or the
+//! two are swapped: `p + 2` is held for the next one or two notifications.
 //!
-//! | then comes the lane of | and then that of | it was |
+//! | the next lane is that of | and the one after that of | it was |
 //! | --- | --- | --- |
-//! | `p + 1` | `p + 3` | a swap, as far as lanes can tell |
-//! | `p + 1` | another | a loss of `p + 1`; what came in its lane is dropped, for it may be late |
+//! | `p + 1` | `p + 3` | a swap, as far as lanes show |
+//! | `p + 1` | another | a loss of `p + 1`; the one in its lane is dropped, since it may be a late one |
 //! | another | | a loss of `p + 1` |
 //!
-//! Nothing newer ever waits behind it, so there is no hurry and no time-out. What overtakes by more
-//! than one place cannot be told from a loss.
+//! At most two notifications are held, and every new one decides, so there is no time-out. A
+//! notification that is overtaken by more than one other looks like a loss.
 
 use super::lane::Lane;
 use super::packet::Pair;
@@ -24,33 +24,33 @@ pub(super) struct Arrival {
     pub pair: Pair,
 }
 
-/// A notification in its place, as far as lanes can tell.
+/// A notification in its place, as far as lanes show.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Placed {
-    /// When its place was known: not before it came.
+    /// When its place was known, at its arrival or later.
     pub at: Millis,
     /// Notifications missing right before it, 0..=3; any multiple of four more may be.
     pub missing: u32,
     pub pair: Pair,
 }
 
-/// What came about by placing one arrival.
+/// Result of one arrival.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Outcome {
-    /// Nothing to tell.
-    Ordinary,
-    /// Two neighbours had swapped places.
+    /// Nothing to count.
+    InOrder,
+    /// Two notifications were swapped.
     Reordered,
-    /// A packet that may have been late was dropped; its place is counted as missing.
+    /// A notification that may have been late was dropped; its place counts as missing.
     Dropped,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Waiting {
+enum Held {
     Nothing,
-    /// `p + 2` came where `p + 1` was due.
+    /// `p + 2`, where `p + 1` was due.
     Early(Arrival),
-    /// And then the lane of `p + 1`.
+    /// `p + 2`, and after it one in the lane of `p + 1`.
     Swapped {
         early: Arrival,
         late: Arrival,
@@ -60,36 +60,36 @@ enum Waiting {
 /// The order of one stream.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Order {
-    /// The lane that is due; none before the first packet, which may have any.
+    /// The lane that is due; none before the first notification, which may have any.
     due: Option<Lane>,
-    waiting: Waiting,
+    held: Held,
 }
 
 impl Order {
     pub(super) const fn new() -> Self {
         Self {
             due: None,
-            waiting: Waiting::Nothing,
+            held: Held::Nothing,
         }
     }
 
-    /// Takes the next packet; places up to three, oldest first.
+    /// Takes the next notification; places up to three, oldest first.
     pub(super) fn push(&mut self, arrival: Arrival, place: &mut impl FnMut(Placed)) -> Outcome {
-        match core::mem::replace(&mut self.waiting, Waiting::Nothing) {
-            Waiting::Nothing => self.take(arrival, place),
-            Waiting::Early(early) => {
+        match core::mem::replace(&mut self.held, Held::Nothing) {
+            Held::Nothing => self.take(arrival, place),
+            Held::Early(early) => {
                 if self.due == Some(arrival.lane) {
                     let late = arrival;
-                    self.waiting = Waiting::Swapped { early, late };
-                    return Outcome::Ordinary;
+                    self.held = Held::Swapped { early, late };
+                    return Outcome::InOrder;
                 }
                 self.put(early, place);
                 self.take(arrival, place);
             }
-            Waiting::Swapped { early, late } => {
+            Held::Swapped { early, late } => {
                 if arrival.lane == early.lane.next() {
-                    // Both get the time of the packet that decided: were it a loss of four that
-                    // only looks like a swap, all three must look as late as that one.
+                    // Both get the time of the one that decided: if it is a loss of four, all
+                    // three must have the same lag.
                     for arrived in [late, early, arrival] {
                         let at = arrival.at;
                         self.put(Arrival { at, ..arrived }, place);
@@ -101,13 +101,13 @@ impl Order {
                 return Outcome::Dropped;
             }
         }
-        Outcome::Ordinary
+        Outcome::InOrder
     }
 
-    /// With nothing waiting: places the packet, or lets it wait.
+    /// With nothing held: places the notification, or holds it.
     fn take(&mut self, arrival: Arrival, place: &mut impl FnMut(Placed)) {
         if self.missing_before(arrival) == 1 {
-            self.waiting = Waiting::Early(arrival);
+            self.held = Held::Early(arrival);
         } else {
             self.put(arrival, place);
         }
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use alloc::vec::Vec;
 
-    /// Feeds numbered packets, each when it would be due, and gives what was placed: the number,
+    /// Pushes numbered notifications, each at its due time, and returns what was placed: the number,
     /// and how many are missing before it.
     fn place(numbers: &[u8]) -> (Vec<(u8, u32)>, Vec<Outcome>) {
         let mut order = Order::new();
@@ -145,27 +145,27 @@ mod tests {
                 placed.push((one.pair[0][0] as u8, one.missing));
             })
         });
-        let outcomes = outcomes.filter(|one| *one != Outcome::Ordinary).collect();
+        let outcomes = outcomes.filter(|one| *one != Outcome::InOrder).collect();
         (placed, outcomes)
     }
 
     #[test]
-    fn packets_are_placed_as_the_table_says() {
+    fn notifications_are_placed_as_the_table_says() {
         use Outcome::{Dropped, Reordered};
         type Row<'a> = (&'a [u8], &'a [(u8, u32)], &'a [Outcome]);
         let table: [Row; 9] = [
             (&[2, 3, 4, 5], &[(2, 0), (3, 0), (4, 0), (5, 0)], &[]),
-            (&[0, 2], &[(0, 0)], &[]), // 2 waits
+            (&[0, 2], &[(0, 0)], &[]), // 2 is held
             (&[0, 2, 3], &[(0, 0), (2, 1), (3, 0)], &[]),
             (&[0, 3, 4], &[(0, 0), (3, 2), (4, 0)], &[]),
             (&[0, 4, 5], &[(0, 0), (4, 3), (5, 0)], &[]),
-            (&[0, 2, 1], &[(0, 0)], &[]), // both wait
+            (&[0, 2, 1], &[(0, 0)], &[]), // both are held
             (
                 &[0, 2, 1, 3],
                 &[(0, 0), (1, 0), (2, 0), (3, 0)],
                 &[Reordered],
             ),
-            // 1 and then 3, 4 lost: 5 comes in the lane of 1 and pays for the doubt.
+            // 1, 3 and 4 are lost: 5 comes in the lane of 1 and is dropped.
             (&[0, 2, 5, 6], &[(0, 0), (2, 1), (6, 3)], &[Dropped]),
             (
                 &[0, 2, 4, 6, 7],
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn swapped_packets_are_as_late_as_the_one_that_tells() {
+    fn swapped_notifications_get_the_time_of_the_one_that_decides() {
         let mut order = Order::new();
         let mut times = Vec::new();
         for (at, number) in [(0, 0), (20, 2), (21, 1), (33, 3), (40, 0)] {

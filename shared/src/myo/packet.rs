@@ -1,5 +1,5 @@
-//! What the armband sends, read by one rule: a minimum length, and bytes beyond it are ignored, for
-//! newer firmware may send more.
+//! Parsers of what the armband sends. Each value has a minimum length; bytes beyond it are ignored,
+//! since newer firmware may send more.
 
 use crate::units::{CHANNELS, Sample};
 use core::array::from_fn;
@@ -7,10 +7,13 @@ use core::array::from_fn;
 /// Two samples, the older first; the newer follows 5 ms later.
 pub type Pair = [Sample; 2];
 
-/// A value is shorter than it must be.
+/// Samples of a notification.
+pub(super) const PAIR_SAMPLES: u32 = 2;
+
+/// A value is shorter than its minimum length.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("expected at least {expected} bytes, found {found}: the value is dropped")]
-pub struct TooShort {
+pub(super) struct TooShort {
     /// Bytes that it must have.
     pub expected: usize,
     /// Bytes that it has.
@@ -21,18 +24,18 @@ pub struct TooShort {
 ///
 /// # Errors
 /// Fewer than 16 bytes.
-pub fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
+pub(super) fn parse_emg(bytes: &[u8]) -> Result<Pair, TooShort> {
     let bytes = first::<{ 2 * CHANNELS }>(bytes)?;
     Ok(from_fn(|sample| {
         from_fn(|channel| bytes[sample * CHANNELS + channel].cast_signed())
     }))
 }
 
-/// The charge of a Battery Level value, percent 0..=100.
+/// The charge in a Battery Level value, percent 0..=100.
 ///
 /// # Errors
 /// No byte at all.
-pub fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
+pub(super) fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
     let [percent] = *first::<1>(bytes)?;
     Ok(percent.min(100))
 }
@@ -40,13 +43,13 @@ pub fn parse_battery(bytes: &[u8]) -> Result<u8, TooShort> {
 /// The armband's firmware.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct FirmwareVersion {
-    /// Another major version is another protocol.
+    /// Major version: another one is another protocol.
     pub major: u16,
-    /// Interface 1.2 is what the vendor describes.
+    /// Minor version. The vendor describes 1.2.
     pub minor: u16,
-    /// Corrections.
+    /// Patch level.
     pub patch: u16,
-    /// 1 or 2: rev C or rev D.
+    /// Hardware revision: 1 is rev C, 2 is rev D.
     pub hardware: u16,
 }
 
@@ -56,7 +59,7 @@ impl FirmwareVersion {
     ///
     /// # Errors
     /// Fewer than 8 bytes.
-    pub fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, TooShort> {
         let [a, b, c, d, e, f, g, h] = *first::<8>(bytes)?;
         Ok(Self {
             major: u16::from_le_bytes([a, b]),
@@ -66,17 +69,10 @@ impl FirmwareVersion {
         })
     }
 
-    /// Whether it speaks the protocol of this module. Major 0 used the same numbers differently.
+    /// Whether it uses the protocol of this module. Major version 0 used the same numbers differently.
     #[must_use]
-    pub const fn is_supported(self) -> bool {
+    pub(super) const fn is_supported(self) -> bool {
         self.major > 0
-    }
-
-    /// Whether it is older than 1.2, the oldest that the vendor describes: worth a warning, for
-    /// nobody states a minimum for streaming EMG.
-    #[must_use]
-    pub const fn is_dated(self) -> bool {
-        self.major < 1 || self.major == 1 && self.minor < 2
     }
 }
 
@@ -124,9 +120,8 @@ mod tests {
         let version = |bytes: [u8; 8]| FirmwareVersion::parse(&bytes).unwrap();
         let newest = version([1, 0, 5, 0, 0xb2, 0x07, 2, 0]);
         assert_eq!((newest.major, newest.minor, newest.patch), (1, 5, 1970));
-        assert!(newest.is_supported() && !newest.is_dated());
-        let dated = version([1, 0, 1, 0, 0xf3, 0x02, 2, 0]);
-        assert!(dated.is_supported() && dated.is_dated());
+        assert!(newest.is_supported());
+        assert!(version([1, 0, 1, 0, 0xf3, 0x02, 2, 0]).is_supported());
         assert!(!version([0, 0, 8, 0, 0, 0, 1, 0]).is_supported());
     }
 }

@@ -2,27 +2,26 @@
 
 use super::address::Address;
 use super::advertisement::offers_control;
-use super::elapsed;
 use crate::units::Millis;
 
-/// How long others may still be heard after the first armband. Advertising repeats several times
+/// How long other armbands are collected after the first one. Advertising repeats several times
 /// within it.
 const WINDOW_MS: u32 = 500;
-/// What radios report where they do not know the signal.
+/// What radios report where they do not know the signal strength.
 const RSSI_UNKNOWN: i8 = 127;
 
-/// The strongest armband of a scan, or the one that is pinned.
+/// The strongest armband of a scan, or the pinned one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Scan {
     pinned: Option<Address>,
-    strongest: Option<Heard>,
+    strongest: Option<Candidate>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Heard {
+struct Candidate {
     address: Address,
     rssi: i8,
-    /// When the first of them was heard.
+    /// When the first candidate of the scan was received.
     since: Millis,
 }
 
@@ -34,11 +33,11 @@ impl Scan {
         }
     }
 
-    /// Hears an advertisement; gives the address where that is already the armband to take.
+    /// Takes an advertisement; returns the address if it is the pinned armband's.
     ///
-    /// A pinned armband is known by its six bytes, whatever it advertises; the kind of its address
-    /// is the report's, for a printed address does not tell it.
-    pub(super) fn hear(
+    /// A pinned armband is recognised by its six address bytes, whatever it advertises; the address
+    /// kind is the report's, since a printed address does not show it.
+    pub(super) fn advertisement(
         &mut self,
         now: Millis,
         address: Address,
@@ -52,7 +51,7 @@ impl Scan {
         let stronger = self.strongest.is_none_or(|best| rssi > best.rssi);
         if stronger && offers_control(data) {
             let since = self.strongest.map_or(now, |best| best.since);
-            self.strongest = Some(Heard {
+            self.strongest = Some(Candidate {
                 address,
                 rssi,
                 since,
@@ -66,10 +65,10 @@ impl Scan {
         self.strongest.map(|best| best.address)
     }
 
-    /// The strongest armband, once all had their chance.
+    /// The strongest armband, once the collection time is over.
     pub(super) fn choice(&self, now: Millis) -> Option<Address> {
         self.strongest
-            .filter(|best| elapsed(now, best.since) >= WINDOW_MS)
+            .filter(|best| now.elapsed_since(best.since) >= WINDOW_MS)
             .map(|best| best.address)
     }
 }

@@ -1,42 +1,31 @@
-//! From notifications of four lanes to one stream, with its losses told.
+//! From the notifications of four lanes to one stream of samples and gaps.
 //!
 //! ```text
-//! Arrival -> duplicates -> Order --Placed--> Pace -> Ordered
+//! Arrival -> duplicates -> Order --Placed--> ArrivalTiming -> Ordered
 //!            dropped       by lane           by time
 //! ```
 //!
-//! A notification in sequence and on time comes out at once. What is not sure waits; contiguity is
-//! never claimed across a loss, except where lanes and times do not hold the answer: see the limits
-//! in [`order`](super::order) and [`pace`](super::pace), and the generator in the tests' truth model,
-//! which is restricted by these limits and by nothing else.
+//! A notification in sequence and in time is delivered at once. Others are held until their place is
+//! known. Samples are never delivered as contiguous across a loss that lanes and arrival times show;
+//! what they cannot show is listed in [`order`](super::order) and
+//! [`arrival_timing`](super::arrival_timing). The tests generate impaired streams within these limits
+//! and no others.
 
+use super::arrival_timing::{ArrivalTiming, Ordered};
 use super::counters::{Counters, count};
-use super::elapsed;
 use super::order::{Arrival, Order, Outcome};
-use super::pace::Pace;
-use super::packet::Pair;
+use super::packet::PAIR_SAMPLES;
 
-/// Samples of a notification.
-pub(super) const PAIR: u32 = 2;
-/// A repeated lane with the very same bytes within this time is a duplicate; else it is a loss of
-/// three, which takes 40 ms where the stream keeps its pace.
+/// A repeated lane with the same bytes within this time is a duplicate. Later it is a loss of three,
+/// which takes 40 ms in a stream without delay.
 const DUPLICATE_WITHIN_MS: u32 = 20;
 
-/// What comes out.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Ordered {
-    /// Two samples that follow what came out before.
-    Pair(Pair),
-    /// That many samples are missing here, never 0.
-    Gap { missing: u32 },
-}
-
-/// One stream, from subscription to disconnect.
+/// One stream, from subscription to disconnection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Sequence {
     newest: Option<Arrival>,
     order: Order,
-    pace: Pace,
+    timing: ArrivalTiming,
 }
 
 impl Sequence {
@@ -44,11 +33,11 @@ impl Sequence {
         Self {
             newest: None,
             order: Order::new(),
-            pace: Pace::new(),
+            timing: ArrivalTiming::new(),
         }
     }
 
-    /// Takes the next notification; tells what is sure by now, oldest first.
+    /// Takes the next notification; delivers what is certain by now, oldest first.
     pub(super) fn push(
         &mut self,
         arrival: Arrival,
@@ -62,7 +51,7 @@ impl Sequence {
         self.newest = Some(arrival);
         let (mut lost, mut given_up) = (0, 0);
         let outcome = self.order.push(arrival, &mut |placed| {
-            given_up += self.pace.push(placed, &mut |ordered| {
+            given_up += self.timing.push(placed, &mut |ordered| {
                 if let Ordered::Gap { missing } = ordered {
                     lost += missing;
                 }
@@ -70,23 +59,23 @@ impl Sequence {
             });
         });
         match outcome {
-            Outcome::Ordinary => {}
+            Outcome::InOrder => {}
             Outcome::Reordered => count(&mut counters.reordered, 1),
             Outcome::Dropped => given_up += 1,
         }
         count(&mut counters.lost, lost);
-        count(&mut counters.given_up, given_up * PAIR);
+        count(&mut counters.given_up, given_up * PAIR_SAMPLES);
     }
 
     fn is_duplicate(&self, arrival: Arrival) -> bool {
         self.newest.is_some_and(|newest| {
             (newest.lane, newest.pair) == (arrival.lane, arrival.pair)
-                && elapsed(arrival.at, newest.at) < DUPLICATE_WITHIN_MS
+                && arrival.at.elapsed_since(newest.at) < DUPLICATE_WITHIN_MS
         })
     }
 }
 
 #[cfg(test)]
-mod tests;
+mod impairments;
 #[cfg(test)]
-mod truth;
+mod tests;

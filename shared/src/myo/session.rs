@@ -1,4 +1,4 @@
-//! The state machine between a radio and the pipeline.
+//! The state machine between radio and pipeline.
 
 use super::action::Action;
 use super::address::Address;
@@ -11,39 +11,39 @@ use super::packet::FirmwareVersion;
 use super::scan::Scan;
 use super::sequence::Sequence;
 use super::set_up::Step;
-use super::stream::Stream;
+use super::stream_monitor::StreamMonitor;
 use crate::units::Millis;
 
 /// Charge up to which the battery counts as low, in percent.
 const LOW_BATTERY: u8 = 10;
 
-/// What a session is asked to do.
+/// Settings of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Settings {
-    /// The only armband to connect to; any, the strongest first, where none is named.
+    /// The only armband to connect to; without one, the armband with the strongest signal.
     pub pinned: Option<Address>,
-    /// The mode that the model was trained in. `Filtered` unless told otherwise: the vendor
-    /// recommends it, and the recordings were made in it.
+    /// The mode that the model was trained with. `Filtered` by default: the vendor recommends it, and
+    /// the recordings were made with it.
     pub emg: EmgMode,
 }
 
-/// What a session is doing.
+/// Phase of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Phase {
-    /// Nothing: no event came yet.
+    /// Before the first event.
     Idle,
-    /// Looking for an armband.
+    /// Scanning for an armband.
     Scanning,
-    /// Connecting to one.
+    /// Connecting to an armband.
     Connecting,
-    /// Asking what it offers, subscribing, setting its mode.
+    /// Discovery, subscriptions, mode.
     SettingUp,
     /// Receiving EMG, or waiting for the first.
     Streaming,
-    /// Waiting for the connection that it gave up to be gone.
-    Leaving,
-    /// Waiting for the next attempt.
-    Resting,
+    /// Waiting for the end of a connection that the session closed.
+    Disconnecting,
+    /// Waiting before the next attempt.
+    BackingOff,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -58,28 +58,28 @@ enum State {
         step: Step,
         found: Found,
     },
-    Streaming(Stream),
-    Leaving {
+    Streaming(StreamMonitor),
+    Disconnecting {
         since: Millis,
-        rest: u32,
+        delay: u32,
     },
-    Resting {
+    BackingOff {
         since: Millis,
-        rest: u32,
+        delay: u32,
     },
 }
 
-/// A session with an armband, from scan to scan, for as long as the device runs.
+/// A session with armbands: scan, connect, stream, and again after a disconnection.
 ///
-/// Promises: it reads no clock and does no I/O; an event takes bounded work and never panics,
-/// whatever its bytes, its time and its order; events that do not fit are ignored; at most one
+/// Guarantees: it reads no clock and does no I/O; an event takes bounded work and never panics,
+/// whatever its bytes, time and order; events that do not fit the phase are ignored; at most one
 /// operation is outstanding; samples are delivered at most once, in order, and never as contiguous
-/// across a loss that lanes and times can show; `Lost` follows every stream exactly once.
+/// across a loss that lanes and arrival times show; `StreamEnded` follows every stream exactly once.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MyoSession {
     settings: Settings,
     state: State,
-    /// The EMG of the stream under way.
+    /// The EMG of the running stream.
     sequence: Sequence,
     back_off: BackOff,
     counters: Counters,
@@ -89,7 +89,7 @@ pub struct MyoSession {
 }
 
 impl MyoSession {
-    /// A session that starts with its first event, whichever that is.
+    /// A session before its first event, which may be any.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
@@ -104,38 +104,38 @@ impl MyoSession {
         }
     }
 
-    /// Hears of an event at `now` and says what to do, in order. Actions that are answered at once
-    /// are answered by a later call, never from within `act`.
+    /// Handles an event at `now` and calls `act` for every action, in order. The answer to an action
+    /// needs a call of its own, never from within `act`.
     pub fn handle(&mut self, now: Millis, event: Event<'_>, act: &mut impl FnMut(Action)) {
         match event {
-            Event::Heard {
+            Event::Advertisement {
                 address,
                 rssi,
                 data,
             } => {
                 if let State::Scanning(scan) = &mut self.state
-                    && let Some(address) = scan.hear(now, address, rssi, data)
+                    && let Some(address) = scan.advertisement(now, address, rssi, data)
                 {
                     self.connect(now, address, act);
                 }
             }
             Event::ScanEnded => self.scan_ended(now, act),
             Event::Connected => self.connected(now, act),
-            Event::ConnectFailed | Event::Disconnected => self.gone(now, event, act),
+            Event::ConnectFailed | Event::Disconnected => self.disconnected(now, event, act),
             Event::Discovered(_) | Event::Read(_) | Event::Done | Event::Failed => {
-                self.answered(now, event, act);
+                self.operation_answered(now, event, act);
             }
             Event::Notification {
                 characteristic,
                 bytes,
-            } => self.notified(now, characteristic, bytes, act),
+            } => self.notification(now, characteristic, bytes, act),
             Event::Tick => {}
         }
-        // After the event: an answer that beats a tick to it is in time.
-        self.keep_time(now, act);
+        // After the event: an answer that arrives together with the time-out is in time.
+        self.handle_time(now, act);
     }
 
-    /// What it is doing.
+    /// The present phase.
     #[must_use]
     pub const fn phase(&self) -> Phase {
         match self.state {
@@ -144,36 +144,36 @@ impl MyoSession {
             State::Connecting { .. } => Phase::Connecting,
             State::SettingUp { .. } => Phase::SettingUp,
             State::Streaming(_) => Phase::Streaming,
-            State::Leaving { .. } => Phase::Leaving,
-            State::Resting { .. } => Phase::Resting,
+            State::Disconnecting { .. } => Phase::Disconnecting,
+            State::BackingOff { .. } => Phase::BackingOff,
         }
     }
 
-    /// What it has lived through.
+    /// Event counts so far.
     #[must_use]
     pub const fn counters(&self) -> Counters {
         self.counters
     }
 
-    /// Which armband it connected to, or tried to, last.
+    /// The armband of the last connection, or attempt to connect.
     #[must_use]
     pub const fn armband(&self) -> Option<Address> {
         self.armband
     }
 
-    /// Charge of the armband in percent, as last told; none of this connection's yet.
+    /// Last known charge of the armband in percent; none before this connection's first value.
     #[must_use]
     pub const fn battery(&self) -> Option<u8> {
         self.battery
     }
 
-    /// Whether the charge is known to be 10 % or less.
+    /// Whether the charge is known, and 10 % or less.
     #[must_use]
     pub fn battery_is_low(&self) -> bool {
         self.battery.is_some_and(|percent| percent <= LOW_BATTERY)
     }
 
-    /// Firmware of the armband; none of this connection's yet. See [`FirmwareVersion::is_dated`].
+    /// Firmware version of the armband; none before this connection has read it.
     #[must_use]
     pub const fn firmware(&self) -> Option<FirmwareVersion> {
         self.firmware

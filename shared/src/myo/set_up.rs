@@ -1,4 +1,4 @@
-//! What is done between the connection and the stream, a step at a time.
+//! The steps between connection and stream.
 
 use super::action::Action;
 use super::characteristic::{Characteristic, Found};
@@ -7,8 +7,8 @@ use super::event::Event;
 use super::lane::Lane;
 use super::packet::{FirmwareVersion, parse_battery};
 
-/// A step, each one operation. The mode comes last: once EMG streams, answers share the air and
-/// the queues with it.
+/// A step of the set-up: one operation. The mode is set last, since EMG then shares air time and
+/// queues with the responses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Step {
     Discover,
@@ -20,10 +20,10 @@ pub(super) enum Step {
     SetMode,
 }
 
-/// What an event means to a step.
+/// How an event answers a step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Answer {
-    /// Not its answer.
+pub(super) enum Response {
+    /// Not at all.
     None,
     Done,
     Found(Found),
@@ -32,8 +32,8 @@ pub(super) enum Answer {
     Failed,
     /// Failed, because a value was too short.
     Malformed,
-    /// This armband will never do.
-    Refused,
+    /// The armband's firmware is not supported.
+    Unsupported,
 }
 
 impl Step {
@@ -67,30 +67,32 @@ impl Step {
         })
     }
 
-    /// Whether a stream needs no success of it.
+    /// Whether the stream works without it.
     pub(super) const fn is_optional(self) -> bool {
         matches!(self, Self::ReadBattery | Self::SubscribeBattery)
     }
 
-    /// What `event` means to this step.
-    pub(super) fn answer(self, event: Event<'_>) -> Answer {
+    /// How `event` answers this step.
+    pub(super) fn response(self, event: Event<'_>) -> Response {
         match (self, event) {
-            (_, Event::Failed) => Answer::Failed,
-            (Self::Discover, Event::Discovered(found)) if found.suffices() => Answer::Found(found),
-            (Self::Discover, Event::Discovered(_)) => Answer::Failed,
+            (_, Event::Failed) => Response::Failed,
+            (Self::Discover, Event::Discovered(found)) if found.is_sufficient() => {
+                Response::Found(found)
+            }
+            (Self::Discover, Event::Discovered(_)) => Response::Failed,
             (Self::ReadFirmware, Event::Read(bytes)) => match FirmwareVersion::parse(bytes) {
-                Ok(version) if version.is_supported() => Answer::Firmware(version),
-                Ok(_) => Answer::Refused,
-                Err(_) => Answer::Malformed,
+                Ok(version) if version.is_supported() => Response::Firmware(version),
+                Ok(_) => Response::Unsupported,
+                Err(_) => Response::Malformed,
             },
             (Self::ReadBattery, Event::Read(bytes)) => {
-                parse_battery(bytes).map_or(Answer::Malformed, Answer::Battery)
+                parse_battery(bytes).map_or(Response::Malformed, Response::Battery)
             }
             (
                 Self::SubscribeEmg(_) | Self::SubscribeBattery | Self::NeverSleep | Self::SetMode,
                 Event::Done,
-            ) => Answer::Done,
-            _ => Answer::None,
+            ) => Response::Done,
+            _ => Response::None,
         }
     }
 }

@@ -1,6 +1,6 @@
-//! The identifiers of services and characteristics, as they travel.
+//! UUIDs of services and characteristics, as they are on air.
 
-/// A UUID that the armband uses: a short id in one of two families.
+/// A UUID of the armband: a 16-bit id in one of two families.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Uuid {
     /// Assigned by the Bluetooth SIG: 16 bits on air.
@@ -9,7 +9,7 @@ pub enum Uuid {
     Vendor(u16),
 }
 
-/// Vendor UUID 0x0000 as it travels: little-endian, the short id at bytes 12 and 13.
+/// Vendor UUID 0x0000 as it is on air: little-endian, the short id at bytes 12 and 13.
 const VENDOR_BASE: [u8; 16] = [
     0x42, 0x48, 0x12, 0x4a, 0x7f, 0x2c, 0x48, 0x47, 0xb9, 0xde, 0x04, 0xa9, 0x00, 0x00, 0x06, 0xd5,
 ];
@@ -20,8 +20,8 @@ const SIG_BASE: [u8; 16] = [
 const SHORT_ID: usize = 12;
 
 impl Uuid {
-    /// The Control service: what an armband advertises.
-    pub const CONTROL: Self = Self::Vendor(0x0001);
+    /// The Control service, which an armband advertises.
+    pub(super) const CONTROL: Self = Self::Vendor(0x0001);
 
     /// All 128 bits, little-endian as on air.
     #[must_use]
@@ -34,7 +34,7 @@ impl Uuid {
         bytes
     }
 
-    /// The UUID of 2 or 16 bytes, little-endian as on air; none of another family or length.
+    /// The UUID of 2 or 16 bytes, little-endian as on air; none for another family or length.
     #[must_use]
     pub fn from_le_bytes(bytes: &[u8]) -> Option<Self> {
         if let Ok(short_id) = bytes.try_into() {
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_control_service_travels_as_it_was_captured() {
+    fn the_control_service_has_its_captured_bytes() {
         let captured = [
             0x42, 0x48, 0x12, 0x4a, 0x7f, 0x2c, 0x48, 0x47, 0xb9, 0xde, 0x04, 0xa9, 0x01, 0x00,
             0x06, 0xd5,
@@ -71,11 +71,11 @@ mod tests {
 
     #[test]
     fn other_families_and_lengths_are_none() {
-        let mut stranger = Uuid::CONTROL.to_le_bytes();
-        stranger[0] ^= 1;
-        assert_eq!(Uuid::from_le_bytes(&stranger), None);
+        let mut other = Uuid::CONTROL.to_le_bytes();
+        other[0] ^= 1;
+        assert_eq!(Uuid::from_le_bytes(&other), None);
         for length in [0, 1, 3, 15] {
-            assert_eq!(Uuid::from_le_bytes(&stranger[..length]), None);
+            assert_eq!(Uuid::from_le_bytes(&other[..length]), None);
         }
     }
 }

@@ -1,17 +1,18 @@
-//! The composed line over a model that is easy to foretell.
+//! The pipeline with a model whose output is easy to predict.
 
 use super::*;
+use crate::model::LookBackLogits;
 use crate::stream::preprocess::clean;
 use crate::stream::safe_state::Cause;
-use crate::units::CHANNELS;
+use crate::units::{CHANNELS, PATCH, Patch};
 use alloc::{boxed::Box, vec, vec::Vec};
 use proptest::prelude::*;
 
-/// Says of each patch, whenever asked, the class that the patch's channel 0 spells out. Stricter
-/// than a model: it minds that patches are whole and never more than the stream gave.
-struct Spelled;
+/// A model that classifies each patch by the sum of its channel 0, modulo 3, in every row that refers
+/// to it. Rows for patches that were never pushed have no class.
+struct SumModel;
 
-impl Encode for Spelled {
+impl Encode for SumModel {
     type State = Vec<usize>;
 
     fn classes(&self) -> usize {
@@ -26,7 +27,7 @@ impl Encode for Spelled {
         state.clear();
     }
 
-    fn step(&self, state: &mut Self::State, patch: &[CleanSample; PATCH]) -> LookBackLogits {
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits {
         let sum: usize = patch.iter().map(|sample| usize::from(sample[0])).sum();
         state.push(sum % 3);
         let mut rows = [[0.0; MAX_CLASSES]; LOOK_BACK];
@@ -38,32 +39,32 @@ impl Encode for Spelled {
     }
 }
 
-fn pipeline() -> Pipeline<'static, Spelled> {
-    let state = Box::leak(Box::new(Spelled.fresh()));
-    Pipeline::new(Spelled, state, Settings::PAPER_IN_PATCHES, Start::Boot).unwrap()
+fn pipeline() -> Pipeline<'static, SumModel> {
+    let state = Box::leak(Box::new(SumModel.fresh()));
+    Pipeline::new(SumModel, state, Settings::PAPER_IN_PATCHES, Start::Boot).unwrap()
 }
 
-/// Ten of these spell class `value`.
-fn spelling(value: i8) -> Sample {
+/// A patch of these has the class `10 value` modulo 3, which is `value`.
+fn constant(value: i8) -> Sample {
     [value; CHANNELS]
 }
 
-/// When sample `index` comes.
+/// Time of sample `index`.
 fn at(index: u32) -> Millis {
     Millis(index * 5)
 }
 
-fn feed(pipeline: &mut Pipeline<'_, Spelled>, from: u32, count: u32, value: i8) -> Vec<Report> {
+fn feed(pipeline: &mut Pipeline<'_, SumModel>, from: u32, count: u32, value: i8) -> Vec<Report> {
     (from..from + count)
-        .flat_map(|index| pipeline.sample(at(index), spelling(value)))
+        .flat_map(|index| pipeline.sample(at(index), constant(value)))
         .collect()
 }
 
-/// Kind, instant, emitted, status: what the tests foretell of a report.
-type Line = (Kind, u32, u32, Status);
+/// The fields of a report that the tests predict: kind, instant, emitted, status.
+type Fields = (Kind, u32, u32, Status);
 
-fn lines(reports: impl IntoIterator<Item = Report>) -> Vec<Line> {
-    let line = |report: Report| {
+fn fields(reports: impl IntoIterator<Item = Report>) -> Vec<Fields> {
+    let fields = |report: Report| {
         (
             report.kind,
             report.instant.0,
@@ -71,41 +72,41 @@ fn lines(reports: impl IntoIterator<Item = Report>) -> Vec<Line> {
             report.status,
         )
     };
-    reports.into_iter().map(line).collect()
+    reports.into_iter().map(fields).collect()
 }
 
 const OPEN: Status = Status::Valid(Intent::Open);
 
-/// Window 0 ends at sample 599; the look-ahead is 5 patches and labels come at every second
-/// window, so the first is due at window 6. One sample more for the median.
-const FIRST_VALID: [Line; 2] = [(Kind::State, 609, 660, OPEN), (Kind::Label, 609, 660, OPEN)];
+/// Window 0 ends at sample 599. With a look-ahead of 5 patches and a label at every second window, the
+/// first label is due at window 6. The median lags one sample.
+const FIRST_VALID: [Fields; 2] = [(Kind::State, 609, 660, OPEN), (Kind::Label, 609, 660, OPEN)];
 
 #[test]
 fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
     let mut pipeline = pipeline();
     let boot = pipeline.state_report();
     assert_eq!(
-        lines([boot]),
+        fields([boot]),
         [(Kind::State, 0, 0, Status::Safe(Cause::Boot))]
     );
-    assert_eq!(lines(feed(&mut pipeline, 0, 660, 1)), []);
-    assert_eq!(lines(feed(&mut pipeline, 660, 1, 1)), FIRST_VALID);
+    assert_eq!(fields(feed(&mut pipeline, 0, 660, 1)), []);
+    assert_eq!(fields(feed(&mut pipeline, 660, 1, 1)), FIRST_VALID);
     let next = feed(&mut pipeline, 661, 40, 1);
     assert_eq!(
-        lines(next.iter().copied()),
+        fields(next.iter().copied()),
         [(Kind::Label, 629, 680, OPEN), (Kind::Label, 649, 700, OPEN)]
     );
     assert_eq!(next[1].sequence, boot.sequence + 4);
-    assert_eq!(pipeline.counters(), Counters::default());
+    assert_eq!(pipeline.counters, Counters::default());
 }
 
 #[test]
 fn five_lost_samples_are_bridged_by_the_last_one() {
     let mut pipeline = pipeline();
-    assert_eq!(lines(feed(&mut pipeline, 0, 650, 1)), []);
-    assert_eq!(lines(pipeline.gap(at(655), 5)), []);
+    assert_eq!(fields(feed(&mut pipeline, 0, 650, 1)), []);
+    assert_eq!(fields(pipeline.gap(at(655), 5)), []);
     let reports = feed(&mut pipeline, 655, 6, 1);
-    assert_eq!(lines(reports.iter().copied()), FIRST_VALID);
+    assert_eq!(fields(reports.iter().copied()), FIRST_VALID);
     let expected = Counters {
         lost: 5,
         bridged: 5,
@@ -118,7 +119,7 @@ fn five_lost_samples_are_bridged_by_the_last_one() {
 fn a_label_can_fall_due_on_a_bridged_sample() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 658, 1);
-    assert_eq!(lines(pipeline.gap(at(663), 5)), FIRST_VALID);
+    assert_eq!(fields(pipeline.gap(at(663), 5)), FIRST_VALID);
 }
 
 #[test]
@@ -127,7 +128,7 @@ fn six_lost_samples_reset_the_window() {
     feed(&mut pipeline, 0, 661, 1);
     let safe = Status::Safe(Cause::Gap);
     assert_eq!(
-        lines(pipeline.gap(at(667), 6)),
+        fields(pipeline.gap(at(667), 6)),
         [(Kind::State, 666, 666, safe)]
     );
     let expected = Counters {
@@ -135,20 +136,16 @@ fn six_lost_samples_reset_the_window() {
         bridged: 0,
         resets: 1,
     };
-    assert_eq!(pipeline.counters(), expected);
-    assert_eq!(
-        *pipeline.state,
-        Spelled.fresh(),
-        "the model still remembers"
-    );
-    // A second gap before any sample has nothing to give up.
-    assert_eq!(lines(pipeline.gap(at(668), 1)), []);
-    assert_eq!(pipeline.counters().resets, 1);
+    assert_eq!(pipeline.counters, expected);
+    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    // A second gap before any sample resets nothing.
+    assert_eq!(fields(pipeline.gap(at(668), 1)), []);
+    assert_eq!(pipeline.counters.resets, 1);
 
-    // The window begins again at sample 668.
-    assert_eq!(lines(feed(&mut pipeline, 668, 660, 1)), []);
+    // The new window begins at sample 668.
+    assert_eq!(fields(feed(&mut pipeline, 668, 660, 1)), []);
     assert_eq!(
-        lines(feed(&mut pipeline, 668 + 660, 1, 1)),
+        fields(feed(&mut pipeline, 668 + 660, 1, 1)),
         [
             (Kind::State, 668 + 609, 668 + 660, OPEN),
             (Kind::Label, 668 + 609, 668 + 660, OPEN)
@@ -157,39 +154,35 @@ fn six_lost_samples_reset_the_window() {
 }
 
 #[test]
-fn silence_and_disconnection_give_up_the_window() {
+fn silence_and_disconnection_reset_the_window() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 661, 1);
     assert_eq!(pipeline.deadline(), Some(Millis(3500)));
-    assert_eq!(lines(pipeline.tick(Millis(3499))), []);
+    assert_eq!(fields(pipeline.tick(Millis(3499))), []);
     let silent = Status::Safe(Cause::Silence);
     assert_eq!(
-        lines(pipeline.tick(Millis(3500))),
+        fields(pipeline.tick(Millis(3500))),
         [(Kind::State, 660, 660, silent)]
     );
     assert_eq!(pipeline.status(), silent);
+    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    let disconnected = Status::Safe(Cause::Disconnected);
     assert_eq!(
-        *pipeline.state,
-        Spelled.fresh(),
-        "the model still remembers"
+        fields(pipeline.disconnected(Millis(4000))),
+        [(Kind::State, 660, 660, disconnected)]
     );
-    let gone = Status::Safe(Cause::Disconnected);
-    assert_eq!(
-        lines(pipeline.disconnected(Millis(4000))),
-        [(Kind::State, 660, 660, gone)]
-    );
-    assert_eq!(pipeline.counters().resets, 1);
+    assert_eq!(pipeline.counters.resets, 1);
     assert_eq!(pipeline.deadline(), None);
-    assert_eq!(lines(feed(&mut pipeline, 661, 660, 1)), []);
+    assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
 }
 
 #[test]
 fn a_sample_after_a_silence_reports_it_without_a_tick() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 661, 1);
-    let reports = pipeline.sample(Millis(3600), spelling(1));
+    let reports = pipeline.sample(Millis(3600), constant(1));
     let silent = Status::Safe(Cause::Silence);
-    assert_eq!(lines(reports), [(Kind::State, 660, 660, silent)]);
+    assert_eq!(fields(reports), [(Kind::State, 660, 660, silent)]);
     assert_eq!(pipeline.ring.contiguous(), 0);
 }
 
@@ -203,7 +196,7 @@ fn a_model_of_too_many_classes_is_refused() {
         }
         fn fresh(&self) {}
         fn reset(&self, (): &mut ()) {}
-        fn step(&self, (): &mut (), _: &[CleanSample; PATCH]) -> LookBackLogits {
+        fn step(&self, (): &mut (), _: &Patch) -> LookBackLogits {
             [[0.0; MAX_CLASSES]; LOOK_BACK]
         }
     }
@@ -211,12 +204,12 @@ fn a_model_of_too_many_classes_is_refused() {
     assert_eq!(refused, Some(SettingsError::Classes { most: 6, found: 7 }));
 }
 
-/// The labels of an unbroken recording, step by step over the whole of it.
-fn by_hand(recording: &[Sample]) -> Vec<(u32, Intent)> {
-    // The last clean sample needs a sample that has not come.
+/// The labels of a recording without gaps, each step over the whole recording.
+fn expected_labels(recording: &[Sample]) -> Vec<(u32, Intent)> {
+    // The last sample's median needs a sample that has not arrived.
     let mut samples: Vec<_> = clean(recording.iter().copied()).collect();
     samples.pop();
-    let spelled: Vec<usize> = samples
+    let sums: Vec<usize> = samples
         .as_chunks::<PATCH>()
         .0
         .iter()
@@ -224,11 +217,11 @@ fn by_hand(recording: &[Sample]) -> Vec<(u32, Intent)> {
         .collect();
     let mut labels = vec![];
     // The window that ends with patch 59 is the first; all rows of windows p ... p + 5.
-    for end in (65..spelled.len()).step_by(2) {
+    for end in (65..sums.len()).step_by(2) {
         let mut votes = [0; 3];
         for window in end - 5..=end {
             for patch in end - 5..=window {
-                votes[spelled[patch] % 3] += 1;
+                votes[sums[patch] % 3] += 1;
             }
         }
         let most = votes.iter().max();
@@ -246,7 +239,7 @@ fn by_hand(recording: &[Sample]) -> Vec<(u32, Intent)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
     #[test]
-    fn the_line_does_what_its_rooms_do_one_after_another(
+    fn the_pipeline_equals_its_steps_one_after_another(
         recording in prop::collection::vec(any::<Sample>(), 600..1200),
     ) {
         let mut pipeline = pipeline();
@@ -256,8 +249,8 @@ proptest! {
             .filter(|report| report.kind == Kind::Label)
             .map(|report| (report.instant.0, report.status.label()))
             .collect();
-        // Windows 6, 8, ...: the first label falls to the first even window past the look-ahead.
-        let expected: Vec<_> = by_hand(&recording).into_iter().collect();
+        // Windows 6, 8, ...: the first label is that of the first even window past the look-ahead.
+        let expected: Vec<_> = expected_labels(&recording).into_iter().collect();
         prop_assert_eq!(labels, expected);
     }
 }

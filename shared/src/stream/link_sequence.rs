@@ -1,34 +1,34 @@
-//! Numbers on what the radio hands to the inference, so that a queue between them may drop.
+//! Sequence numbers on the queue between radio and inference, which may drop packets.
 //!
-//! A bounded queue drops its oldest entry rather than block. With every packet goes the position
-//! of its first sample and the number of its stream, and so whatever was dropped, the receiver
-//! finds out: a jump of the position is a gap, another stream is a disconnection.
+//! A bounded queue drops its oldest packet rather than block. Every packet carries the position of its
+//! first sample and the number of its stream, so the inference detects whatever was dropped: a jump of
+//! the position is a gap, another stream number is a disconnection.
 //!
 //! ```text
-//! MyoSession -> Sender -> queue, may drop -> Receiver -> Pipeline
+//! MyoSession -> Sequencer -> queue -> GapDetector -> Pipeline
 //! ```
 
 use crate::units::{Sample, SampleIndex};
 
-/// One entry of the queue.
+/// One element of the queue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Packet {
-    /// Which stream: one more after every disconnection; wraps.
+    /// Number of the stream: one more after every disconnection; wraps.
     pub stream: u32,
-    /// Position of the first sample, counted on from stream to stream.
+    /// Position of the first sample, counted over all streams.
     pub first: SampleIndex,
-    /// Two samples, or none: the stream is over.
+    /// Two samples; none at the end of the stream.
     pub samples: Option<[Sample; 2]>,
 }
 
-/// Numbers what goes into the queue.
+/// Numbers the packets before the queue.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sender {
+pub struct Sequencer {
     stream: u32,
     next: SampleIndex,
 }
 
-impl Sender {
+impl Sequencer {
     /// Before the first sample.
     #[must_use]
     pub const fn new() -> Self {
@@ -49,13 +49,13 @@ impl Sender {
         }
     }
 
-    /// Samples are missing before the next two.
+    /// Skips the positions of samples that are missing before the next two.
     pub const fn gap(&mut self, missing: u32) {
         self.next = self.next.plus(missing);
     }
 
-    /// The stream is over; what comes next is another.
-    pub const fn over(&mut self) -> Packet {
+    /// The end of the stream. The next samples belong to a new one.
+    pub const fn end(&mut self) -> Packet {
         let stream = self.stream;
         self.stream = stream.wrapping_add(1);
         Packet {
@@ -66,26 +66,26 @@ impl Sender {
     }
 }
 
-/// What a packet means for the pipeline, in this order.
+/// Result of a received packet, to be passed to the pipeline in this order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Received {
-    /// The stream before ended: `Pipeline::disconnected`.
+    /// The previous stream ended: `Pipeline::disconnected`.
     pub disconnected: bool,
-    /// Samples missing: `Pipeline::gap`, where not 0.
+    /// Number of missing samples: `Pipeline::gap`, unless 0.
     pub missing: u32,
     /// Two samples: `Pipeline::sample`, twice.
     pub samples: Option<[Sample; 2]>,
 }
 
-/// Finds out what is missing among what comes out of the queue.
+/// Detects what is missing after the queue.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Receiver {
-    /// The stream that goes on; none after its end.
+pub struct GapDetector {
+    /// The present stream; none after its end.
     stream: Option<u32>,
     next: SampleIndex,
 }
 
-impl Receiver {
+impl GapDetector {
     /// Before the first packet.
     #[must_use]
     pub const fn new() -> Self {
@@ -95,15 +95,15 @@ impl Receiver {
         }
     }
 
-    /// Takes the next packet that the queue kept.
-    pub fn take(&mut self, packet: Packet) -> Received {
+    /// Takes the next packet from the queue.
+    pub fn receive(&mut self, packet: Packet) -> Received {
         let other = self.stream.is_some_and(|stream| stream != packet.stream);
         let missing = packet.first.since(self.next);
         let taken = if packet.samples.is_some() { 2 } else { 0 };
         self.next = packet.first.plus(taken);
         self.stream = packet.samples.map(|_| packet.stream);
         Received {
-            // The end of a stream is told even if no sample of it was kept.
+            // The end of a stream is reported even if all of its samples were dropped.
             disconnected: other || packet.samples.is_none(),
             missing,
             samples: packet.samples,
@@ -117,7 +117,7 @@ mod tests {
     use alloc::{collections::VecDeque, vec::Vec};
     use proptest::prelude::*;
 
-    const QUIET: [Sample; 2] = [[0; 8]; 2];
+    const ZEROS: [Sample; 2] = [[0; 8]; 2];
 
     fn plain(samples: Option<[Sample; 2]>) -> Received {
         Received {
@@ -128,45 +128,48 @@ mod tests {
     }
 
     #[test]
-    fn what_the_queue_kept_passes_unchanged() {
-        let (mut sender, mut receiver) = (Sender::new(), Receiver::new());
+    fn packets_that_are_not_dropped_pass_unchanged() {
+        let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
         for value in 0..10 {
             let pair = [[value; 8], [-value; 8]];
-            let packet = sender.samples(pair);
-            assert_eq!(receiver.take(packet), plain(Some(pair)));
+            let packet = sequencer.samples(pair);
+            assert_eq!(detector.receive(packet), plain(Some(pair)));
         }
-        sender.gap(6);
-        let received = receiver.take(sender.samples(QUIET));
+        sequencer.gap(6);
+        let received = detector.receive(sequencer.samples(ZEROS));
         assert_eq!((received.missing, received.disconnected), (6, false));
-        assert!(receiver.take(sender.over()).disconnected);
-        assert_eq!(receiver.take(sender.samples(QUIET)), plain(Some(QUIET)));
+        assert!(detector.receive(sequencer.end()).disconnected);
+        assert_eq!(
+            detector.receive(sequencer.samples(ZEROS)),
+            plain(Some(ZEROS))
+        );
     }
 
     #[test]
-    fn a_dropped_end_of_stream_is_found_out() {
-        let (mut sender, mut receiver) = (Sender::new(), Receiver::new());
-        receiver.take(sender.samples(QUIET));
-        let _dropped = sender.over();
-        let received = receiver.take(sender.samples(QUIET));
+    fn a_dropped_end_of_stream_is_detected() {
+        let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
+        detector.receive(sequencer.samples(ZEROS));
+        let _dropped = sequencer.end();
+        let received = detector.receive(sequencer.samples(ZEROS));
         assert!(received.disconnected);
         assert_eq!(received.missing, 0);
     }
 
     #[test]
     fn positions_wrap() {
-        let mut sender = Sender::new();
-        let mut receiver = Receiver::new();
-        sender.gap(u32::MAX);
-        receiver.take(sender.samples(QUIET));
-        let received = receiver.take(sender.samples(QUIET));
-        assert_eq!(received, plain(Some(QUIET)));
+        let mut sequencer = Sequencer::new();
+        let mut detector = GapDetector::new();
+        sequencer.gap(u32::MAX);
+        detector.receive(sequencer.samples(ZEROS));
+        let received = detector.receive(sequencer.samples(ZEROS));
+        assert_eq!(received, plain(Some(ZEROS)));
     }
 
     #[derive(Clone, Copy, Debug)]
     enum Step {
         Samples,
         Gap(u32),
-        Over,
+        End,
         Receive,
     }
 
@@ -174,50 +177,50 @@ mod tests {
         prop_oneof![
             6 => Just(Step::Samples),
             1 => (1_u32..20).prop_map(Step::Gap),
-            1 => Just(Step::Over),
+            1 => Just(Step::End),
             4 => Just(Step::Receive),
         ]
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
-        /// The truth beside it: every sample carries its own position.
+        /// The true position and stream of every packet are queued beside it.
         #[test]
         fn whatever_a_full_queue_drops_positions_and_streams_stay_right(
             steps in prop::collection::vec(step(), 1..200),
         ) {
-            let (mut sender, mut receiver) = (Sender::new(), Receiver::new());
+            let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
             let mut queue = VecDeque::new();
             let (mut position, mut stream) = (0_u32, 0_u32);
             let mut seen: Vec<(u32, u32)> = Vec::new();
-            let (mut counted, mut over_since) = (0_u32, true);
+            let (mut counted, mut ended_since) = (0_u32, true);
             for step in steps {
                 let packet = match step {
                     Step::Samples => {
                         position += 2;
-                        Some((sender.samples(QUIET), Some((position - 2, stream))))
+                        Some((sequencer.samples(ZEROS), Some((position - 2, stream))))
                     }
                     Step::Gap(missing) => {
-                        sender.gap(missing);
+                        sequencer.gap(missing);
                         position += missing;
                         None
                     }
-                    Step::Over => {
+                    Step::End => {
                         stream += 1;
-                        Some((sender.over(), None))
+                        Some((sequencer.end(), None))
                     }
                     Step::Receive => {
-                        if let Some((packet, truth)) = queue.pop_front() {
-                            let received = receiver.take(packet);
-                            over_since |= received.disconnected;
+                        if let Some((packet, expected)) = queue.pop_front() {
+                            let received = detector.receive(packet);
+                            ended_since |= received.disconnected;
                             counted += received.missing;
-                            if let Some((at, stream)) = truth {
+                            if let Some((at, stream)) = expected {
                                 prop_assert_eq!(counted, at);
                                 counted += 2;
                                 if let Some(&(_, before)) = seen.last() {
-                                    prop_assert_eq!(over_since, before != stream);
+                                    prop_assert_eq!(ended_since, before != stream);
                                 }
-                                over_since = false;
+                                ended_since = false;
                                 seen.push((at, stream));
                             }
                         }

@@ -1,4 +1,5 @@
-//! From raw samples to a label in time: cleaning, the window's ring, smoothing, the safe state.
+//! What a stream passes through beside the model: link sequence numbers, preprocessing, the sample
+//! ring, the smoother, the safe state.
 
 pub mod link_sequence;
 pub mod preprocess;

@@ -1,15 +1,15 @@
 //! From raw EMG to the model's input: median of three over time, then rectification.
 //!
-//! The median is taken of signed values, before rectification, and a neighbour beyond either end
-//! of the stream counts as 0. It needs the sample that follows, so the streaming form lags one
-//! sample; that buys equality with the form that sees a whole recording. Source: ReactEMG's public
-//! code; held to its numbers in `tests/golden`.
+//! The median is taken of signed values, before rectification; a neighbour beyond either end of the
+//! stream counts as 0. It needs the following sample, so the streaming form lags one sample and then
+//! equals the form for whole recordings. Source: ReactEMG's public code; `tests/golden` compares with
+//! its numbers.
 
 use crate::units::{CHANNELS, CleanSample, Sample};
 
 /// Samples under the median.
-pub const MEDIAN_WIDTH: usize = 3;
-/// What a clean value is divided by to become the model's input, 0 ... 1.
+pub(crate) const MEDIAN_WIDTH: u8 = 3;
+/// Divisor from a preprocessed value to the model's input, 0 to 1.
 pub const DIVISOR: u8 = 128;
 
 /// Median and rectification, sample by sample.
@@ -20,7 +20,7 @@ pub struct Preprocessor {
 }
 
 impl Preprocessor {
-    /// At the start of a stream.
+    /// Before the first sample.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -29,7 +29,7 @@ impl Preprocessor {
         }
     }
 
-    /// Takes the next sample; gives the one before it, clean. The first sample gives nothing yet.
+    /// Takes the next sample; returns the one before it, preprocessed. The first sample returns nothing.
     pub fn push(&mut self, sample: Sample) -> Option<CleanSample> {
         let pending = self.pending.replace(sample)?;
         let clean = rectified_median(self.before, pending, sample);
@@ -37,7 +37,7 @@ impl Preprocessor {
         Some(clean)
     }
 
-    /// Ends the stream: gives its last sample, if it had one, and starts anew.
+    /// Ends the stream: returns its last sample, if there is one, and starts a new stream.
     pub fn finish(&mut self) -> Option<CleanSample> {
         let ended = core::mem::take(self);
         let pending = ended.pending?;
@@ -45,7 +45,7 @@ impl Preprocessor {
     }
 }
 
-/// A whole recording, clean: as many samples as it has, each at its own place.
+/// Preprocesses a whole recording, sample for sample.
 pub fn clean<I: IntoIterator<Item = Sample>>(recording: I) -> impl Iterator<Item = CleanSample> {
     let mut preprocessor = Preprocessor::new();
     recording
@@ -68,35 +68,13 @@ fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample 
     })
 }
 
-/// The arm that wears the band. Models are trained on right arms.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum ArmSide {
-    /// Channels as the armband sends them.
-    #[default]
-    Right,
-    /// Channels mirrored to where a right arm has them: 6, 5, 4, 3, 2, 1, 0, 7.
-    Left,
-}
-
-impl ArmSide {
-    /// The sample as a right arm would have given it. Twice is the sample itself.
-    #[must_use]
-    pub fn reorder(self, sample: Sample) -> Sample {
-        const MIRRORED: [usize; CHANNELS] = [6, 5, 4, 3, 2, 1, 0, 7];
-        match self {
-            Self::Right => sample,
-            Self::Left => MIRRORED.map(|channel| sample[channel]),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use alloc::vec::Vec;
     use proptest::prelude::*;
 
-    /// One channel of the rule as its source words it.
+    /// The definition, for one channel.
     fn naive(values: &[i8]) -> Vec<u8> {
         let at = |place: isize| {
             usize::try_from(place).map_or(0, |place| values.get(place).copied().unwrap_or(0))
@@ -121,28 +99,18 @@ mod tests {
     }
 
     #[test]
-    fn beyond_either_end_lies_silence() {
+    fn neighbours_beyond_either_end_are_zero() {
         let output: Vec<_> = clean(every_channel(&[-5, 7, -9, 9])).collect();
         assert_eq!(output, [0, 5, 7, 0].map(|value| [value; CHANNELS]));
     }
 
     #[test]
-    fn a_stream_that_was_finished_starts_anew() {
+    fn after_finish_a_new_stream_starts() {
         let mut preprocessor = Preprocessor::new();
         assert_eq!(preprocessor.finish(), None);
         assert_eq!(preprocessor.push([9; CHANNELS]), None);
         assert_eq!(preprocessor.finish(), Some([0; CHANNELS]));
         assert_eq!(preprocessor, Preprocessor::new());
-    }
-
-    #[test]
-    fn a_left_arm_is_mirrored_around_channel_3() {
-        let sample = [10, 11, 12, 13, 14, 15, 16, 17];
-        assert_eq!(ArmSide::Right.reorder(sample), sample);
-        assert_eq!(
-            ArmSide::Left.reorder(sample),
-            [16, 15, 14, 13, 12, 11, 10, 17]
-        );
     }
 
     proptest! {

@@ -1,19 +1,19 @@
-//! The last 3 s of clean samples, kept as whole patches, and how many of them follow one another.
+//! Ring buffer of the last 3 s of preprocessed samples, stored as whole patches.
 
-use crate::units::{CHANNELS, CleanSample, PATCH, WINDOW, WINDOW_PATCHES};
+use crate::units::{CHANNELS, CleanSample, PATCH, Patch, WINDOW, WINDOW_PATCHES};
 
 /// The model's window: the newest 600 samples, in patches counted from the last reset.
 ///
-/// A patch lies in one piece: it never wraps around the ring's end, because the window is a whole
-/// number of patches and a reset starts at the ring's first place.
+/// A patch is contiguous in memory: the window is a whole number of patches, and a reset starts at the
+/// first one.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SampleRing {
-    patches: [[CleanSample; PATCH]; WINDOW_PATCHES],
-    /// Where the patch under way lies, 0..60.
+    patches: [Patch; WINDOW_PATCHES],
+    /// Index of the incomplete patch, 0..60.
     current: usize,
     /// Its samples so far, 0..10.
     filled: usize,
-    /// Saturates: after 248 days it is still "more than enough".
+    /// Saturates, after 248 days.
     contiguous: u32,
 }
 
@@ -29,8 +29,8 @@ impl SampleRing {
         }
     }
 
-    /// Takes a sample; gives the patch that it completes, every tenth sample since the last reset.
-    pub fn push(&mut self, sample: CleanSample) -> Option<&[CleanSample; PATCH]> {
+    /// Takes a sample; returns the patch that it completes, every tenth sample since the last reset.
+    pub fn push(&mut self, sample: CleanSample) -> Option<&Patch> {
         self.patches[self.current][self.filled] = sample;
         self.contiguous = self.contiguous.saturating_add(1);
         self.filled += 1;
@@ -43,7 +43,7 @@ impl SampleRing {
         Some(&self.patches[completed])
     }
 
-    /// Forgets everything, as after a gap: what came before does not join what comes next.
+    /// Empties the ring, as after a gap.
     pub fn reset(&mut self) {
         self.current = 0;
         self.filled = 0;
@@ -62,9 +62,9 @@ impl SampleRing {
         self.contiguous >= WINDOW as u32
     }
 
-    /// Whole patches, oldest first: 60 when a patch has just completed in a full ring, 59 while
+    /// Complete patches, oldest first: 60 directly after a patch has completed in a full ring, 59 while
     /// the next one overwrites the oldest.
-    pub fn patches(&self) -> impl Iterator<Item = &[CleanSample; PATCH]> {
+    pub fn patches(&self) -> impl Iterator<Item = &Patch> {
         let whole = if self.is_full() {
             WINDOW_PATCHES - usize::from(self.filled > 0)
         } else {
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_patches_are_those_of_a_plain_list() {
+    fn complete_patches_are_those_of_a_list() {
         let mut ring = SampleRing::new();
         let mut list = Vec::new();
         for reset_after in [7, 600, 605, 1_291] {
@@ -108,9 +108,9 @@ mod tests {
                 assert_eq!(completed, newest);
 
                 let whole: Vec<_> = list.as_chunks::<PATCH>().0.iter().collect();
-                let under_way = usize::from(!list.len().is_multiple_of(PATCH));
+                let incomplete = usize::from(!list.len().is_multiple_of(PATCH));
                 let kept = if list.len() > WINDOW {
-                    WINDOW_PATCHES - under_way
+                    WINDOW_PATCHES - incomplete
                 } else {
                     whole.len()
                 };

@@ -1,9 +1,9 @@
-//! The guard behind everything: a label and `valid`, or relax with `valid` low.
+//! The outputs' state: a label with `valid` high, or relax with `valid` low (the safe state).
 //!
-//! The device starts safe and becomes safe again on each [`Cause`]. It leaves the safe state only
-//! with a label that was made from a full window of contiguous samples; once the model is refused
-//! it never does. Time is an argument: it must not run backwards, for an instant earlier than the
-//! last sample reads as a long silence and so fails safe.
+//! The device starts in the safe state and enters it again on each [`Cause`]. It leaves the safe state
+//! only with a label from a full window of contiguous samples; after a refused model it never does.
+//! Time is an argument and must not run backwards: an instant before the last sample looks like a long
+//! silence, and enters the safe state.
 
 use crate::intent::Intent;
 use crate::units::Millis;
@@ -14,22 +14,22 @@ pub const SILENCE_MS: u32 = 200;
 /// Why the device is in its safe state.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Cause {
-    /// It was switched on.
+    /// Power on, button or debugger.
     Boot,
-    /// The watchdog restarted it.
+    /// Reset by the watchdog.
     Watchdog,
-    /// The model file was refused. Lasts until the next start.
+    /// The model file was refused. Lasts until the next reset.
     ModelRefused,
-    /// The armband is gone.
+    /// The armband was disconnected.
     Disconnected,
-    /// No sample came for 200 ms.
+    /// No sample for 200 ms.
     Silence,
-    /// More samples were lost than may be bridged.
+    /// More consecutive samples were lost than are filled in.
     Gap,
 }
 
 impl Cause {
-    /// Every cause.
+    /// All causes.
     pub const ALL: [Self; 6] = [
         Self::Boot,
         Self::Watchdog,
@@ -59,21 +59,21 @@ impl Cause {
     }
 }
 
-/// How the program came to run.
+/// Cause of the last reset.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Start {
-    /// Power, a button, a debugger.
+    /// Power on, button or debugger.
     Boot,
     /// The watchdog.
     Watchdog,
 }
 
-/// What the outputs say.
+/// State of the outputs.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Status {
-    /// `valid` high: this intent, from a full window.
+    /// `valid` high, and this label.
     Valid(Intent),
-    /// `valid` low and the label relax.
+    /// `valid` low, and the label relax.
     Safe(Cause),
 }
 
@@ -84,7 +84,7 @@ impl Status {
         matches!(self, Self::Valid(_))
     }
 
-    /// The label to show.
+    /// The label.
     #[must_use]
     pub const fn label(self) -> Intent {
         match self {
@@ -93,7 +93,7 @@ impl Status {
         }
     }
 
-    /// Why the state is safe; none while valid.
+    /// The cause of the safe state; none while valid.
     #[must_use]
     pub const fn cause(self) -> Option<Cause> {
         match self {
@@ -103,38 +103,38 @@ impl Status {
     }
 }
 
-/// What the guard must hear of.
+/// Inputs of [`SafeState`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Event {
-    /// A sample came.
+    /// A sample arrived.
     Sample,
-    /// Samples are missing and the window was reset.
+    /// Samples were lost and the window was reset.
     Gap,
-    /// The armband is gone.
+    /// The armband was disconnected.
     Disconnected,
     /// The model file was refused.
     ModelRefused,
-    /// Nothing but time passed.
+    /// Only time passed.
     Tick,
-    /// The smoother gave a label.
+    /// A label of the smoother.
     Label {
         /// The label.
         intent: Intent,
-        /// Whether the window behind it was full of contiguous samples.
+        /// Whether its window was full of contiguous samples.
         window_full: bool,
     },
 }
 
-/// The guard's memory.
+/// Decides between valid and safe.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SafeState {
     status: Status,
-    /// When the last sample came; none while no stream is expected to go on.
+    /// Time of the last sample; none while no stream is running.
     last_sample: Option<Millis>,
 }
 
 impl SafeState {
-    /// Safe, as after every start.
+    /// The safe state after a reset.
     #[must_use]
     pub const fn new(start: Start) -> Self {
         let cause = match start {
@@ -147,40 +147,39 @@ impl SafeState {
         }
     }
 
-    /// What the outputs must say now.
+    /// The present state of the outputs.
     #[must_use]
     pub const fn status(&self) -> Status {
         self.status
     }
 
-    /// When a [`Event::Tick`] is due unless a sample comes before; none while nothing can fall
-    /// silent.
+    /// When an [`Event::Tick`] is due unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
         self.last_sample.map(|last| last.plus(SILENCE_MS))
     }
 
-    /// Whether the stream has been silent for too long at `now`.
+    /// Whether the stream has had no sample for 200 ms at `now`.
     #[must_use]
-    pub fn silent(&self, now: Millis) -> bool {
+    pub(crate) fn silent(&self, now: Millis) -> bool {
         self.last_sample
             .is_some_and(|last| now.since(last) >= SILENCE_MS)
     }
 
-    /// Hears of an event at `now`; gives the new status where it became valid, became safe, or is
-    /// safe for another cause. A new label while valid is no change of state.
+    /// Handles an event at `now`. Returns the new status if it became valid, became safe, or is safe for
+    /// another cause; a new label while valid is no change of state.
     ///
-    /// A silence that only this event ends is noticed first: a sample does not hide it.
+    /// A silence that this event ends is handled first: a sample does not hide it.
     pub fn handle(&mut self, now: Millis, event: Event) -> Option<Status> {
         let before = self.status;
         if self.silent(now) {
-            self.stop(Cause::Silence);
+            self.end_stream(Cause::Silence);
         }
         match event {
             Event::Sample => self.last_sample = Some(now),
-            Event::Gap => self.fall(Cause::Gap),
-            Event::Disconnected => self.stop(Cause::Disconnected),
-            Event::ModelRefused => self.stop(Cause::ModelRefused),
+            Event::Gap => self.enter(Cause::Gap),
+            Event::Disconnected => self.end_stream(Cause::Disconnected),
+            Event::ModelRefused => self.end_stream(Cause::ModelRefused),
             Event::Tick => {}
             Event::Label {
                 intent,
@@ -195,24 +194,24 @@ impl SafeState {
     }
 
     fn accept(&mut self, intent: Intent, window_full: bool) {
-        // A label needs a stream that is alive: none may lift a silence or a disconnection.
-        let alive = self.last_sample.is_some();
-        if window_full && alive && self.status != Status::Safe(Cause::ModelRefused) {
+        // Without a running stream no label ends a silence or a disconnection.
+        let streaming = self.last_sample.is_some();
+        if window_full && streaming && self.status != Status::Safe(Cause::ModelRefused) {
             self.status = Status::Valid(intent);
         }
     }
 
-    /// Safe, with the stream going on.
-    fn fall(&mut self, cause: Cause) {
+    /// Enters the safe state while the stream goes on.
+    fn enter(&mut self, cause: Cause) {
         if self.status != Status::Safe(Cause::ModelRefused) {
             self.status = Status::Safe(cause);
         }
     }
 
-    /// Safe, with no stream to wait for.
-    fn stop(&mut self, cause: Cause) {
+    /// Enters the safe state; the stream has ended.
+    fn end_stream(&mut self, cause: Cause) {
         self.last_sample = None;
-        self.fall(cause);
+        self.enter(cause);
     }
 }
 

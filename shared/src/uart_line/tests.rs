@@ -1,4 +1,4 @@
-//! The line: written, read back, damaged.
+//! Lines written, parsed and damaged.
 
 use super::*;
 use alloc::{
@@ -53,9 +53,9 @@ fn text(letters: &'static str, most: usize) -> impl Strategy<Value = String> {
     prop::collection::vec(letter, 1..=most).prop_map(String::from_iter)
 }
 
-/// Fields like those of a line, one or the other out of its range or misspelt.
+/// Fields like those of a line, some of them out of range or misspelt.
 fn likely_body() -> impl Strategy<Value = String> {
-    // A zero by itself is likelier than chance makes it: no number begins with one otherwise.
+    // "0" more often than by chance: it is the only number that begins with 0.
     let number = || prop_oneof![Just(String::from("0")), text("0123456789", 11)];
     let word = |words: &'static [&'static str]| prop::sample::select(words);
     (
@@ -76,6 +76,9 @@ fn likely_body() -> impl Strategy<Value = String> {
 fn line(body: &str) -> String {
     format!("${body}*{:02X}\r\n", checksum(body))
 }
+
+/// Bytes of the longest line, line end included.
+const MAX_LINE: usize = 99;
 
 proptest! {
     #[test]
@@ -119,7 +122,7 @@ proptest! {
 }
 
 #[test]
-fn lines_look_as_the_module_says() {
+fn lines_are_those_of_the_module_documentation() {
     let label = Report {
         kind: Kind::Label,
         sequence: 2,

@@ -1,8 +1,8 @@
-//! Chooses FLASH and RAM for the memory map of the workspace root, which the linker finds first.
+//! Defines FLASH and RAM for the memory map of the workspace root, which the linker finds first.
 //!
-//! Regions of their own, for tests are hungry: 4 MiB of code, and 16 MiB for variables, heap and
-//! stack. The choice reaches every image that links this crate; `-Tlink.x` itself is an argument of
-//! the command that builds the image, for no build script can give one to a library's tests.
+//! The regions are larger than a board's: 4 MiB for code, 16 MiB for variables, heap and stack. They
+//! apply to every image that links this crate. `-Tlink.x` is an argument of the command that builds
+//! the image (xtask/src/device.rs), since no build script can pass one to a library's unit tests.
 
 use std::{env, error::Error, fs, path::PathBuf};
 

@@ -1,7 +1,7 @@
-//! Time for embassy, in microseconds.
+//! The time driver of embassy, in microseconds.
 //!
-//! Not from a periodic tick: an emulator that is late merges ticks and the clock falls behind.
-//! TIMER0 runs freely and is only read; TIMER1 fires once at the next deadline.
+//! No periodic tick: an emulator that is late merges ticks, and the clock falls behind. TIMER0 runs
+//! freely and is only read; TIMER1 interrupts once, at the next deadline.
 
 use core::{cell::RefCell, task::Waker};
 
@@ -10,16 +10,16 @@ use critical_section::{CriticalSection, Mutex};
 use embassy_time_driver::Driver;
 use embassy_time_queue_utils::Queue;
 
-use super::{interrupts::Line, registers::Register, straps};
+use super::{irq::Irq, registers::Register, straps};
 
 const COUNTS_PER_US: u64 = 25;
-/// Longest alarm: well within one turn of the free counter, 171 s, whose turns `now` must see.
+/// Longest alarm. TIMER0 wraps after 171 s, and `now` has to be called at least once in between.
 const LONGEST_US: u64 = 1_000_000;
 
 const ENABLE: u32 = 1;
 const ENABLE_WITH_INTERRUPT: u32 = 1 | 1 << 3;
 
-const FREE: Timer = Timer::at(0x4000_0000);
+const COUNTER: Timer = Timer::at(0x4000_0000);
 const ALARM: Timer = Timer::at(0x4000_1000);
 
 /// A CMSDK timer: counts down from `reload`.
@@ -42,7 +42,7 @@ impl Timer {
 }
 
 struct Clock {
-    /// What TIMER0 showed at the last reading, and all counts until then.
+    /// The value of TIMER0 at the last reading, and all counts until then.
     counted: Mutex<RefCell<(u32, u64)>>,
     queue: Mutex<RefCell<Queue>>,
 }
@@ -52,34 +52,34 @@ embassy_time_driver::time_driver_impl!(static CLOCK: Clock = Clock {
     queue: Mutex::new(RefCell::new(Queue::new())),
 });
 
-/// Starts both timers. Before it, time stands still.
+/// Starts both timers; until then the time is 0.
 pub fn start() {
-    FREE.reload.write(u32::MAX);
-    FREE.value.write(u32::MAX);
-    FREE.control.write(ENABLE);
-    Line::Alarm.unmask();
+    COUNTER.reload.write(u32::MAX);
+    COUNTER.value.write(u32::MAX);
+    COUNTER.control.write(ENABLE);
+    Irq::Alarm.unmask();
     critical_section::with(|section| CLOCK.arm(section, 0));
 }
 
-/// The interrupt of TIMER1.
-pub fn alarm() {
+/// The interrupt handler of TIMER1.
+pub fn on_alarm() {
     ALARM.clear.write(1);
     ALARM.control.write(0);
-    critical_section::with(|section| CLOCK.serve(section));
+    critical_section::with(|section| CLOCK.wake_and_arm(section));
 }
 
 impl Clock {
     fn now_in(&self, section: CriticalSection<'_>) -> u64 {
         let mut counted = self.counted.borrow(section).borrow_mut();
-        let shown = FREE.value.read();
+        let value = COUNTER.value.read();
         let (last, total) = *counted;
-        let total = total + u64::from(last.wrapping_sub(shown));
-        *counted = (shown, total);
+        let total = total + u64::from(last.wrapping_sub(value));
+        *counted = (value, total);
         total / (COUNTS_PER_US * straps::time_scale())
     }
 
-    /// Wakes what is due and sets the alarm for what is next.
-    fn serve(&self, section: CriticalSection<'_>) {
+    /// Wakes the tasks that are due and sets the alarm for the next deadline.
+    fn wake_and_arm(&self, section: CriticalSection<'_>) {
         let mut queue = self.queue.borrow(section).borrow_mut();
         let next = queue.next_expiration(self.now_in(section));
         drop(queue);
@@ -107,8 +107,8 @@ impl Driver for Clock {
             let mut queue = self.queue.borrow(section).borrow_mut();
             if queue.schedule_wake(at, waker) {
                 drop(queue);
-                // The alarm looks after the rest: it may have passed already.
-                NVIC::pend(Line::Alarm);
+                // The handler sets the alarm, or wakes the task if the deadline has passed.
+                NVIC::pend(Irq::Alarm);
             }
         });
     }

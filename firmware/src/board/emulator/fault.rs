@@ -1,7 +1,7 @@
-//! Faults on demand: what never happens by itself would otherwise never be seen to end well.
+//! Fault injection: faults that never occur by themselves, so that tests can see how they end.
 //!
-//! They strike where the output has just told of a label, so that there is something to take back.
-//! A chip has no such thing, and the tasks know nothing of it.
+//! A fault is injected right after a label was sent, so that there is a label to clear. A chip's image
+//! has no such code, and the tasks do not know of it.
 
 use core::{
     future,
@@ -10,12 +10,12 @@ use core::{
 
 use super::straps::{self, Fault};
 
-/// A few, so that pins and line have told of one each.
+/// Labels sent before the fault: enough that both pins and UART have shown one.
 const LABELS_BEFORE: u32 = 3;
 const LABEL: &[u8] = b"$LABEL";
 
-/// Strikes after some labels, if the straps say so; called with every line that was sent.
-pub async fn strike(line: &[u8]) {
+/// Injects the fault that the straps ask for, after some labels. To be called with every line sent.
+pub async fn inject(line: &[u8]) {
     static LABELS: AtomicU32 = AtomicU32::new(0);
     let Some(fault) = straps::fault() else {
         return;
@@ -25,7 +25,7 @@ pub async fn strike(line: &[u8]) {
     }
     match fault {
         Fault::TaskStops => future::pending().await,
-        Fault::Panic => panic!("a panic on demand"),
-        Fault::BadInstruction => cortex_m::asm::udf(),
+        Fault::Panic => panic!("injected panic"),
+        Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }
 }

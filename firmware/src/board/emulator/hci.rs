@@ -1,4 +1,4 @@
-//! HCI over a UART (Bluetooth Core, Vol 4, Part A): bytes to and from a controller elsewhere.
+//! HCI over a UART (Bluetooth Core, Vol 4, Part A) to a controller outside the emulator.
 
 use core::{
     convert::Infallible,
@@ -9,58 +9,58 @@ use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, pipe::Pipe};
 use embassy_time::Instant;
 use embedded_io_async::{ErrorType, Read, Write};
 
-use super::{interrupts::Line, uart::Uart};
+use super::{irq::Irq, uart::Uart};
 
 const RX_FULL: u32 = 1 << 1;
 const RX_ENABLE: u32 = 1 << 1;
 const RX_INTERRUPT: u32 = 1 << 3;
 const TX_ENABLE: u32 = 1;
 
-/// 60 notifications: as many as trouble's own queue and a burst beside.
+/// 60 notifications: more than `trouble` queues.
 static RECEIVED: Pipe<CriticalSectionRawMutex, 2048> = Pipe::new();
-/// When the newest byte came, in microseconds; wraps after 71 minutes.
+/// When the newest byte was received, in microseconds; wraps after 71 minutes.
 static LAST_BYTE: AtomicU32 = AtomicU32::new(0);
 
-/// The two directions of the line.
+/// Receives HCI packets.
 pub struct FromController;
-/// See [`FromController`].
+/// Sends HCI packets.
 pub struct ToController;
 
-/// Starts the line.
+/// Starts the UART.
 pub fn start() -> (FromController, ToController) {
     Uart::HCI.start(RX_ENABLE | RX_INTERRUPT);
-    Line::HciReceive.unmask();
+    Irq::HciReceive.unmask();
     (FromController, ToController)
 }
 
-/// Resets the controller and passes over whatever it sent before.
+/// Resets the controller and skips whatever it sent before.
 ///
-/// It does not start anew with this program, and may be in the middle of a packet. Packets begin
-/// again with the answer to a reset (Bluetooth Core, Vol 4, Part A, 4). Where none comes, the
-/// watchdog starts all of this once more.
+/// The controller is not reset with this program, so it may be in the middle of a packet. Packets
+/// are in sync again from the response to the reset on (Bluetooth Core, Vol 4, Part A, 4). If there is
+/// none, the watchdog restarts the program and so repeats this.
 pub async fn synchronize(from: &mut FromController, to: &mut ToController) {
     // A command packet with the opcode 0x0c03 and no parameters.
     let Ok(()) = to.write_all(&[0x01, 0x03, 0x0c, 0x00]).await;
     let mut newest = [0; 7];
-    // An event packet "command complete": how many commands may follow, the opcode, success.
+    // The event "command complete": number of further commands, opcode, success.
     while !matches!(newest, [0x04, 0x0e, 0x04, _, 0x03, 0x0c, 0x00]) {
         newest.rotate_left(1);
         let Ok(_) = from.read(&mut newest[6..]).await;
     }
 }
 
-/// When the newest byte came, in microseconds.
+/// When the newest byte was received, in microseconds.
 pub fn last_byte() -> u32 {
     LAST_BYTE.load(Ordering::Relaxed)
 }
 
-/// The receive interrupt.
-pub fn received() {
+/// The interrupt handler of the receiver.
+pub fn on_receive() {
     let uart = Uart::HCI;
     uart.interrupt.write(RX_FULL);
     while uart.state.read() & RX_FULL != 0 {
         if RECEIVED.free_capacity() == 0 {
-            // The byte stays where it is and holds up the sender; the next read goes on.
+            // The byte stays in the UART and blocks the sender; `read` enables the interrupt again.
             uart.control.write(TX_ENABLE | RX_ENABLE);
             return;
         }
@@ -82,7 +82,7 @@ impl Read for FromController {
             Uart::HCI
                 .control
                 .write(TX_ENABLE | RX_ENABLE | RX_INTERRUPT);
-            received();
+            on_receive();
         });
         Ok(count)
     }

@@ -1,16 +1,17 @@
-//! QEMU's `mps2-an386`: a Cortex-M4F with UARTs to the outside and nothing of a radio.
+//! QEMU's `mps2-an386`: a Cortex-M4F with UARTs and without a radio.
 //!
-//! UART0 carries the labels, UART1 HCI, UART2 what the pins show. All else is the program of the
-//! board, unchanged.
+//! UART0 carries the labels, UART1 HCI, UART2 the pin levels. Everything above this module is the
+//! program of the board, unchanged.
 
 mod clock;
 mod fault;
 mod hci;
-mod interrupts;
+mod irq;
 mod registers;
 mod stack;
 mod straps;
 mod uart;
+mod vectors;
 mod watchdog;
 
 use core::{
@@ -25,40 +26,48 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_time::Instant;
 use shared::intent::Intent;
 
-use super::{Board, Restart, Shown};
-use crate::radio::{self, follow::Follower};
+use super::Board;
+use crate::messages::pin_state::PinState;
+use crate::radio::{driver::SessionDriver, trouble};
+use crate::reset_reason::ResetReason;
 use crate::settings::WATCHDOG_MS;
 use uart::Uart;
 pub use watchdog::Watchdog;
 
-/// What a restart leaves in memory that is not cleared.
-#[expect(unsafe_code, reason = "only the linker can keep memory over a restart")]
-#[unsafe(link_section = ".uninit.RESTART")]
-static RESTART: AtomicU32 = AtomicU32::new(0);
-/// Set while the program runs: whoever finds it was not told why it stopped.
+/// How the previous run of the program ended: kept over a reset.
+#[expect(
+    unsafe_code,
+    reason = "only the linker can exclude memory from being cleared"
+)]
+// SAFETY: cortex-m-rt places sections `.uninit.*` in RAM, as NOLOAD, and its start-up code does not
+// write them, so the initial value never arrives: every one of the 2^32 values that memory may hold
+// is a valid `AtomicU32`, and `start` treats those that are none of the constants below as power-on.
+#[unsafe(link_section = ".uninit.LAST_RUN")]
+static LAST_RUN: AtomicU32 = AtomicU32::new(0);
+/// Set while the program runs: found at a start, it means that the watchdog caused the reset.
 const RUNNING: u32 = 0x5255_4e21;
 /// Set by a panic.
 const PANICKED: u32 = 0x5041_4e21;
 
-/// The emulator has no number of its own to take one from.
+/// A constant: the emulator has no factory-programmed address as a chip has.
 const OWN_ADDRESS: [u8; 6] = [0x01, 0x02, 0x03, 0x04, 0x05, 0xc6];
 
-/// HCI to a controller outside.
+/// HCI to a controller outside the emulator.
 pub struct RadioParts {
     from: hci::FromController,
     to: hci::ToController,
 }
 
-/// Takes the peripherals with all outputs safe.
+/// Takes the peripherals; the pin levels are safe from here on.
 pub fn start() -> Board {
     clock::start();
     for uart in [Uart::LABELS, Uart::PINS] {
         uart.start(0);
     }
-    let restart = match RESTART.swap(RUNNING, Ordering::Relaxed) {
-        RUNNING => Restart::Watchdog,
-        PANICKED => Restart::Software,
-        _ => Restart::Power,
+    let reset_reason = match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
+        RUNNING => ResetReason::Watchdog,
+        PANICKED => ResetReason::Software,
+        _ => ResetReason::Power,
     };
     let (from, to) = hci::start();
     Board {
@@ -66,16 +75,16 @@ pub fn start() -> Board {
         pins: Pins(()),
         radio: RadioParts { from, to },
         watchdog: Watchdog::start(WATCHDOG_MS),
-        restart,
+        reset_reason,
     }
 }
 
-/// Follows the armband for ever.
-pub async fn run_radio(_: Spawner, mut parts: RadioParts, follower: &Follower<'_>) {
+/// Runs the Myo session forever.
+pub async fn run_radio(_: Spawner, mut parts: RadioParts, driver: &SessionDriver<'_>) {
     hci::synchronize(&mut parts.from, &mut parts.to).await;
     let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);
     let controller: ExternalController<_, 10> = ExternalController::new(transport);
-    radio::trouble::run(controller, OWN_ADDRESS, follower).await;
+    trouble::run(controller, OWN_ADDRESS, driver).await;
 }
 
 /// UART0.
@@ -86,46 +95,46 @@ impl LabelPort {
     pub async fn send(&mut self, line: &[u8]) {
         Uart::LABELS.send(line);
         stack::report(Uart::PINS);
-        fault::strike(line).await;
+        fault::inject(line).await;
     }
 }
 
 /// UART2: a line whenever a level changes.
 ///
-/// `PINS`, microseconds now, microseconds at the newest byte of HCI, then every level.
+/// `PINS`, the time in microseconds, that of the newest HCI byte, then every level.
 pub struct Pins(());
 
 impl Pins {
-    /// Shows it.
-    pub fn show(&mut self, shown: Shown) {
-        // Nobody reads of a failure, and the UART knows none.
-        let _ = self.write(shown);
+    /// Writes the levels.
+    pub fn set(&mut self, state: PinState) {
+        // Writing to the UART never fails.
+        let _ = self.write(state);
     }
 
-    fn write(&self, shown: Shown) -> fmt::Result {
+    fn write(&self, state: PinState) -> fmt::Result {
         let mut uart = Uart::PINS;
-        let (now, heard) = (Instant::now().as_micros(), hci::last_byte());
-        let valid = u8::from(shown.status.valid());
-        write!(uart, "PINS {now} {heard} valid={valid}")?;
+        let (now, last_byte) = (Instant::now().as_micros(), hci::last_byte());
+        let valid = u8::from(state.status.valid());
+        write!(uart, "PINS {now} {last_byte} valid={valid}")?;
         for intent in Intent::ALL {
-            let level = u8::from(intent == shown.status.label());
+            let level = u8::from(intent == state.status.label());
             write!(uart, " {}={level}", intent.name())?;
         }
-        writeln!(uart, " armband={}", u8::from(shown.armband))
+        writeln!(uart, " armband={}", u8::from(state.armband))
     }
 }
 
-/// Takes every output back and tells of a panic. Called with interrupts off.
-pub fn last_words(message: &dyn fmt::Display) {
-    Pins(()).show(Shown::SAFE);
-    RESTART.store(PANICKED, Ordering::Relaxed);
+/// Sets every output to its safe level and writes a panic's message. Called with interrupts off.
+pub fn enter_safe_state(message: &dyn fmt::Display) {
+    Pins(()).set(PinState::SAFE);
+    LAST_RUN.store(PANICKED, Ordering::Relaxed);
     let _ = write!(Comment(Uart::LABELS), "# {message}");
     Uart::LABELS.send(b"\r\n");
-    // A panic comes on top of whatever the stack held.
+    // The panic handler runs on top of the stack of what panicked.
     stack::report(Uart::PINS);
 }
 
-/// A comment is one line, and a panic's message is several.
+/// Replaces line ends by spaces: a comment is one line, and a panic's message has several.
 struct Comment(Uart);
 
 impl fmt::Write for Comment {

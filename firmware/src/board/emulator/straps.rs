@@ -1,44 +1,46 @@
-//! What whoever starts the emulator may set before the program runs. A reset leaves it as it is.
+//! Configuration words that the emulator's loader writes before the program runs. A reset keeps them.
 
-/// A fault to be provoked.
+/// A fault to inject.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// A task that waits for ever.
+    /// A task waits forever.
     TaskStops,
     /// A panic.
     Panic,
-    /// An instruction that there is none of.
-    BadInstruction,
+    /// An undefined instruction.
+    UndefinedInstruction,
 }
 
-/// How many times slower than the wall the clock runs, 1 if nothing was set.
+/// How many times slower than real time the clock runs, 1 if nothing was set.
 ///
-/// A busy machine then looks like a short pause: 200 ms of silence are seconds of the wall.
+/// With 5, the 200 ms of silence are a second of real time, so that a busy host does not look silent.
 pub fn time_scale() -> u64 {
     let [scale, _] = words();
     u64::from(scale).max(1)
 }
 
-/// The fault to be provoked, none if nothing was set.
+/// The fault to inject, none if nothing was set.
 pub fn fault() -> Option<Fault> {
     let [_, fault] = words();
     match fault {
         1 => Some(Fault::TaskStops),
         2 => Some(Fault::Panic),
-        3 => Some(Fault::BadInstruction),
+        3 => Some(Fault::UndefinedInstruction),
         _ => None,
     }
 }
 
 #[expect(
     unsafe_code,
-    reason = "written by the emulator's loader, known to the linker script"
+    reason = "written by the emulator's loader, at an address of the linker script"
 )]
 fn words() -> [u32; 2] {
+    // SAFETY: memory.x defines the symbol, as the start of its region STRAPS, which has two words.
     unsafe extern "C" {
         static _straps: [u32; 2];
     }
-    // SAFETY: the linker script sets the symbol to two aligned words of a region that holds no
-    // section; they are written before the program starts and never by it.
+    // SAFETY: the symbol is the word-aligned start of 8 bytes of memory that no section of the
+    // program is placed in. The loader writes them before the program starts, and nothing does
+    // afterwards; any value is a valid `u32`.
     unsafe { (&raw const _straps).read_volatile() }
 }

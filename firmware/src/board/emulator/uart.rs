@@ -1,4 +1,4 @@
-//! The CMSDK UART, transmitter by polling. The emulator is as fast as its reader.
+//! The CMSDK UART. The transmitter is polled: in the emulator it is as fast as the reader outside.
 
 use core::fmt;
 
@@ -6,7 +6,7 @@ use super::registers::Register;
 
 const TX_FULL: u32 = 1;
 const TX_ENABLE: u32 = 1;
-/// Smallest divider that the model accepts; the emulator ignores the rate itself.
+/// Smallest divider that QEMU's model accepts; it ignores the rate otherwise.
 const DIVIDER: u32 = 16;
 
 /// One of the UARTs.
@@ -20,11 +20,11 @@ pub struct Uart {
 }
 
 impl Uart {
-    /// The line of labels.
+    /// The labels.
     pub const LABELS: Self = Self::at(0x4000_4000);
     /// HCI to the Bluetooth controller.
     pub const HCI: Self = Self::at(0x4000_5000);
-    /// What the pins show.
+    /// The pin levels.
     pub const PINS: Self = Self::at(0x4000_6000);
 
     const fn at(base: usize) -> Self {
@@ -37,7 +37,7 @@ impl Uart {
         }
     }
 
-    /// Switches the transmitter on, and whatever else `control` asks for.
+    /// Enables the transmitter, and what `control` adds.
     pub fn start(self, control: u32) {
         self.divider.write(DIVIDER);
         self.control.write(TX_ENABLE | control);

@@ -1,4 +1,4 @@
-//! The CMSDK watchdog: counts down, interrupts at zero, resets at the second zero.
+//! The CMSDK watchdog: counts down, interrupts at zero, resets at zero for the second time.
 
 use super::{registers::Register, straps};
 
@@ -15,7 +15,7 @@ pub struct Watchdog {
 impl Watchdog {
     /// Starts it; it cannot be stopped.
     pub fn start(period_ms: u32) -> Self {
-        // It resets at its second zero.
+        // Half the period, for the reset comes at the second zero.
         let counts = u64::from(period_ms) * COUNTS_PER_MS * straps::time_scale() / 2;
         let counts = u32::try_from(counts).unwrap_or(u32::MAX);
         LOAD.write(counts);
@@ -23,7 +23,7 @@ impl Watchdog {
         Self { counts }
     }
 
-    /// Begins the period anew.
+    /// Restarts the period.
     pub fn feed(&mut self) {
         LOAD.write(self.counts);
     }

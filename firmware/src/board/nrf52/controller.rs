@@ -1,4 +1,4 @@
-//! Bluetooth by Nordic's controller library, linked into the program: no SoftDevice to flash.
+//! Bluetooth with Nordic's controller library linked into the program: no SoftDevice to flash.
 
 use embassy_executor::Spawner;
 use embassy_nrf::{Peri, bind_interrupts, mode::Blocking, pac, peripherals::RNG, rng};
@@ -6,7 +6,7 @@ use nrf_mpsl::MultiprotocolServiceLayer;
 use nrf_sdc::{Builder, Mem, SoftdeviceController};
 use static_cell::StaticCell;
 
-use crate::radio::{self, follow::Follower};
+use crate::radio::{driver::SessionDriver, trouble};
 
 bind_interrupts!(struct Interrupts {
     EGU0_SWI0 => nrf_mpsl::LowPrioInterruptHandler;
@@ -16,28 +16,28 @@ bind_interrupts!(struct Interrupts {
     RTC0 => nrf_mpsl::HighPrioInterruptHandler;
 });
 
-/// Bytes of an L2CAP packet of an armband's notification, and how many may wait: 200 ms.
+/// Bytes of the L2CAP packet of an armband's notification, and packets that are buffered: 200 ms.
 const RECEIVE_BYTES: u16 = 27;
 const RECEIVE_COUNT: u8 = 20;
 const SEND_BYTES: u16 = 27;
 const SEND_COUNT: u8 = 3;
-/// Link, scanner and initiator by the formulas of `sdc.h` come to under 3 KiB; the controller
-/// says at start if it needs more.
+/// Link, scanner and initiator need less than 3 KiB by the formulas of `sdc.h`; the controller
+/// refuses to start if it needs more than this.
 const CONTROLLER_BYTES: usize = 3584;
 
-/// The peripherals that the library claims.
+/// The peripherals that the library uses.
 pub struct RadioParts {
     pub(super) mpsl: nrf_mpsl::Peripherals<'static>,
     pub(super) controller: nrf_sdc::Peripherals<'static>,
     pub(super) random: Peri<'static, RNG>,
 }
 
-/// Follows the armband for ever.
+/// Runs the Myo session forever.
 ///
 /// # Panics
 ///
-/// If the library refuses its peripherals or needs more memory than it is given.
-pub async fn run_radio(spawner: Spawner, parts: RadioParts, follower: &Follower<'_>) {
+/// If the library refuses its peripherals or needs more than [`CONTROLLER_BYTES`].
+pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriver<'_>) {
     static MPSL: StaticCell<MultiprotocolServiceLayer<'static>> = StaticCell::new();
     static RANDOM: StaticCell<rng::Rng<'static, Blocking>> = StaticCell::new();
     static MEMORY: StaticCell<Mem<CONTROLLER_BYTES>> = StaticCell::new();
@@ -52,7 +52,7 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, follower: &Follower<
     };
     let mpsl = match MultiprotocolServiceLayer::new(parts.mpsl, Interrupts, clock) {
         Ok(mpsl) => &*MPSL.init(mpsl),
-        Err(error) => defmt::panic!("the radio's scheduler refused to start: {}", error),
+        Err(error) => defmt::panic!("the radio's scheduler did not start: {}", error),
     };
     match run_mpsl(mpsl) {
         Ok(task) => spawner.spawn(task),
@@ -62,9 +62,9 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, follower: &Follower<
     let memory = MEMORY.init(Mem::new());
     let controller = match build(parts.controller, random, mpsl, memory) {
         Ok(controller) => controller,
-        Err(error) => defmt::panic!("the Bluetooth controller refused to start: {}", error),
+        Err(error) => defmt::panic!("the Bluetooth controller did not start: {}", error),
     };
-    radio::trouble::run(controller, own_address(), follower).await;
+    trouble::run(controller, own_address(), driver).await;
 }
 
 fn build(
@@ -81,7 +81,7 @@ fn build(
         .build(peripherals, random, mpsl, memory)
 }
 
-/// The random static address that every chip is made with.
+/// The random static address that Nordic programs into every chip.
 fn own_address() -> [u8; 6] {
     let [a, b, c, d] = pac::FICR.deviceaddr(0).read().to_le_bytes();
     let [e, f, ..] = pac::FICR.deviceaddr(1).read().to_le_bytes();

@@ -21,7 +21,9 @@ use embassy_nrf::{
 };
 use shared::intent::{Intent, MAX_CLASSES};
 
-use super::{Board, Restart, Shown};
+use super::Board;
+use crate::messages::pin_state::PinState;
+use crate::reset_reason::ResetReason;
 use crate::settings::WATCHDOG_MS;
 #[cfg(feature = "radio-trouble")]
 pub use controller::{RadioParts, run_radio};
@@ -36,23 +38,23 @@ bind_interrupts!(struct Interrupts {
 const RESET_BY_WATCHDOG: u32 = 1 << 1;
 const RESET_BY_SOFTWARE: u32 = 1 << 2;
 
-/// Takes the peripherals with all outputs safe.
+/// Takes the peripherals and sets all outputs to their safe levels.
 pub fn start() -> Board {
     let mut config = embassy_nrf::config::Config::default();
-    // The SoftDevices keep the priorities 0, 1 and 4 to themselves, and refuse to start where an
-    // interrupt of the program has one of them.
+    // The SoftDevices reserve the priorities 0, 1 and 4, and refuse to start if an interrupt of the
+    // program has one of them.
     config.gpiote_interrupt_priority = Priority::P2;
     config.time_interrupt_priority = Priority::P2;
     interrupt::UARTE0.set_priority(Priority::P3);
     let peripherals = embassy_nrf::init(config);
     let wiring = wiring::wire(peripherals);
-    let lines = Lines {
+    let outputs = Outputs {
         intents: wiring.intents,
         valid: wiring.valid,
         valid_led: wiring.valid_led,
         armband_led: wiring.armband_led,
     };
-    critical_section::with(|section| LINES.borrow(section).replace(Some(lines)));
+    critical_section::with(|section| OUTPUTS.borrow(section).replace(Some(outputs)));
 
     let mut config = uarte::Config::default();
     config.baudrate = Baudrate::Baud115200;
@@ -68,19 +70,19 @@ pub fn start() -> Board {
         pins: Pins(()),
         radio: wiring.radio,
         watchdog: Watchdog::start(wiring.watchdog),
-        restart: restart(),
+        reset_reason: reset_reason(),
     }
 }
 
-/// Must be read before a SoftDevice runs: the register is its own from then on.
-fn restart() -> Restart {
+/// Must be called before the SoftDevice is enabled, which reserves the register.
+fn reset_reason() -> ResetReason {
     let reasons = pac::POWER.resetreas().read();
-    // Bits stay set over restarts until a one is written to them.
+    // Bits stay set over resets until a one is written to them.
     pac::POWER.resetreas().write_value(reasons);
     match reasons.0 {
-        bits if bits & RESET_BY_WATCHDOG != 0 => Restart::Watchdog,
-        bits if bits & RESET_BY_SOFTWARE != 0 => Restart::Software,
-        _ => Restart::Power,
+        bits if bits & RESET_BY_WATCHDOG != 0 => ResetReason::Watchdog,
+        bits if bits & RESET_BY_SOFTWARE != 0 => ResetReason::Software,
+        _ => ResetReason::Power,
     }
 }
 
@@ -96,10 +98,10 @@ impl LabelPort {
     }
 }
 
-/// Every output. Kept where a panic finds it.
-static LINES: Mutex<RefCell<Option<Lines>>> = Mutex::new(RefCell::new(None));
+/// Every output. Static, so that the panic handler can set them.
+static OUTPUTS: Mutex<RefCell<Option<Outputs>>> = Mutex::new(RefCell::new(None));
 
-struct Lines {
+struct Outputs {
     intents: [Output<'static>; MAX_CLASSES],
     valid: Output<'static>,
     valid_led: Output<'static>,
@@ -110,33 +112,33 @@ struct Lines {
 pub struct Pins(());
 
 impl Pins {
-    /// Shows it, all levels within a few microseconds. What is not valid is taken back first, what
-    /// is valid is shown last.
-    pub fn show(&mut self, shown: Shown) {
-        show(shown);
+    /// Sets every level, within a few microseconds. `valid` falls before the label changes and rises
+    /// after it.
+    pub fn set(&mut self, state: PinState) {
+        set_outputs(state);
     }
 }
 
-fn show(shown: Shown) {
+fn set_outputs(state: PinState) {
     critical_section::with(|section| {
-        let Ok(mut lines) = LINES.borrow(section).try_borrow_mut() else {
+        let Ok(mut outputs) = OUTPUTS.borrow(section).try_borrow_mut() else {
             return;
         };
-        let Some(lines) = lines.as_mut() else {
+        let Some(outputs) = outputs.as_mut() else {
             return;
         };
-        let valid = shown.status.valid();
+        let valid = state.status.valid();
         if !valid {
-            lines.valid.set_low();
+            outputs.valid.set_low();
         }
-        for (intent, line) in Intent::ALL.into_iter().zip(&mut lines.intents) {
-            line.set_level(Level::from(intent == shown.status.label()));
+        for (intent, pin) in Intent::ALL.into_iter().zip(&mut outputs.intents) {
+            pin.set_level(Level::from(intent == state.status.label()));
         }
         if valid {
-            lines.valid.set_high();
+            outputs.valid.set_high();
         }
-        lines.valid_led.set_level(led(valid));
-        lines.armband_led.set_level(led(shown.armband));
+        outputs.valid_led.set_level(led(valid));
+        outputs.armband_led.set_level(led(state.armband));
     });
 }
 
@@ -144,28 +146,28 @@ fn led(on: bool) -> Level {
     if on { wiring::LED_ON } else { wiring::LED_OFF }
 }
 
-/// The watchdog. It goes on through restarts of the program until power is lost.
+/// The watchdog. It keeps running over resets until power is lost.
 pub struct Watchdog(Option<wdt::WatchdogHandle>);
 
 impl Watchdog {
     fn start(peripheral: embassy_nrf::Peri<'static, peripherals::WDT>) -> Self {
-        // One that runs already, a boot loader's say, cannot be changed: take it over.
+        // One that runs already, such as a boot loader's, cannot be reconfigured: use it as it is.
         let config = wdt::Config::try_new(&peripheral).unwrap_or_else(|| {
             let mut config = wdt::Config::default();
             config.timeout_ticks = WATCHDOG_MS * 32_768 / 1000;
-            // A debugger that halts the core must not lose what it looks at.
+            // A debugger that halts the core must not cause a reset.
             config.action_during_debug_halt = wdt::HaltConfig::Pause;
             config
         });
         let handle = wdt::Watchdog::try_new(peripheral, config);
         let handle = handle.ok().map(|(_, [handle])| handle);
         if handle.is_none() {
-            defmt::warn!("the watchdog runs with more handles than one and is not fed");
+            defmt::warn!("the watchdog runs with more than one handle and is not fed");
         }
         Self(handle)
     }
 
-    /// Begins the period anew.
+    /// Restarts the period.
     pub fn feed(&mut self) {
         if let Some(handle) = &mut self.0 {
             handle.pet();
@@ -173,10 +175,10 @@ impl Watchdog {
     }
 }
 
-/// Takes every output back and tells of a panic. Called with interrupts off.
-pub fn last_words(message: &dyn fmt::Display) {
-    show(Shown::SAFE);
+/// Sets every output to its safe level and logs a panic. Called with interrupts off.
+pub fn enter_safe_state(message: &dyn fmt::Display) {
+    set_outputs(PinState::SAFE);
     defmt::error!("{}", defmt::Display2Format(message));
-    // Time for a debug probe to read the message before memory starts anew.
+    // 50 ms for a debug probe to read the message before the reset clears memory.
     cortex_m::asm::delay(3_200_000);
 }

@@ -1,20 +1,20 @@
-//! Bluetooth by Nordic's SoftDevice, which is flashed once and lies below the program.
+//! Bluetooth with Nordic's SoftDevice, which is flashed once, at the addresses below the program.
 
 use embassy_executor::Spawner;
 use nrf_softdevice::{Config, Softdevice, raw};
 
-use crate::radio::{self, follow::Follower};
+use crate::radio::{self, driver::SessionDriver};
 
 /// The SoftDevice needs none of the program's peripherals.
 pub struct RadioParts {}
 
-/// Follows the armband for ever.
+/// Runs the Myo session forever.
 ///
 /// # Panics
 ///
-/// If the RAM that `memory.x` leaves the SoftDevice does not hold what is asked of it here; its
-/// log says the least start address.
-pub async fn run_radio(spawner: Spawner, _: RadioParts, follower: &Follower<'_>) {
+/// If this configuration needs more RAM than `memory.x` leaves the SoftDevice; the log says where
+/// the program's RAM has to start at least.
+pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
     let config = Config {
         clock: Some(raw::nrf_clock_lf_cfg_t {
             // The kits' crystal; a board without one takes NRF_CLOCK_LF_SRC_RC, 16, 2, 500 ppm.
@@ -25,10 +25,11 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, follower: &Follower<'_>)
         }),
         conn_gap: Some(raw::ble_gap_conn_cfg_t {
             conn_count: 1,
-            // Units of 1.25 ms: all of a 15 ms interval, so that a late armband catches up at once.
+            // Units of 1.25 ms: the whole of a 15 ms interval, so that delayed notifications are
+            // sent in one connection event.
             event_length: 12,
         }),
-        // The armband has no larger one, and asking for it would cost an exchange.
+        // The armband supports no larger one, so an exchange would gain nothing.
         conn_gatt: Some(raw::ble_gatt_conn_cfg_t { att_mtu: 23 }),
         gap_role_count: Some(raw::ble_gap_cfg_role_count_t {
             adv_set_count: 0,
@@ -44,7 +45,7 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, follower: &Follower<'_>)
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the SoftDevice's task runs already"),
     }
-    radio::softdevice::run(softdevice, follower).await;
+    radio::softdevice::run(softdevice, driver).await;
 }
 
 #[embassy_executor::task]

@@ -1,8 +1,8 @@
-//! Which pin does what: the one place to change for another board.
+//! Pin assignment: the only file to change for another board with the same chip.
 //!
 //! The numbers are those of Nordic's development kits, PCA10056 (nRF52840) and PCA10040
-//! (nRF52832): their debugger passes the UART on to USB; the label pins are free on the headers, and
-//! none is a button, which would short a high output.
+//! (nRF52832). Their debugger connects the UART to USB. The label pins are free on the headers;
+//! none is a button's, which would short a high output to ground.
 
 use embassy_nrf::{
     Peri, Peripherals,
@@ -13,20 +13,20 @@ use shared::intent::MAX_CLASSES;
 
 /// Level that lights an LED.
 pub const LED_ON: Level = Level::Low;
-/// Level that does not.
+/// Level that switches it off.
 pub const LED_OFF: Level = Level::High;
 
-/// Everything that the program drives, by its purpose.
+/// The peripherals and pins of the program, by purpose.
 pub struct Wiring {
     /// One pin per intent, in class order: relax, open, close, wave-in, wave-out, pinch.
     pub intents: [Output<'static>; MAX_CLASSES],
-    /// High while a label is valid.
+    /// High while the label is valid.
     pub valid: Output<'static>,
-    /// LED: a label is valid.
+    /// LED: the label is valid.
     pub valid_led: Output<'static>,
     /// LED: an armband streams.
     pub armband_led: Output<'static>,
-    /// The UART's pin out, 115200 8N1.
+    /// The UART's TX pin, 115200 8N1.
     pub uart_tx: Peri<'static, AnyPin>,
     /// The UART itself.
     pub uart: Peri<'static, peripherals::UARTE0>,
@@ -36,7 +36,7 @@ pub struct Wiring {
     pub watchdog: Peri<'static, peripherals::WDT>,
 }
 
-/// Takes every pin, outputs at their safe levels.
+/// Configures every pin, outputs at their safe levels.
 pub fn wire(p: Peripherals) -> Wiring {
     #[cfg(feature = "nrf52840")]
     let (relax, others, valid, valid_led, armband_led, uart_tx) = (

@@ -1,17 +1,14 @@
-//! The logits of trained baselines at every patch of a recording.
+//! Logits of trained baselines at every patch of a recording.
 
 use burn::tensor::{Device, Tensor, TensorData};
+use shared::model::LookBackLogits;
 use shared::units::{CleanSample, PATCH, Sample};
 
 use super::Baseline;
-use super::ed_tcn::EdTcnConfig;
-use super::feature_extraction::FeatureExtraction;
+use super::features::FeatureExtraction;
 use super::lda::Lda;
-use super::lstm::LstmBaselineConfig;
-use super::mlp::MlpConfig;
-use super::network::Network;
-use super::stream::PaddedStream;
-use super::trahgr::TraHgrConfig;
+use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, Network, TraHgrConfig};
+use super::windows::PaddedStream;
 use myointent::evaluation::Candidate;
 use myointent::evaluation::Trial;
 use myointent::execution::parallel;
@@ -19,11 +16,13 @@ use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::context::RunContext;
 use myointent::training::dropout::Dropout;
 use myointent::training::tensor::read_back;
-use shared::pipeline::LookBackLogits;
 
-/// What steps.
+/// Windows that are predicted at once.
+const BATCH: usize = 64;
+
+/// A model that predicts from features.
 trait Predict: Send + Sync {
-    /// Logits `[windows][steps][classes]`, input after input.
+    /// Logits `[windows][frames][classes]`, one input per window.
     fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32>;
 }
 
@@ -33,12 +32,13 @@ impl Predict for Lda {
     }
 }
 
-struct Trained<N> {
+/// A network and the device that holds its weights.
+struct NetworkOnDevice<N> {
     network: N,
     device: Device,
 }
 
-impl<N: Network + Send> Predict for Trained<N> {
+impl<N: Network + Send> Predict for NetworkOnDevice<N> {
     fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32> {
         let shape = [inputs.len(), inputs[0].len()];
         let input = Tensor::from_data(TensorData::new(inputs.concat(), shape), &self.device);
@@ -47,20 +47,20 @@ impl<N: Network + Send> Predict for Trained<N> {
 }
 
 /// A trained baseline.
-pub struct TrainedBaseline {
-    front: FeatureExtraction,
+pub(crate) struct TrainedBaseline {
+    features: FeatureExtraction,
     classes: usize,
     model: Box<dyn Predict>,
 }
 
 impl TrainedBaseline {
-    /// Reads a baseline from a run's folder; none if it has not been trained there.
+    /// Loads a baseline from a run folder; none if it has not been trained there.
     ///
     /// The device is one without gradients.
     ///
     /// # Errors
     /// When its files are damaged or of another shape.
-    pub fn load(
+    pub(crate) fn load(
         baseline: Baseline,
         run: &RunFolder,
         classes: usize,
@@ -69,60 +69,61 @@ impl TrainedBaseline {
         if !run.file(&baseline.model_file()).exists() {
             return Ok(None);
         }
-        let place = (baseline, run, device);
+        let from = (baseline, run, device);
         let model: Box<dyn Predict> = match baseline {
             Baseline::Lda => Box::new(run.load_json::<Lda>(&baseline.model_file())?),
-            Baseline::Mlp => network(MlpConfig::default().init(classes, device), place)?,
-            Baseline::Lstm => network(LstmBaselineConfig::default().init(classes, device), place)?,
-            Baseline::EdTcn => network(EdTcnConfig::default().init(classes, device), place)?,
-            Baseline::TraHgr => network(TraHgrConfig::default().init(classes, device), place)?,
+            Baseline::Mlp => load(MlpConfig::default().init(classes, device), from)?,
+            Baseline::Lstm => load(LstmBaselineConfig::default().init(classes, device), from)?,
+            Baseline::EdTcn => load(EdTcnConfig::default().init(classes, device), from)?,
+            Baseline::TraHgr => load(TraHgrConfig::default().init(classes, device), from)?,
         };
         Ok(Some(Self {
-            front: run.load_json(&baseline.features_file())?,
+            features: run.load_json(&baseline.features_file())?,
             classes,
             model,
         }))
     }
 
     /// Logits at every whole patch of a stream, each from the window that ends with the patch.
-    #[must_use]
-    pub fn logits(&self, raw: &[Sample], emg: &[CleanSample]) -> Vec<LookBackLogits> {
-        const BATCH: usize = 64;
-        let steps = self.front.output_steps();
+    pub(crate) fn logits(&self, raw: &[Sample], emg: &[CleanSample]) -> Vec<LookBackLogits> {
+        let layout = self.features.frame_layout();
         let stream = PaddedStream::new(raw, emg, &[]);
         let ends: Vec<usize> = (1..=emg.len() / PATCH).map(|patch| patch * PATCH).collect();
         ends.chunks(BATCH)
             .flat_map(|ends| {
                 let inputs = ends
                     .iter()
-                    .map(|&end| self.front.extract(stream.window(end, steps.window)))
+                    .map(|&end| self.features.extract(stream.window(end, layout.window)))
                     .collect();
                 self.model
                     .predict(inputs)
-                    .chunks_exact(steps.count * self.classes)
-                    .map(|logits| steps.to_look_back(logits, self.classes))
+                    .chunks_exact(layout.count * self.classes)
+                    .map(|logits| layout.look_back_logits(logits, self.classes))
                     .collect::<Vec<_>>()
             })
             .collect()
     }
 }
 
-/// A network's weights, read into a fresh one.
-fn network<N: Network + Send + 'static>(
-    fresh: N,
+/// Loads trained weights into a network with random ones.
+fn load<N: Network + Send + 'static>(
+    network: N,
     (baseline, run, device): (Baseline, &RunFolder, &Device),
 ) -> Result<Box<dyn Predict>, RunError> {
-    Ok(Box::new(Trained {
-        network: run.load_model(baseline.file(), fresh)?.valid(),
+    Ok(Box::new(NetworkOnDevice {
+        network: run.load_model(baseline.file_stem(), network)?.valid(),
         device: device.clone(),
     }))
 }
 
-/// Every trained baseline of a run over every trial, in the order of the tables.
+/// Every trained baseline of a run with its logits over the trials, in the order of the tables.
 ///
 /// # Errors
 /// When a baseline's files are damaged or the user interrupts.
-pub fn candidates(context: &RunContext, trials: &[Trial]) -> Result<Vec<Candidate>, RunError> {
+pub(crate) fn candidates(
+    context: &RunContext,
+    trials: &[Trial],
+) -> Result<Vec<Candidate>, RunError> {
     let (folder, classes) = (&context.folder, context.config.preset.classes);
     let device = context.inference_device();
     let mut candidates = Vec::new();

@@ -1,8 +1,8 @@
-//! Linear discriminant analysis: one Gaussian a class, one covariance for all, shrunk towards a
-//! multiple of the identity as far as the data ask for (Ledoit and Wolf, 2004).
+//! Linear discriminant analysis: one Gaussian per class and one covariance for all classes, with
+//! Ledoit-Wolf shrinkage (2004).
 //!
-//! The least-squares variant with automatic shrinkage of scikit-learn, number for number: each
-//! class's covariance is estimated on standardized features, then weighted by the class's share.
+//! Equal to scikit-learn's least-squares solver with automatic shrinkage: the covariance of each class is
+//! estimated on standardized features, then weighted by the share of the class.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -10,8 +10,8 @@ use thiserror::Error;
 
 /// A fitted classifier.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Lda {
-    /// One a class; none for a class that training never saw.
+pub(crate) struct Lda {
+    /// One per class; none for a class without training windows.
     discriminants: Vec<Option<Discriminant>>,
 }
 
@@ -23,67 +23,67 @@ struct Discriminant {
 
 /// Why no classifier can be fitted.
 #[derive(Debug, Error)]
-pub enum LdaError {
-    /// There is nothing to tell apart.
+pub(crate) enum LdaError {
+    /// Fewer than two classes have examples.
     #[error(
         "{windows} labelled windows of {classes} classes; two classes or more are needed: give more recordings"
     )]
     OneClass {
-        /// Windows.
+        /// Labelled windows.
         windows: usize,
-        /// Classes among them.
+        /// Classes among their labels.
         classes: usize,
     },
-    /// The covariance could not be inverted.
-    #[error("the features' covariance has no inverse: {reason}; are there NaN among the features?")]
+    /// The covariance cannot be inverted.
+    #[error("the features' covariance cannot be inverted: {reason}; check the features for NaN")]
     Singular {
-        /// What the solver says.
+        /// The solver's message.
         reason: &'static str,
     },
 }
 
 impl Lda {
-    /// Fits to feature vectors, each with its class below `classes`.
+    /// Fits to feature vectors with their classes, all below `classes`.
     ///
     /// # Errors
     /// When fewer than two classes occur, or features are not finite.
-    pub fn fit(examples: &[(Vec<f32>, usize)], classes: usize) -> Result<Self, LdaError> {
-        let groups: Vec<Option<Group>> = (0..classes)
+    pub(crate) fn fit(examples: &[(Vec<f32>, usize)], classes: usize) -> Result<Self, LdaError> {
+        let statistics: Vec<Option<ClassStatistics>> = (0..classes)
             .map(|class| {
                 let own: Vec<&[f32]> = examples
                     .iter()
                     .filter(|(_, label)| *label == class)
                     .map(|(features, _)| features.as_slice())
                     .collect();
-                (!own.is_empty()).then(|| Group::of(&own))
+                (!own.is_empty()).then(|| ClassStatistics::of(&own))
             })
             .collect();
-        let seen = groups.iter().flatten().count();
+        let seen = statistics.iter().flatten().count();
         if seen < 2 {
             return Err(LdaError::OneClass {
                 windows: examples.len(),
                 classes: seen,
             });
         }
-        let share = |group: &Group| group.examples as f64 / examples.len() as f64;
-        let covariance = groups
+        let share = |class: &ClassStatistics| class.examples as f64 / examples.len() as f64;
+        let covariance = statistics
             .iter()
             .flatten()
-            .map(|group| &group.covariance * share(group))
+            .map(|class| &class.covariance * share(class))
             .reduce(|sum, term| sum + term)
             .unwrap_or_default();
         let decomposition = covariance.svd(true, true);
-        // Least squares rather than an inverse: a feature without any spread then has no say.
+        // Least squares rather than an inverse: a constant feature then gets no weight.
         let negligible = f64::EPSILON * decomposition.singular_values.max();
-        let discriminants = groups
+        let discriminants = statistics
             .iter()
-            .map(|group| {
-                group
+            .map(|class| {
+                class
                     .as_ref()
-                    .map(|group| {
-                        let weights = decomposition.solve(&group.mean, negligible)?;
+                    .map(|class| {
+                        let weights = decomposition.solve(&class.mean, negligible)?;
                         Ok(Discriminant {
-                            bias: share(group).ln() - 0.5 * weights.dot(&group.mean),
+                            bias: share(class).ln() - 0.5 * weights.dot(&class.mean),
                             weights: weights.iter().copied().collect(),
                         })
                     })
@@ -94,10 +94,9 @@ impl Lda {
         Ok(Self { discriminants })
     }
 
-    /// Logarithm of each class's probability, up to a common constant; the lowest number there is for a
-    /// class never seen.
-    #[must_use]
-    pub fn scores(&self, features: &[f32]) -> Vec<f32> {
+    /// Logarithm of each class's posterior probability, up to a common constant; [`f32::MIN`] for a class
+    /// without training windows.
+    pub(crate) fn scores(&self, features: &[f32]) -> Vec<f32> {
         let score = |discriminant: &Discriminant| {
             let terms = discriminant.weights.iter().zip(features);
             let sum: f64 = terms.map(|(weight, &x)| weight * f64::from(x)).sum();
@@ -110,14 +109,14 @@ impl Lda {
     }
 }
 
-/// What the examples of one class tell.
-struct Group {
+/// Mean and covariance of the examples of one class.
+struct ClassStatistics {
     examples: usize,
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
 }
 
-impl Group {
+impl ClassStatistics {
     fn of(examples: &[&[f32]]) -> Self {
         let (n, p) = (examples.len(), examples[0].len());
         let mut x = DMatrix::from_fn(n, p, |row, column| f64::from(examples[row][column]));
@@ -139,8 +138,9 @@ impl Group {
     }
 }
 
-/// Covariance of centred rows, moved towards its mean variance times the identity by the share that
-/// Ledoit and Wolf derive: the error of the sample covariance over its distance from that target.
+/// Covariance of centred rows, shrunk towards its mean variance times the identity. The shrinkage is
+/// Ledoit and Wolf's: the squared error of the sample covariance over its squared distance from that
+/// target.
 fn shrunk_covariance(x: &DMatrix<f64>) -> DMatrix<f64> {
     let (n, p) = (x.nrows() as f64, x.ncols() as f64);
     let sample = x.tr_mul(x) / n;
@@ -149,13 +149,13 @@ fn shrunk_covariance(x: &DMatrix<f64>) -> DMatrix<f64> {
     let distance = (squares - p * mean_variance.powi(2)) / p;
     let fourth: f64 = x.row_iter().map(|row| row.norm_squared().powi(2)).sum();
     let error = (fourth / n - squares) / (p * n);
-    let share = if error.min(distance) > 0.0 {
+    let shrinkage = if error.min(distance) > 0.0 {
         error.min(distance) / distance
     } else {
         0.0
     };
-    let target = DMatrix::identity(x.ncols(), x.ncols()) * (share * mean_variance);
-    sample * (1.0 - share) + target
+    let target = DMatrix::identity(x.ncols(), x.ncols()) * (shrinkage * mean_variance);
+    sample * (1.0 - shrinkage) + target
 }
 
 #[cfg(test)]
@@ -219,11 +219,11 @@ mod tests {
             .iter()
             .filter(|(x, class)| myointent::training::tensor::best_class(&lda.scores(x)) == *class)
             .count();
-        assert_eq!(right, 79, "0.8778 of 90, as scikit-learn says");
+        assert_eq!(right, 79, "an accuracy of 0.8778 on 90, as in scikit-learn");
     }
 
     #[test]
-    fn a_class_never_seen_is_never_named_and_a_constant_feature_has_no_say() {
+    fn an_unseen_class_is_never_predicted_and_a_constant_feature_has_no_weight() {
         let mut examples = examples();
         examples.retain(|(_, class)| *class != 1);
         for (features, _) in &mut examples {

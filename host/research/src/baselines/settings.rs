@@ -1,34 +1,34 @@
-//! How the baselines are trained, and where it is written.
+//! How the baselines are trained: the table `[baselines]` of a preset file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use myointent::run::preset::{Preset, PresetError};
+use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
-/// The preset of the paper's comparisons, baselines included.
+/// Name and text of the preset of the paper's comparisons.
 const STUDY: (&str, &str) = ("study", include_str!("../../presets/study.toml"));
-/// The table of a preset file that the product knows nothing of.
+/// The table of a preset file that the product does not know.
 const TABLE: &str = "baselines";
 
-/// How baselines are trained; the defaults are the reference's.
+/// Training settings of all baselines; the defaults are the reference's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct BaselineSettings {
-    /// Samples between the ends of two windows.
-    pub stride: usize,
-    /// Passes over all windows.
-    pub epochs: usize,
-    /// Windows a step.
-    pub batch: usize,
-    /// Learning rate, the same throughout.
-    pub learning_rate: f64,
-    /// Decoupled weight decay, on every parameter.
-    pub weight_decay: f32,
-    /// Samples from one of the LSTM's steps to the next. The reference's 1 makes 500 steps a window, ten
-    /// times the work of 10.
-    pub lstm_step: usize,
+pub(crate) struct BaselineSettings {
+    /// Samples between the ends of consecutive training windows.
+    pub(crate) stride: usize,
+    /// Passes over all training windows.
+    pub(crate) epochs: usize,
+    /// Windows per optimizer step.
+    pub(crate) batch: usize,
+    /// Constant learning rate.
+    pub(crate) learning_rate: f64,
+    /// Decoupled weight decay of every parameter.
+    pub(crate) weight_decay: f32,
+    /// Samples between consecutive LSTM time steps, 1 to 500. The reference's 1 makes 500 time steps per
+    /// window, ten times the work of 10.
+    pub(crate) lstm_step: usize,
 }
 
 impl Default for BaselineSettings {
@@ -44,64 +44,117 @@ impl Default for BaselineSettings {
     }
 }
 
-/// Why there are no settings.
+/// Why a preset has no usable settings.
 #[derive(Debug, Error)]
-pub enum SettingsError {
-    /// The preset itself.
-    #[error(transparent)]
-    Preset(#[from] PresetError),
-    /// Not TOML, or a table that baselines cannot be trained with.
-    #[error("preset {name}: [baselines]: {reason}")]
-    Baselines {
+pub(crate) enum SettingsError {
+    /// Neither a built-in name nor a file.
+    #[error("preset {name}: no built-in preset of that name (there are {known}) and no such file")]
+    Missing {
+        /// What was asked for.
+        name: String,
+        /// Built-in names.
+        known: String,
+    },
+    /// The file cannot be read.
+    #[error("preset {path}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The file is not TOML.
+    #[error("preset {name}: {reason}")]
+    Syntax {
         /// Which preset.
         name: String,
-        /// What is wrong.
-        reason: String,
+        /// The parser's message.
+        reason: toml::de::Error,
     },
+    /// The table `[baselines]` has an unknown key or a value of the wrong type.
+    #[error("preset {name}: [baselines]: {reason}")]
+    Table {
+        /// Which preset.
+        name: String,
+        /// The parser's message.
+        reason: toml::de::Error,
+    },
+    /// A number of the table is out of range.
+    #[error("preset {name}: baselines.{key} is {found}, expected {expected}")]
+    Value {
+        /// Which preset.
+        name: String,
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        found: usize,
+        /// The range.
+        expected: &'static str,
+    },
+    /// The rest of the preset.
+    #[error(transparent)]
+    Preset(#[from] PresetError),
 }
 
-/// A preset and the settings of its baselines: `study`, a preset of the product, or a TOML file, whose
-/// table `[baselines]` is the reference's settings where it is left out.
+/// A preset and its baseline settings: `study`, a preset of the product, or a TOML file. Without a table
+/// `[baselines]` the settings are the reference's.
 ///
 /// # Errors
-/// When there is no such preset, a key is unknown or a number cannot be run with.
-pub fn find_preset(name: &str) -> Result<(Preset, BaselineSettings), SettingsError> {
-    let text = if name == STUDY.0 {
-        STUDY.1.to_owned()
-    } else if Path::new(name).is_file() {
-        std::fs::read_to_string(name).map_err(|error| refuse(name, error.to_string()))?
-    } else {
-        return Ok((Preset::find(name)?, BaselineSettings::default()));
-    };
-    let mut tables: toml::Table = text
-        .parse()
-        .map_err(|error: toml::de::Error| refuse(name, error.to_string()))?;
+/// When there is no such preset, a key is unknown or a number is out of range.
+pub(crate) fn find_preset(name: &str) -> Result<(Preset, BaselineSettings), SettingsError> {
+    if name == STUDY.0 {
+        return parse(name, STUDY.1);
+    }
+    if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+        return parse(name, text);
+    }
+    if !Path::new(name).exists() {
+        let known: Vec<&str> = BUILT_IN.iter().map(|(known, _)| *known).collect();
+        return Err(SettingsError::Missing {
+            name: name.to_owned(),
+            known: format!("{}, {}", STUDY.0, known.join(", ")),
+        });
+    }
+    let text = std::fs::read_to_string(name).map_err(|source| SettingsError::Read {
+        path: name.into(),
+        source,
+    })?;
+    parse(name, &text)
+}
+
+fn parse(name: &str, text: &str) -> Result<(Preset, BaselineSettings), SettingsError> {
+    let mut tables: toml::Table = text.parse().map_err(|reason| SettingsError::Syntax {
+        name: name.to_owned(),
+        reason,
+    })?;
     let settings = match tables.remove(TABLE) {
         None => BaselineSettings::default(),
-        Some(table) => table
-            .try_into()
-            .map_err(|error: toml::de::Error| refuse(name, error.to_string()))?,
+        Some(table) => table.try_into().map_err(|reason| SettingsError::Table {
+            name: name.to_owned(),
+            reason,
+        })?,
     };
     settings.check(name)?;
     Ok((Preset::parse(name, &tables.to_string())?, settings))
 }
 
-fn refuse(name: &str, reason: String) -> SettingsError {
-    SettingsError::Baselines {
-        name: name.to_owned(),
-        reason,
-    }
-}
-
 impl BaselineSettings {
     fn check(&self, name: &str) -> Result<(), SettingsError> {
-        if self.stride == 0 || self.batch == 0 || self.epochs == 0 {
-            let reason = "expected stride, batch and epochs of 1 or more, found 0";
-            return Err(refuse(name, reason.to_owned()));
-        }
-        if !(1..=500).contains(&self.lstm_step) {
-            let reason = format!("expected lstm_step of 1 to 500, found {}", self.lstm_step);
-            return Err(refuse(name, reason));
+        const POSITIVE: (std::ops::RangeInclusive<usize>, &str) = (1..=usize::MAX, "1 or more");
+        for (key, found, (range, expected)) in [
+            ("stride", self.stride, POSITIVE),
+            ("epochs", self.epochs, POSITIVE),
+            ("batch", self.batch, POSITIVE),
+            ("lstm_step", self.lstm_step, (1..=500, "1 to 500")),
+        ] {
+            if !range.contains(&found) {
+                return Err(SettingsError::Value {
+                    name: name.to_owned(),
+                    key,
+                    found,
+                    expected,
+                });
+            }
         }
         Ok(())
     }
@@ -119,7 +172,13 @@ mod tests {
     }
 
     #[test]
-    fn a_table_that_cannot_be_trained_with_is_refused() {
+    fn an_unknown_preset_is_refused_with_the_known_names() {
+        let error = find_preset("nonsense").unwrap_err().to_string();
+        assert!(error.contains("study, quickstart"), "{error}");
+    }
+
+    #[test]
+    fn settings_out_of_range_and_unknown_keys_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let refused = |table: &str| {
             let path = folder.path().join("mine.toml");

@@ -13,31 +13,37 @@ use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use myointent::run::preset::Preset;
 
+use crate::baselines::Baseline;
+use crate::baselines::settings::find_preset;
 use crate::baselines::training::train_all;
-use crate::baselines::{Baseline, find_preset};
 
 /// Arguments of `baselines`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  myointent-research baselines --run runs/mine                  on the run that `myointent train` began\n  \
+    after_help = "Recordings, split, label lag and seed are those of the run; the table `[baselines]` of --preset has the\n\
+    training settings. The models are saved in the run folder; `myointent-research evaluate` evaluates them beside\n\
+    teacher and students.\n\n\
+    Examples:\n  \
+    myointent-research baselines --run runs/mine                  on a run of `myointent train`\n  \
     myointent-research baselines --run runs/mine --only lda,mlp\n  \
-    myointent-research baselines --run runs/baselines --begin --data recordings   a run without a teacher\n\n\
-    `myointent-research evaluate` evaluates every baseline of the folder beside teacher and students."
+    myointent-research baselines --run runs/baselines --preset study --begin --data recordings\n                                                                \
+    in a new run, without a teacher"
 )]
-pub struct Arguments {
-    /// Run folder whose plan (recordings, split, labels, seed) the baselines are trained on.
+pub(super) struct Arguments {
+    /// Run folder, of `myointent train` or of an earlier --begin.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
     /// Which baselines; all five if not given.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<Baseline>,
-    /// Preset whose `[baselines]` say how they are trained: study, paper, or a TOML file.
+    /// Preset with the training settings: study, a preset of `myointent`, or a TOML file. Without a table
+    /// `[baselines]` they are the reference's.
     #[arg(long, default_value = "study")]
     preset: String,
-    /// Begin a run in the folder with that preset.
+    /// Begin a new run in the folder, with --preset and --data.
     #[arg(long, conflicts_with = "resume")]
     begin: bool,
-    /// Go on after the last complete epoch; baselines that are complete are left as they are.
+    /// Continue after the last complete epoch; complete baselines stay as they are.
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -49,15 +55,15 @@ pub struct Arguments {
 /// Trains the baselines.
 ///
 /// # Errors
-/// When the run folder holds no plan, or one already where a run was to begin, or cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+/// When the folder has no run, or already has one and `--begin` is given, or when training fails.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (preset, settings) = find_preset(&arguments.preset)?;
     let context = RunContext {
         resume: arguments.resume,
         ..context(arguments, preset)?
     };
     progress::log(&format!(
-        "left out: {}",
+        "held out: {}",
         context.config.split.held_out.join(", ")
     ));
     let mut baselines = Baseline::ALL.to_vec();
@@ -77,7 +83,7 @@ fn context(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> 
     let folder = RunFolder::open(&arguments.run)?;
     if ResolvedConfig::load(&folder).is_ok() {
         bail!(
-            "a run has begun in {}: leave --begin away to train on its recordings, or give another folder",
+            "{} already has a run: leave out --begin to train on its recordings, or give another folder",
             arguments.run.display()
         );
     }

@@ -1,9 +1,11 @@
 //! `myointent-research evaluate`: teacher, baselines and students of a run, side by side.
 
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Args;
+
 use myointent::cli::arguments::{BackendArguments, open_run};
 use myointent::report::run_report::{self, REPORT};
 use myointent::report::scores::tables;
@@ -14,30 +16,41 @@ use crate::baselines::inference::candidates;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
-pub struct Arguments {
-    /// Run folder whose models are evaluated.
+#[command(
+    after_help = "Evaluates what the run folder has: teacher, baselines, float student, integer student. Metrics are those of\n\
+    `myointent evaluate`, which evaluates no baselines. Writes results.json and report.html.\n\n\
+    Example:\n  myointent-research evaluate --run runs/mine"
+)]
+pub(super) struct Arguments {
+    /// Run folder.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
     #[command(flatten)]
     backend: BackendArguments,
 }
 
-/// Evaluates the run's models and writes results.json and report.html.
+/// Evaluates the run's models, writes results.json and report.html and prints the tables.
 ///
 /// # Errors
 /// When a model is damaged or the folder cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
-    let model = std::fs::read(context.folder.file(MODEL)).ok();
-    let (results, evaluation) = evaluate(&context, model.as_deref(), &|trials| {
+    let path = context.folder.file(MODEL);
+    let model = match std::fs::read(&path) {
+        Ok(bytes) => Some(bytes),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        Err(error) => return Err(error).with_context(|| path.display().to_string()),
+    };
+    let (results, judged) = evaluate(&context, model.as_deref(), &|trials| {
         Ok(candidates(&context, trials)?)
     })?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &evaluation, &page)?;
+    run_report::write(&context, &results, &judged, &page)?;
     let mut out = std::io::stdout().lock();
     for table in tables(&results) {
         writeln!(out, "{}", table.plain())?;
     }
+    writeln!(out, "held out: {}", results.held_out.join(", "))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(())
 }

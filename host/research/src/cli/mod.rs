@@ -1,4 +1,4 @@
-//! The command line: parse and dispatch; one file a subcommand.
+//! The command line: one file per subcommand.
 
 mod baselines;
 mod evaluate;
@@ -9,14 +9,17 @@ mod tables;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use myointent::cli::{exit_code, is_broken_pipe};
+use myointent::cli::is_broken_pipe;
 
-/// The paper's baselines and comparisons, on the recordings and run folders of `myointent`.
+use crate::baselines::training::TrainingError;
+use crate::comparison::study::JobError;
+
+/// Baselines and comparisons of the paper, on the recordings and run folders of `myointent`.
 #[derive(Debug, Parser)]
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done, 1 failed, 2 wrong arguments, 130 interrupted (continue with --resume)."
+    after_help = "Exit codes: 0 success, 1 failure, 2 wrong arguments, 130 interrupted (continue with --resume; `study` continues by itself)."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -27,18 +30,18 @@ pub struct Cli {
 enum Command {
     /// Train the paper's baselines on the recordings and the split of a run.
     Baselines(baselines::Arguments),
-    /// Evaluate a run's models and its baselines on the held-out people.
+    /// Evaluate the models and baselines of a run on the held-out subjects.
     Evaluate(evaluate::Arguments),
-    /// Train and evaluate every comparison of the paper, everybody held out in turn.
+    /// Train and evaluate the paper's comparisons, each subject held out once.
     Study(study::Arguments),
-    /// Merge the results of a protocol's folds.
+    /// Merge the results of a variant's folds.
     Summary(summary::Arguments),
     /// Write a study's tables, in the paper's layout, as Markdown and CSV.
     Tables(tables::Arguments),
 }
 
 impl Cli {
-    /// Runs the command and returns its exit code.
+    /// Runs the command, prints its error if it fails, and returns the exit code.
     #[must_use]
     pub fn run(self) -> ExitCode {
         let result = match self.command {
@@ -56,5 +59,51 @@ impl Cli {
                 exit_code(&error)
             }
         }
+    }
+}
+
+/// 130 after Ctrl-C, 1 after any other failure.
+fn exit_code(error: &anyhow::Error) -> ExitCode {
+    let interrupted = error
+        .downcast_ref::<JobError>()
+        .is_some_and(JobError::is_interrupt)
+        || error
+            .downcast_ref::<TrainingError>()
+            .is_some_and(TrainingError::is_interrupt);
+    if interrupted {
+        ExitCode::from(130)
+    } else {
+        myointent::cli::exit_code(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use myointent::execution::run_folder::RunError;
+    use myointent::run::StepError;
+
+    use super::*;
+
+    #[test]
+    fn an_interrupt_in_any_step_exits_with_130() {
+        let interrupted = || RunError::Interrupted {
+            path: "runs/x".into(),
+        };
+        let errors = [
+            anyhow::Error::from(interrupted()),
+            StepError::from(interrupted()).into(),
+            TrainingError::from(interrupted()).into(),
+            JobError::from(interrupted()).into(),
+            JobError::from(StepError::from(interrupted())).into(),
+            JobError::from(TrainingError::from(interrupted())).into(),
+        ];
+        let code = |error: &anyhow::Error| format!("{:?}", exit_code(error));
+        for error in &errors {
+            assert_eq!(code(error), format!("{:?}", ExitCode::from(130)), "{error}");
+        }
+        let other = JobError::NoPretraining {
+            path: "runs/x".into(),
+        };
+        assert_eq!(code(&other.into()), format!("{:?}", ExitCode::FAILURE));
     }
 }

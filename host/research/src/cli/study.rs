@@ -1,14 +1,15 @@
-//! `myointent-research study`: every comparison of the paper, job by job.
+//! `myointent-research study`: the paper's comparisons, job by job.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::Args;
+use anyhow::bail;
+use clap::{Args, ValueEnum as _};
 
-use crate::baselines::find_preset;
-use crate::comparison::job::Study;
-use crate::comparison::variant::Variant;
+use crate::baselines::settings::find_preset;
+use crate::comparison::study::Study;
+use crate::comparison::variant::{Variant, data_sets};
 use myointent::cli::arguments::{BackendArguments, DataArguments};
 use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
@@ -16,31 +17,32 @@ use myointent::execution::interrupt::Interrupt;
 /// Arguments of `study`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Each job is one fold of one variant and stands for itself (but fine-tuning, which needs the variant\n\
-    `pretraining`); one that was interrupted goes on where it stopped, one that is done is passed over.\n\n\
-    Examples:\n  myointent-research study --data recordings                 # all jobs, one after the other\n  \
-    myointent-research study --data recordings --list | sh     # or any scheduler\n  \
-    myointent-research study --data recordings --study runs/sizes --variant student-64x2,student-96x3
-  myointent-research tables runs/study --out docs/tables                # what came out"
+    after_help = "A job is one fold of one variant. Jobs are independent, except that `pretrained`, `fine-tuned` and `lora` need\n\
+    `pretraining`. An interrupted job continues where it stopped; an evaluated one is skipped.\n\n\
+    Examples:\n  \
+    myointent-research study --data recordings                   all jobs, one after the other\n  \
+    myointent-research study --data recordings --list | sh       the same, or pass the lines to a scheduler\n  \
+    myointent-research study --data recordings --study runs/sizes --variant student-64x2,student-96x3\n  \
+    myointent-research tables runs/study --out tables            the results"
 )]
-pub struct Arguments {
-    /// Built-in preset or a TOML file that the variants vary.
+pub(super) struct Arguments {
+    /// Preset that the variants modify: study, a preset of `myointent`, or a TOML file.
     #[arg(long, default_value = "study")]
     preset: String,
-    /// Folder of the study; runs lie in VARIANT/fold-K below it.
+    /// Folder of the study; run folders are VARIANT/fold-K in it.
     #[arg(long, value_name = "DIR", default_value = "runs/study")]
     study: PathBuf,
-    /// How everybody is left out in turn: `loso`, or `4-fold` with any number.
+    /// Cross-validation over subjects: `loso` (leave one subject out), or `4-fold` with any number.
     #[arg(long, default_value = "4-fold")]
     protocol: Protocol,
-    /// Variants to run; all of the paper's comparisons if not given. Students of eight sizes, `student-48x2` (width and
-    /// layers) to `student-128x3`, run when they are named.
+    /// Variants to run; the paper's comparisons if not given. Students of eight sizes, `student-48x2` (width
+    /// and layers) to `student-128x3`, run when named.
     #[arg(long, value_delimiter = ',')]
     variant: Vec<Variant>,
-    /// The one fold to run, from 1 on; all if not given.
+    /// Number of the only fold to run, 1 first; all if not given.
     #[arg(long)]
     fold: Option<usize>,
-    /// Print the jobs as commands, one a line, and run none.
+    /// Print the jobs as commands, one per line, without running them.
     #[arg(long)]
     list: bool,
     #[command(flatten)]
@@ -52,11 +54,19 @@ pub struct Arguments {
 /// Runs the jobs, or lists them.
 ///
 /// # Errors
-/// When recordings, preset or folders cannot be used.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+/// When the recordings, the preset or a folder cannot be used, or a job fails.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
     let (preset, baselines) = find_preset(&arguments.preset)?;
-    let library = Arc::new(arguments.data.load(&preset)?);
+    let variants = if arguments.variant.is_empty() {
+        &Variant::ALL[..]
+    } else {
+        &arguments.variant
+    };
+    // Variants use other data sets than the preset that they modify.
+    let mut readable = preset.clone();
+    readable.data.data_sets = data_sets(variants, &preset);
+    let library = Arc::new(arguments.data.load(&readable)?);
     let study = Study {
         folder: &arguments.study,
         preset: &preset,
@@ -68,23 +78,18 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         device: arguments.backend.device(),
         interrupt: &interrupt,
     };
-    let variants = if arguments.variant.is_empty() {
-        &Variant::ALL[..]
-    } else {
-        &arguments.variant
-    };
     let mut out = std::io::stdout().lock();
     for &variant in variants {
         let folds = study.folds(variant)?;
-        let wanted = |fold: &Option<usize>| arguments.fold.is_none() || *fold == arguments.fold;
+        let selected = |fold: &Option<usize>| arguments.fold.is_none() || *fold == arguments.fold;
         let jobs: Vec<_> = folds
             .iter()
             .copied()
-            .filter(|fold| !variant.has_folds() || wanted(fold))
+            .filter(|fold| !variant.has_folds() || selected(fold))
             .collect();
         if jobs.is_empty() {
-            anyhow::bail!(
-                "{variant} has folds 1 to {}, none of the number asked for",
+            bail!(
+                "{variant} has folds 1 to {}: --fold is out of range",
                 folds.len()
             );
         }
@@ -99,7 +104,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The command of one job, to be run by a shell in this folder.
+/// The shell command of one job, to be run in the current folder.
 fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> String {
     let program = std::env::args()
         .next()
@@ -116,6 +121,13 @@ fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> Stri
     if let Some(fold) = fold {
         option("fold", fold.to_string());
     }
+    let backend = arguments.backend.backend.and_then(|backend| {
+        let name = backend.to_possible_value()?;
+        Some(name.get_name().to_owned())
+    });
+    if let Some(backend) = backend {
+        option("backend", backend);
+    }
     if arguments.data.strict {
         words.push("--strict".to_owned());
     }
@@ -126,7 +138,7 @@ fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> Stri
         .join(" ")
 }
 
-/// A word as a shell reads it back.
+/// A word, quoted for a shell where needed.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -141,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_survive_a_shell() {
+    fn words_are_quoted_where_a_shell_needs_it() {
         assert_eq!(quoted("runs/study-1"), "runs/study-1");
         assert_eq!(quoted("my data"), "'my data'");
         assert_eq!(quoted("it's"), r"'it'\''s'");

@@ -1,4 +1,4 @@
-//! `myointent-research summary`: the folds of a protocol as one evaluation.
+//! `myointent-research summary`: a variant's folds as one evaluation.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use crate::comparison::{Outcome, folds};
+use crate::comparison::results::VariantResults;
+use crate::comparison::tables::folds;
 use myointent::execution::run_folder::RunFolder;
 use myointent::report::scores::tables;
 use myointent::run::evaluate::Results;
@@ -17,13 +18,13 @@ const FILE: &str = "summary.json";
 /// Arguments of `summary`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "DIR holds a run folder for each fold, evaluated by `myointent evaluate`. Scores are put together by\n\
-    subject: deviations are over all people left out, whatever the fold. Folds that are missing are told; folds\n\
-    that were not run alike, or that leave somebody out twice, are refused. All numbers go to DIR/summary.json.\n\n\
-    Example:\n  myointent-research summary studies/all/main"
+    after_help = "DIR has one run folder per fold, evaluated by `myointent-research study` or `evaluate`. Scores are merged by\n\
+    subject: means and deviations are over the held-out subjects of all folds. Missing folds are reported. Folds with\n\
+    different settings, or with a common held-out subject, are refused. All numbers go to DIR/summary.json.\n\n\
+    Example:\n  myointent-research summary runs/study/main"
 )]
-pub struct Arguments {
-    /// Folder of the folds.
+pub(super) struct Arguments {
+    /// Folder of a variant.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Print summary.json instead of tables.
@@ -31,48 +32,48 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What summary.json keeps.
+/// The content of summary.json.
 #[derive(Debug, Serialize)]
-struct Gathered<'a> {
+struct Summary<'a> {
     variant: &'a str,
     provenance: String,
     warnings: Vec<String>,
     missing_folds: Vec<usize>,
-    left_out_in_fold: BTreeMap<usize, &'a [String]>,
+    held_out_in_fold: BTreeMap<usize, &'a [String]>,
     results: &'a Results,
 }
 
-/// Puts the folds together, shows the tables and writes summary.json.
+/// Merges the folds, writes summary.json and prints the tables.
 ///
 /// # Errors
-/// When a fold is not judged, folds do not belong together or the folder cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let variant = Outcome::load(&arguments.folder)?;
+/// When a fold has not been evaluated, folds do not belong together or the folder cannot be written.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let variant = VariantResults::load(&arguments.folder)?;
     let warnings = variant.warnings();
     for warning in &warnings {
         eprintln!("WARNING: {warning}");
     }
-    let gathered = Gathered {
+    let summary = Summary {
         variant: &variant.name,
         provenance: variant.provenance(),
         warnings,
-        missing_folds: variant.missing(),
-        left_out_in_fold: variant
+        missing_folds: variant.missing_folds(),
+        held_out_in_fold: variant
             .runs
             .iter()
             .map(|run| (run.fold().number, run.config.split.held_out.as_slice()))
             .collect(),
-        results: &variant.results,
+        results: &variant.merged,
     };
     let folder = RunFolder::existing(&arguments.folder)?;
-    folder.save_json(FILE, &gathered)?;
+    folder.save_json(FILE, &summary)?;
     let mut out = std::io::stdout().lock();
     if arguments.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&gathered)?)?;
+        writeln!(out, "{}", serde_json::to_string_pretty(&summary)?)?;
         return Ok(());
     }
-    writeln!(out, "{}\n", gathered.provenance)?;
-    for table in tables(&variant.results) {
+    writeln!(out, "{}\n", summary.provenance)?;
+    for table in tables(&variant.merged) {
         writeln!(out, "{}", table.plain())?;
     }
     write!(out, "{}", folds([&variant]).table().plain())?;

@@ -1,24 +1,25 @@
-//! `myointent-research tables`: a study's tables, from its run folders alone.
+//! `myointent-research tables`: a study's tables, from the results in its run folders.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::comparison::{self, tables};
+use crate::comparison::results::{StudyResults, VariantResults};
+use crate::comparison::tables::page;
 use myointent::execution::run_folder::{RunFolder, write_whole};
 
 /// Arguments of `tables`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "STUDY holds VARIANT/fold-K, each evaluated by `myointent evaluate`. Tables are made of the variants main,\n\
-    wrist, scratch, pretrained, fine-tuned, lora, window-N and student-WxL; what is missing is told in its place, and variants of\n\
-    other names get a table of their own. Writes tables.md and a CSV for each table, whose last column says which\n\
-    runs a row comes from.\n\n\
-    Example:\n  myointent-research tables studies/all --out tables"
+    after_help = "STUDY has run folders VARIANT/fold-K, evaluated by `myointent-research study` or `evaluate`. The tables use the\n\
+    variants main, wrist, scratch, pretrained, fine-tuned, lora, window-N and student-WxL; in place of a missing one\n\
+    stands the command that runs it. A variant with another name gets a table of its own. Writes tables.md, and for each\n\
+    table a CSV whose last column names the runs behind the row.\n\n\
+    Example:\n  myointent-research tables runs/study --out tables"
 )]
-pub struct Arguments {
-    /// Folder of the variants.
+pub(super) struct Arguments {
+    /// Folder of the study.
     #[arg(value_name = "STUDY")]
     study: PathBuf,
     /// Folder to write to.
@@ -29,26 +30,22 @@ pub struct Arguments {
 /// Writes the tables.
 ///
 /// # Errors
-/// When runs cannot be read or do not belong together, or the folder cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let study = comparison::load(&arguments.study)?;
-    for warning in study
-        .variants
-        .values()
-        .flat_map(comparison::Outcome::warnings)
-    {
+/// When runs cannot be read, folds do not belong together or the folder cannot be written.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let study = StudyResults::load(&arguments.study)?;
+    for warning in study.variants.values().flat_map(VariantResults::warnings) {
         eprintln!("WARNING: {warning}");
     }
-    let tables = tables(&study);
+    let page = page(&study);
     let folder = RunFolder::open(&arguments.out)?;
     let mut out = std::io::stdout().lock();
-    for sheet in tables.sheets() {
+    for sheet in page.sheets() {
         let path = folder.file(&format!("{}.csv", sheet.name));
         write_whole(&path, &sheet.csv()?)?;
         writeln!(out, "{}", path.display())?;
     }
-    let page = folder.file("tables.md");
-    write_whole(&page, tables.markdown().as_bytes())?;
-    writeln!(out, "{}", page.display())?;
+    let path = folder.file("tables.md");
+    write_whole(&path, page.markdown().as_bytes())?;
+    writeln!(out, "{}", path.display())?;
     Ok(())
 }

@@ -1,49 +1,54 @@
-//! What a study compares: variants of one preset, each trained and judged for every fold.
+//! What a study compares: variants of one preset, each trained and evaluated for every fold.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-use shared::model::encoder::usual_span;
+use shared::model::dimensions::usual_span;
 use shared::units::WINDOW_PATCHES;
+use thiserror::Error;
 
 use myointent::dataset::DataSet;
 use myointent::run::preset::Preset;
 
 /// One variant of a study's preset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Variant {
-    /// The preset as it is: teacher, students with and without it, baselines.
+pub(crate) enum Variant {
+    /// The preset unchanged: teacher, distilled student, student trained on labels only, baselines.
     Main,
-    /// The same with the wrist's intents, on the data sets that have them: 4 or 5 classes are in the
-    /// recordings, pinch is in none.
+    /// The same with six classes, on the data sets with wrist intents. Their recordings have 4 or 5 of the
+    /// classes; pinch is in none.
     Wrist,
-    /// A teacher of every set but [`TARGET`]; one run without folds, for no subject of the target is in it.
+    /// A teacher trained on every data set but [`TARGET`]. One run without folds: it sees no subject of
+    /// the target.
     Pretraining,
-    /// [`Variant::Pretraining`]'s teacher, judged on [`TARGET`] as it is.
+    /// The teacher of [`Variant::Pretraining`], evaluated on [`TARGET`] without further training.
     Pretrained,
-    /// The same, trained on with [`TARGET`].
+    /// The same teacher, fine-tuned on [`TARGET`].
     FineTuned,
-    /// The same with low-rank additions alone.
+    /// The same teacher, fine-tuned on [`TARGET`] with LoRA.
     Lora,
-    /// A teacher of [`TARGET`] alone.
+    /// A teacher trained on [`TARGET`] only.
     Scratch,
-    /// A teacher of a shorter window, in samples.
+    /// A teacher with a shorter window, in samples.
     Window(usize),
-    /// A student of another size, of all sets and the labels alone: what a device's cycles buy.
+    /// A student of another size, trained on the labels of all data sets, without a teacher.
     Student {
-        /// Width of a patch's token.
+        /// Model width.
         width: usize,
         /// Encoder layers.
         layers: usize,
     },
 }
 
-/// The set whose subjects the ablation of pre-training is judged on.
-pub const TARGET: DataSet = DataSet::Roshambo;
+/// The data set that the pre-training ablation is evaluated on.
+const TARGET: DataSet = DataSet::Roshambo;
+/// The other data sets, those with wrist intents.
+const OTHERS: [DataSet; 3] = [DataSet::SsStm, DataSet::MyoReadings, DataSet::CoteAllard];
 
 impl Variant {
-    /// All of a study, in an order in which each finds what it starts from.
-    pub const ALL: [Self; 9] = [
+    /// The paper's comparisons; pre-training comes before the variants that start from it.
+    pub(crate) const ALL: [Self; 9] = [
         Self::Main,
         Self::Pretraining,
         Self::Scratch,
@@ -55,8 +60,8 @@ impl Variant {
         Self::Wrist,
     ];
 
-    /// Students by size; no part of [`Variant::ALL`], to be asked for by name.
-    pub const STUDENTS: [Self; 8] = [
+    /// Students by size; not in [`Variant::ALL`], they run when named.
+    pub(crate) const STUDENTS: [Self; 8] = [
         Self::student(48, 2),
         Self::student(64, 2),
         Self::student(96, 2),
@@ -71,92 +76,96 @@ impl Variant {
         Self::Student { width, layers }
     }
 
-    /// What it is, for whoever lacks its results.
-    #[must_use]
-    pub fn description(self) -> String {
+    /// What it is, in a few words.
+    pub(crate) fn description(self) -> String {
         let target = TARGET.name();
         match self {
             Self::Main => "3 classes on roshambo and ss-stm".to_owned(),
-            Self::Wrist => {
-                "the wrist's classes too, on ss-stm, myo-readings and cote-allard".to_owned()
-            }
-            Self::Pretraining => format!("a teacher of all sets but {target}, to start from"),
-            Self::Scratch => format!("a teacher trained on {target} alone"),
-            Self::Pretrained => format!("a teacher trained on all other sets, never on {target}"),
-            Self::FineTuned => format!("that teacher, fine-tuned on {target}"),
-            Self::Lora => format!("that teacher, fine-tuned on {target} with LoRA"),
-            Self::Window(samples) => format!("a teacher that sees {samples} samples"),
+            Self::Wrist => "wrist intents too, on ss-stm, myo-readings and cote-allard".to_owned(),
+            Self::Pretraining => format!("a teacher trained on all other data sets than {target}"),
+            Self::Scratch => format!("a teacher trained on {target} only"),
+            Self::Pretrained => format!("the pre-trained teacher, without training on {target}"),
+            Self::FineTuned => format!("the pre-trained teacher, fine-tuned on {target}"),
+            Self::Lora => format!("the pre-trained teacher, fine-tuned on {target} with LoRA"),
+            Self::Window(samples) => format!("a teacher with a window of {samples} samples"),
             Self::Student { width, layers } => {
-                format!("a student {width} wide with {layers} layers, on all sets")
+                format!("a student of width {width} with {layers} layers, trained on all data sets")
             }
         }
     }
 
-    /// Whether everybody is left out in turn.
-    #[must_use]
-    pub fn has_folds(self) -> bool {
+    /// Whether it is run once per fold.
+    pub(crate) fn has_folds(self) -> bool {
         self != Self::Pretraining
     }
 
-    /// Whether students with and without a teacher, and baselines, are trained too; most other variants ask about the
-    /// teacher alone.
-    #[must_use]
-    pub fn has_students(self) -> bool {
+    /// Whether a teacher is trained.
+    pub(crate) const fn has_teacher(self) -> bool {
+        !matches!(self, Self::Student { .. })
+    }
+
+    /// Whether a student is trained and quantized.
+    pub(crate) const fn has_student(self) -> bool {
+        matches!(self, Self::Main | Self::Wrist | Self::Student { .. })
+    }
+
+    /// Whether the baselines and a second student, without a teacher, are trained for comparison.
+    pub(crate) const fn has_baselines(self) -> bool {
         matches!(self, Self::Main | Self::Wrist)
     }
 
-    /// Whether there is a student and nothing else.
-    #[must_use]
-    pub fn is_student(self) -> bool {
-        matches!(self, Self::Student { .. })
-    }
-
     /// Whether training starts from [`Variant::Pretraining`].
-    #[must_use]
-    pub fn is_pretrained(self) -> bool {
+    pub(crate) const fn starts_from_pretraining(self) -> bool {
         matches!(self, Self::Pretrained | Self::FineTuned | Self::Lora)
     }
 
-    /// The study's preset as this variant runs it.
-    #[must_use]
-    pub fn preset(self, base: &Preset) -> Preset {
+    /// The study's preset, modified for this variant.
+    pub(crate) fn preset(self, base: &Preset) -> Preset {
         let mut preset = base.clone();
-        preset.data.data_sets = match self {
-            Self::Main | Self::Window(_) => return self.with_window(preset),
-            Self::Scratch | Self::Pretrained | Self::FineTuned | Self::Lora => vec![TARGET],
-            Self::Student { width, layers } => return sized(preset, width, layers),
-            Self::Pretraining => vec![DataSet::SsStm, DataSet::MyoReadings, DataSet::CoteAllard],
+        match self {
+            Self::Main => {}
+            Self::Window(samples) => preset.teacher.window = samples,
             Self::Wrist => {
                 preset.classes = 6;
-                vec![DataSet::SsStm, DataSet::MyoReadings, DataSet::CoteAllard]
+                preset.data.data_sets = OTHERS.to_vec();
             }
-        };
-        match self {
             Self::Pretraining => {
+                preset.data.data_sets = OTHERS.to_vec();
                 preset.data.held_out.clear();
                 preset.data.held_out_share = 0.0;
             }
-            Self::Pretrained => {
-                preset.fine_tuning.epochs = 0;
-                preset = preset.fine_tuned(false);
+            Self::Pretrained | Self::FineTuned | Self::Lora => {
+                preset.data.data_sets = vec![TARGET];
+                if self == Self::Pretrained {
+                    preset.fine_tuning.epochs = 0;
+                }
+                preset = preset.fine_tuned(self == Self::Lora);
             }
-            Self::FineTuned => preset = preset.fine_tuned(false),
-            Self::Lora => preset = preset.fine_tuned(true),
-            _ => {}
-        }
-        preset
-    }
-
-    fn with_window(self, mut preset: Preset) -> Preset {
-        if let Self::Window(samples) = self {
-            preset.teacher.window = samples;
+            Self::Scratch => preset.data.data_sets = vec![TARGET],
+            Self::Student { width, layers } => preset = student_preset(preset, width, layers),
         }
         preset
     }
 }
 
-/// A student of this size, trained as the one that the project ships (preset `cpu`) is.
-fn sized(mut preset: Preset, width: usize, layers: usize) -> Preset {
+/// The data sets that these variants of a preset use; empty, as in a preset, where one of them uses all.
+pub(crate) fn data_sets(variants: &[Variant], base: &Preset) -> Vec<DataSet> {
+    let used: Vec<Vec<DataSet>> = variants
+        .iter()
+        .map(|variant| variant.preset(base).data.data_sets)
+        .collect();
+    if used.iter().any(Vec::is_empty) {
+        return Vec::new();
+    }
+    used.concat()
+        .into_iter()
+        .collect::<BTreeSet<_>>()
+        .into_iter()
+        .collect()
+}
+
+/// A student of this size, trained like the shipped one (preset `cpu`).
+fn student_preset(mut preset: Preset, width: usize, layers: usize) -> Preset {
     preset.student.d_model = width;
     preset.student.layers = layers;
     preset.student.span = usual_span(layers);
@@ -184,16 +193,27 @@ impl fmt::Display for Variant {
     }
 }
 
-impl FromStr for Variant {
-    type Err = String;
+/// A name that no variant has.
+#[derive(Clone, PartialEq, Eq, Debug, Error)]
+#[error("expected one of {known}, found {found:?}")]
+pub(crate) struct UnknownVariant {
+    found: String,
+    known: String,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Variant {
+    type Err = UnknownVariant;
+
+    fn from_str(text: &str) -> Result<Self, UnknownVariant> {
         let all = || Self::ALL.into_iter().chain(Self::STUDENTS);
         all()
             .find(|variant| variant.to_string() == text)
             .ok_or_else(|| {
                 let known: Vec<String> = all().map(|variant| variant.to_string()).collect();
-                format!("expected one of {}, found {text:?}", known.join(", "))
+                UnknownVariant {
+                    found: text.to_owned(),
+                    known: known.join(", "),
+                }
             })
     }
 }
@@ -201,13 +221,14 @@ impl FromStr for Variant {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baselines::settings::find_preset;
 
     #[test]
-    fn every_variants_preset_can_run_and_names_are_read_back() {
-        let base = Preset::find("study").unwrap();
+    fn every_variant_has_a_valid_preset_and_a_name_that_is_read_back() {
+        let (base, _) = find_preset("study").unwrap();
         for variant in Variant::ALL.into_iter().chain(Variant::STUDENTS) {
             let preset = variant.preset(&base);
-            // A teacher that is taken as it is has no epochs, which a preset of its own must have.
+            // The pre-trained teacher has 0 epochs, which a preset file must not have.
             if variant != Variant::Pretrained {
                 Preset::parse("variant", &preset.to_toml()).unwrap();
             }
@@ -217,8 +238,18 @@ mod tests {
     }
 
     #[test]
-    fn nobody_of_the_target_is_in_the_pretraining() {
-        let base = Preset::find("study").unwrap();
+    fn the_data_sets_of_variants_are_those_of_each() {
+        let (base, _) = find_preset("study").unwrap();
+        assert_eq!(data_sets(&[Variant::Main], &base), base.data.data_sets);
+        let all_but_one = data_sets(&[Variant::Wrist, Variant::Scratch], &base);
+        assert_eq!(all_but_one.len(), 1 + OTHERS.len());
+        let sized = Variant::STUDENTS[0];
+        assert!(data_sets(&[Variant::Main, sized], &base).is_empty());
+    }
+
+    #[test]
+    fn the_target_is_not_in_the_pretraining() {
+        let (base, _) = find_preset("study").unwrap();
         let sets = Variant::Pretraining.preset(&base).data.data_sets;
         assert!(!sets.contains(&TARGET) && !sets.is_empty());
     }

@@ -1,13 +1,16 @@
-//! The outputs of overlapping windows, as many of them as an aggregation can ask for.
+//! Logits of overlapping windows, as far as an aggregation needs them.
 
 use shared::units::WINDOW;
 
-use super::OfflineError;
+use super::error::OfflineError;
 
-/// Logits of a recording's windows, which start at samples 0, `stride`, 2 `stride`, ...: of the
-/// first window all rows, of the others only the newest, which are all that is ever asked for.
+/// Logits of a recording's windows, which start at samples 0, `stride`, 2 `stride`, ...
+///
+/// All rows of the first window are kept, and of the others only the newest, which are all that an
+/// aggregation reads.
 #[derive(Clone, PartialEq, Debug)]
-pub struct WindowRows {
+pub struct WindowLogits {
+    /// Logits per row.
     pub(super) classes: usize,
     stride: usize,
     /// Rows kept of every window but the first.
@@ -17,12 +20,12 @@ pub struct WindowRows {
     newest: Vec<f32>,
 }
 
-impl WindowRows {
-    /// No windows yet. Rows have `classes` logits; windows will serve a look-ahead of up to
-    /// `look_ahead` samples.
+impl WindowLogits {
+    /// No windows yet. Rows have `classes` logits, and look-aheads of up to `look_ahead` samples will be
+    /// possible.
     ///
     /// # Errors
-    /// Refuses rows of no logits, a stride of 0 and a look-ahead that no window spans.
+    /// For 0 classes, a stride of 0 and a look-ahead of a window or more.
     pub fn new(classes: usize, stride: usize, look_ahead: usize) -> Result<Self, OfflineError> {
         if classes == 0 {
             return Err(OfflineError::Classes { most: 0, found: 0 });
@@ -46,11 +49,11 @@ impl WindowRows {
         })
     }
 
-    /// Takes the next window's logits, oldest row first: `[rows][classes]`, all 600 rows for the
-    /// first window, at least `look_ahead + 1` newest rows for the others.
+    /// Appends the next window's logits `[rows][classes]`, oldest row first: all 600 rows of the first
+    /// window, at least the `look_ahead + 1` newest rows of the others.
     ///
     /// # Errors
-    /// Refuses fewer rows, more than 600, and a broken row; then nothing is taken.
+    /// For fewer rows, more than 600, and an incomplete row; then nothing is appended.
     pub fn push(&mut self, logits: &[f32]) -> Result<(), OfflineError> {
         let fewest = if self.count == 0 { WINDOW } else { self.kept };
         let whole = logits.len().is_multiple_of(self.classes);
@@ -71,36 +74,35 @@ impl WindowRows {
         Ok(())
     }
 
-    /// Windows so far.
-    #[must_use]
-    pub const fn count(&self) -> usize {
+    /// Number of windows.
+    pub(super) const fn count(&self) -> usize {
         self.count
     }
 
-    /// Last sample of a window.
+    /// The last sample of a window.
     pub(super) const fn end(&self, window: usize) -> usize {
         window * self.stride + WINDOW - 1
     }
 
-    /// The windows that end with a sample of `at..=at + look_ahead`; before any ends, the first.
-    pub(super) fn speaking(&self, at: usize, look_ahead: usize) -> std::ops::Range<usize> {
-        // Windows that end before a sample: those whose start lies before sample - 599.
+    /// The windows that end with a sample of `at..=at + look_ahead`; the first window while none has ended.
+    pub(super) fn contributing(&self, at: usize, look_ahead: usize) -> std::ops::Range<usize> {
+        // Number of windows that end before a sample: their start is before sample - 599.
         let before = |sample: usize| {
             (sample + 1)
                 .saturating_sub(WINDOW)
                 .div_ceil(self.stride)
                 .min(self.count)
         };
-        let speaking = before(at)..before(at + look_ahead + 1);
-        if speaking.is_empty() && at < WINDOW {
+        let contributing = before(at)..before(at + look_ahead + 1);
+        if contributing.is_empty() && at < WINDOW {
             0..self.count.min(1)
         } else {
-            speaking
+            contributing
         }
     }
 
-    /// What a window says of a sample: of the first window any of its samples, of the others one
-    /// of those kept.
+    /// A window's logits at a sample: any sample of the first window, one of the kept rows of the
+    /// others.
     pub(super) fn row(&self, window: usize, sample: usize) -> &[f32] {
         let (rows, row) = if window == 0 {
             (&self.first, sample)
@@ -109,5 +111,25 @@ impl WindowRows {
             (&self.newest, (window + 1) * self.kept - 1 - back)
         };
         &rows[row * self.classes..][..self.classes]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stride_of_0_and_incomplete_rows_are_refused() {
+        assert_eq!(WindowLogits::new(3, 0, 0), Err(OfflineError::Stride));
+        let mut windows = WindowLogits::new(3, 1, 1).unwrap();
+        windows.push(&[0.0; 3 * WINDOW]).unwrap();
+        let refused = OfflineError::Logits {
+            fewest: 6,
+            most: 1800,
+            classes: 3,
+            found: 5,
+        };
+        assert_eq!(windows.push(&[0.0; 5]), Err(refused));
+        assert_eq!(windows.count(), 1);
     }
 }

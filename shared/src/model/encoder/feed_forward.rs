@@ -2,30 +2,33 @@
 
 use super::{
     linear::{self, Added, Mapped, quantize},
-    norm::normalise,
+    norm::layer_norm,
     token::Token,
 };
 use crate::model::arithmetic::gelu;
 use crate::model::file::LayerWeights;
 
-/// `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`; twice the width inside.
-#[inline]
-pub fn feed_forward<const T: usize, const D: usize>(
+/// `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`, with twice the width between the two maps.
+// A call instead of inlined copies, as in `attention`.
+#[inline(never)]
+pub(super) fn feed_forward<const T: usize, const WIDTH: usize>(
     layer: &LayerWeights<'_>,
-    tokens: &mut [Token<D>; T],
+    width: usize,
+    tokens: &mut [Token<WIDTH>; T],
 ) {
     let inside = tokens.each_mut().map(|token| {
-        normalise(&layer.norm2, &token.h, &mut token.normalised);
+        let normalised = &mut token.normalised[..width];
+        layer_norm(&layer.norm2, &token.residual[..width], normalised);
         Mapped {
-            token: quantize(&token.normalised, &mut token.codes),
-            outputs: token.wide[..2].as_flattened_mut(),
+            token: quantize(normalised, &mut token.codes),
+            outputs: &mut token.wide.as_flattened_mut()[..2 * width],
         }
     });
     linear::map(&layer.ff1, inside, gelu);
     let outside = tokens.each_mut().map(|token| Added {
-        token: quantize(token.wide[..2].as_flattened(), &mut token.codes),
-        sums: &mut token.sums,
-        h: &mut token.h,
+        token: quantize(&token.wide.as_flattened()[..2 * width], &mut token.codes),
+        sums: &mut token.sums[..width],
+        residual: &mut token.residual[..width],
     });
     linear::add(&layer.ff2, outside);
 }

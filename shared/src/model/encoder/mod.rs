@@ -1,241 +1,212 @@
-//! The student as it runs on the device: one patch in, scores of the six newest patches out.
+//! The student as it runs on the device: one patch in, the logits of the six newest patches out.
 //!
-//! A pre-norm transformer whose attention is causal and local. What never changes is
-//! [`Encoder`], which borrows the weights; what time changes is [`EncoderState`], a ring of
-//! quantized keys and values per layer. One step costs one token's work. Because every patch
-//! depends on `L (SPAN - 1) + 1` patches at most, and those fit in the window, running the newest
-//! 60 patches through a fresh state gives the newest six outputs bit for bit.
+//! A pre-norm transformer with causal local attention. [`Encoder`] borrows the weights and never
+//! changes; [`EncoderState`] holds a ring of quantized keys and values per layer (the KV cache). One
+//! step computes one token. A patch's output depends on `L (span - 1) + 1` patches at most, and the
+//! six newest outputs on no more than the window holds: a fresh state run over the newest 60
+//! patches therefore gives the same six outputs, bit for bit.
 //!
 //! Per step, h being the residual stream in f32:
 //!
-//! 1. [`patch_embedding`]: `h = W_e x + b_e`, x the 80 companded inputs;
-//! 2. each layer: [`attention`], `h += W_o attend(norm1(h)) + b_o`, then [`feed_forward`],
+//! 1. `patch_embedding`: `h = W_e x + b_e`, x the 80 companded inputs;
+//! 2. each layer: `attention`, `h += W_o attend(norm1(h)) + b_o`, then `feed_forward`,
 //!    `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`;
-//! 3. [`look_back_head`]: `W_h norm(h) + b_h`, six rows of classes, the newest patch first.
+//! 3. `look_back_head`: `W_h norm(h) + b_h`, six rows of classes, the newest patch first.
+//!
+//! Dimensions are those of the model file, known at run time; the state's arrays have a fixed
+//! capacity. What that costs against an encoder compiled for one shape: docs/decisions.md.
 
-pub mod any_shape;
-pub mod attention;
-pub mod feed_forward;
-pub mod linear;
-pub mod look_back_head;
-pub mod norm;
-pub mod patch_embedding;
+mod attention;
+mod cache;
+mod feed_forward;
+mod linear;
+mod look_back_head;
+mod norm;
+mod patch_embedding;
 pub mod probe;
-pub mod rebuild;
-pub mod token;
+pub mod recompute;
+mod token;
 
-use crate::model::file::{Companding, LayerWeights, LinearWeights, Model, ModelError, NormWeights};
-use crate::model::kernels;
-use crate::pipeline::{Encode, LookBackLogits};
-use crate::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
-use attention::{Memory, Place};
+use super::{Encode, LookBackLogits};
+use crate::model::arithmetic::inverse_square_root;
+use crate::model::dimensions::{Companding, Dimensions, HEADS, MAX_SLOTS, MAX_WIDTH};
+use crate::model::file::{Model, ModelError, Weights};
+use crate::units::Patch;
+use attention::Attention;
+use cache::KvCache;
 use probe::{Part, Probe};
 use token::Token;
 
-/// Attention heads of every model.
-pub const HEADS: usize = 4;
-/// Widest residual stream: a head of 32.
-pub const MAX_WIDTH: usize = 128;
-/// Narrowest residual stream.
-pub const MIN_WIDTH: usize = 16;
-/// Most layers.
-pub const MAX_LAYERS: usize = 3;
-/// Longest attention span, in patches: the most terms of a product of two codes.
-pub const MAX_SPAN: usize = kernels::MAX_TERMS;
+/// Widest model that a device runs.
+const DEVICE_WIDTH: usize = 64;
+/// Most cache slots of a model that a device runs: two layers of 27, or three of 18.
+const DEVICE_SLOTS: usize = 54;
 
-// Longest rows: the patch, and the second matrix of the feed-forward.
-const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
-const _: () = assert!(2 * MAX_WIDTH <= kernels::MAX_COLUMNS);
-const _: () = assert!(MAX_WIDTH / HEADS <= kernels::MAX_TERMS);
-// The state of the usual student stays small: d = 64, two layers, 27 patches.
-const _: () = assert!(size_of::<EncoderState<64, 2, 27>>() < 20 * 1024);
+/// The encoder of a device: models up to width 64 with up to 54 cache slots (layers x span).
+pub type DeviceEncoder<'m> = Encoder<'m, DEVICE_WIDTH, DEVICE_SLOTS>;
+/// The state of [`DeviceEncoder`].
+pub type DeviceState = EncoderState<DEVICE_WIDTH, DEVICE_SLOTS>;
+/// An encoder with room for every model that [`Model::parse`] accepts.
+pub type HostEncoder<'m> = Encoder<'m, MAX_WIDTH, MAX_SLOTS>;
 
-/// Ten samples, the oldest first.
-pub type Patch = [CleanSample; PATCH];
+// The nRF52832 has 64 KiB of RAM.
+const _: () = assert!(size_of::<DeviceState>() < 20 * 1024);
 
-/// Scores of the six newest patches, newest first.
-///
-/// Row `j` speaks of patch `p - j`. Logits, not normalised. From the model's number of classes on
-/// every row holds 0, which means nothing: look only at the first `classes()`.
-pub type Logits = LookBackLogits;
-
-/// Patches that one patch's output depends on, itself included: `layers (span - 1) + 1`.
-#[must_use]
-pub const fn receptive_field(layers: usize, span: usize) -> usize {
-    layers * (span - 1) + 1
-}
-
-/// The span of a student of so many layers that is meant for a device: whatever their number, it hears 2.7 s.
-#[must_use]
-pub const fn usual_span(layers: usize) -> usize {
-    540 / PATCH / layers
-}
-
-/// The student: width `D`, `L` layers, attention over `SPAN` patches.
+/// The student, with the dimensions of its model. `WIDTH` and `SLOTS` are the capacity of its state.
 #[derive(Clone, Copy, Debug)]
-pub struct Encoder<'m, const D: usize, const L: usize, const SPAN: usize> {
-    embed: LinearWeights<'m>,
-    layers: [LayerWeights<'m>; L],
-    final_norm: NormWeights<'m>,
-    head: LinearWeights<'m>,
+pub struct Encoder<'m, const WIDTH: usize, const SLOTS: usize> {
+    weights: Weights<'m>,
+    dimensions: Dimensions,
     companding: Companding,
-    classes: usize,
+    /// See [`Attention::score_scale`].
+    score_scale: f32,
 }
 
-/// What the encoder remembers of one stream, and the patch that is on its way.
+/// The KV cache of one stream, and scratch memory for the patch being computed.
 #[derive(Clone, Debug)]
-pub struct EncoderState<const D: usize, const L: usize, const SPAN: usize> {
-    remembered: Remembered<D, L, SPAN>,
-    token: [Token<D>; 1],
+pub struct EncoderState<const WIDTH: usize, const SLOTS: usize> {
+    cache: KvCache<WIDTH, SLOTS>,
+    token: [Token<WIDTH>; 1],
 }
 
-/// The rings of all layers.
-#[derive(Clone, Debug)]
-struct Remembered<const D: usize, const L: usize, const SPAN: usize> {
-    layers: [Memory<D, SPAN>; L],
-    /// Slot of the next patch.
-    next: usize,
-    /// Patches remembered, at most `SPAN`.
-    filled: usize,
-}
-
-impl<const D: usize, const L: usize, const SPAN: usize> Remembered<D, L, SPAN> {
-    /// The place of the next patch, which is from now on one of those before.
-    #[inline]
-    fn place(&mut self) -> Place {
-        let slot = self.next;
-        self.next = (slot + 1) % SPAN;
-        self.filled = (self.filled + 1).min(SPAN);
-        Place {
-            slot,
-            filled: self.filled,
-        }
-    }
-}
-
-impl<const D: usize, const L: usize, const SPAN: usize> EncoderState<D, L, SPAN> {
-    /// A state that remembers nothing.
+impl<const WIDTH: usize, const SLOTS: usize> EncoderState<WIDTH, SLOTS> {
+    /// A state before the first patch.
     #[must_use]
     pub const fn fresh() -> Self {
         Self {
-            remembered: Remembered {
-                layers: [const { Memory::EMPTY }; L],
-                next: 0,
-                filled: 0,
-            },
+            cache: KvCache::EMPTY,
             token: [Token::EMPTY],
         }
     }
 
-    /// Forgets everything, in place: what the rings still hold is never read again.
+    /// Makes the state fresh in place.
     pub const fn reset(&mut self) {
-        self.remembered.next = 0;
-        self.remembered.filled = 0;
+        self.cache.reset();
     }
 }
 
-impl<'m, const D: usize, const L: usize, const SPAN: usize> Encoder<'m, D, L, SPAN> {
-    const FITS: () = {
-        assert!(D >= MIN_WIDTH && D <= MAX_WIDTH && D.is_multiple_of(8));
-        assert!(L > 0 && L <= MAX_LAYERS && SPAN > 0 && SPAN <= MAX_SPAN);
-        assert!(receptive_field(L, SPAN) + LOOK_BACK - 1 <= WINDOW_PATCHES);
-    };
-
-    /// The encoder of a model of just this shape.
+impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
+    /// The encoder of a model.
     ///
     /// # Errors
     ///
-    /// [`ModelError::Shape`] if the model has another width, depth or span.
+    /// [`ModelError::TooLarge`] if the state has no room for a model of this width, or of this many
+    /// layers and span.
     pub fn new(model: &Model<'m>) -> Result<Self, ModelError> {
-        let () = Self::FITS;
-        let dimensions = &model.header.dimensions;
-        let (width, layers, span) = (dimensions.width, dimensions.layers, dimensions.span);
-        if (width, layers, span) != (D, L, SPAN) {
-            return Err(ModelError::Shape {
-                expected: (D, L, SPAN),
-                width,
-                layers,
-                span,
+        let dimensions = model.header.dimensions;
+        let slots = dimensions.layers * dimensions.span;
+        if dimensions.width > WIDTH || slots > SLOTS {
+            return Err(ModelError::TooLarge {
+                width: dimensions.width,
+                most_width: WIDTH,
+                slots,
+                most_slots: SLOTS,
             });
         }
         Ok(Self {
-            embed: model.weights.embed,
-            layers: core::array::from_fn(|layer| model.weights.layers[layer]),
-            final_norm: model.weights.final_norm,
-            head: model.weights.head,
+            weights: model.weights,
+            dimensions,
             companding: model.header.companding,
-            classes: dimensions.vocabulary.classes(),
+            score_scale: inverse_square_root((dimensions.width / HEADS) as f32),
         })
     }
 
     /// Number of classes, 3 or 6.
     #[must_use]
     pub const fn classes(&self) -> usize {
-        self.classes
+        self.dimensions.vocabulary.classes()
     }
 
     /// A state for a new stream.
     #[must_use]
-    pub const fn fresh(&self) -> EncoderState<D, L, SPAN> {
+    pub const fn fresh(&self) -> EncoderState<WIDTH, SLOTS> {
         EncoderState::fresh()
     }
 
-    /// Takes the next patch and gives the scores of the six newest.
+    /// Takes the next patch and gives the logits of the six newest.
     ///
-    /// Rows that speak of patches before the state was fresh mean nothing.
+    /// Rows that refer to patches before the state was fresh have no meaning. From the model's number
+    /// of classes on every row holds 0.
     #[must_use]
-    pub fn step(&self, state: &mut EncoderState<D, L, SPAN>, patch: &Patch) -> Logits {
+    pub fn step(&self, state: &mut EncoderState<WIDTH, SLOTS>, patch: &Patch) -> LookBackLogits {
         self.step_probed(state, patch, &mut ())
     }
 
-    /// As [`Encoder::step`], telling a probe at the end of every part.
+    /// As [`Encoder::step`], with a call of the probe at the end of every part.
     #[must_use]
     pub fn step_probed(
         &self,
-        state: &mut EncoderState<D, L, SPAN>,
+        state: &mut EncoderState<WIDTH, SLOTS>,
         patch: &Patch,
         probe: &mut impl Probe,
-    ) -> Logits {
-        let EncoderState { remembered, token } = state;
-        let [logits] = self.tile(remembered, token, [patch], probe);
+    ) -> LookBackLogits {
+        let EncoderState { cache, token } = state;
+        let [logits] = self.tile(cache, token, [patch], probe);
         logits
     }
 
-    /// Takes `T` patches that follow one another, the oldest first, as so many steps would.
+    /// Takes `T` consecutive patches, the oldest first, as so many steps would.
     #[inline]
     fn tile<const T: usize>(
         &self,
-        remembered: &mut Remembered<D, L, SPAN>,
-        tokens: &mut [Token<D>; T],
+        cache: &mut KvCache<WIDTH, SLOTS>,
+        tokens: &mut [Token<WIDTH>; T],
         patches: [&Patch; T],
         probe: &mut impl Probe,
-    ) -> [Logits; T] {
-        let places = core::array::from_fn(|_| remembered.place());
-        patch_embedding::embed(&self.embed, self.companding, patches, tokens);
+    ) -> [LookBackLogits; T] {
+        let slots = core::array::from_fn(|_| cache.advance(self.dimensions.span));
+        self.embed(patches, tokens);
         probe.done(Part::Embed);
-        for (layer, memory) in self.layers.iter().zip(&mut remembered.layers) {
-            memory.attend(layer, places, tokens);
+        for layer in 0..self.dimensions.layers {
+            self.attention(layer, cache).apply(slots, tokens);
             probe.done(Part::Attention);
-            feed_forward::feed_forward(layer, tokens);
+            self.feed_forward(layer, tokens);
             probe.done(Part::FeedForward);
         }
-        let logits = self.scores(tokens);
+        let logits = self.logits(tokens);
         probe.done(Part::Head);
         logits
     }
 
     #[inline]
-    fn scores<const T: usize>(&self, tokens: &mut [Token<D>; T]) -> [Logits; T] {
-        look_back_head::scores(&self.final_norm, &self.head, tokens, self.classes)
+    fn embed<const T: usize>(&self, patches: [&Patch; T], tokens: &mut [Token<WIDTH>; T]) {
+        let width = self.dimensions.width;
+        patch_embedding::embed(&self.weights.embed, self.companding, width, patches, tokens);
+    }
+
+    #[inline]
+    fn attention<'a>(
+        &'a self,
+        layer: usize,
+        cache: &'a mut KvCache<WIDTH, SLOTS>,
+    ) -> Attention<'a> {
+        Attention {
+            weights: &self.weights.layers[layer],
+            cache: cache.layer(layer, &self.dimensions),
+            dimensions: &self.dimensions,
+            score_scale: self.score_scale,
+        }
+    }
+
+    #[inline]
+    fn feed_forward<const T: usize>(&self, layer: usize, tokens: &mut [Token<WIDTH>; T]) {
+        let layer = &self.weights.layers[layer];
+        feed_forward::feed_forward(layer, self.dimensions.width, tokens);
+    }
+
+    #[inline]
+    fn logits<const T: usize>(&self, tokens: &mut [Token<WIDTH>; T]) -> [LookBackLogits; T] {
+        let (norm, head) = (&self.weights.final_norm, &self.weights.head);
+        look_back_head::logits(norm, head, &self.dimensions, tokens)
     }
 }
 
-/// Patches that [`Encode::steps`] takes at once on a machine that has the memory: enough that the matrices' unpacking
-/// hardly counts.
+/// Patches that [`Encode::steps`] computes at once, on machines with the stack for it: enough that
+/// unpacking the weights hardly counts.
 const TILE: usize = 4;
 
-impl<const D: usize, const L: usize, const SPAN: usize> Encode for Encoder<'_, D, L, SPAN> {
-    type State = EncoderState<D, L, SPAN>;
+impl<const WIDTH: usize, const SLOTS: usize> Encode for Encoder<'_, WIDTH, SLOTS> {
+    type State = EncoderState<WIDTH, SLOTS>;
 
     fn classes(&self) -> usize {
         self.classes()
@@ -249,15 +220,20 @@ impl<const D: usize, const L: usize, const SPAN: usize> Encode for Encoder<'_, D
         state.reset();
     }
 
-    fn step(&self, state: &mut Self::State, patch: &Patch) -> Logits {
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits {
         self.step(state, patch)
     }
 
-    fn steps(&self, state: &mut Self::State, patches: &[Patch], mut output: impl FnMut(Logits)) {
+    fn steps(
+        &self,
+        state: &mut Self::State,
+        patches: &[Patch],
+        mut output: impl FnMut(LookBackLogits),
+    ) {
         let mut tokens = [const { Token::EMPTY }; TILE];
         let (tiles, rest) = patches.as_chunks::<TILE>();
         for tile in tiles {
-            let logits = self.tile(&mut state.remembered, &mut tokens, tile.each_ref(), &mut ());
+            let logits = self.tile(&mut state.cache, &mut tokens, tile.each_ref(), &mut ());
             logits.into_iter().for_each(&mut output);
         }
         for patch in rest {

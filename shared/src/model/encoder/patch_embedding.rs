@@ -1,19 +1,20 @@
 //! From ten samples to the residual stream.
 
 use super::{
-    Patch,
-    linear::{self, Mapped, Quantized, as_is},
+    linear::{self, Mapped, Quantized, identity},
     token::Token,
 };
-use crate::model::file::{Companding, LinearWeights};
+use crate::model::dimensions::Companding;
+use crate::model::file::LinearWeights;
+use crate::units::Patch;
 
 /// The code of an input of 1.
-pub const ONE: i16 = 1 << 14;
-/// Codes of a cleaned sample 0..=128; value = code / 16384.
+const ONE: i16 = 1 << 14;
+/// Codes of a preprocessed sample, 0..=128: input = code / 16384.
 type Table = [i16; 129];
 
 /// `x * 128`: x / 128, exactly.
-pub const LINEAR: Table = {
+const LINEAR: Table = {
     let mut table = [0; 129];
     let mut x = 0;
     while x <= 128 {
@@ -24,42 +25,39 @@ pub const LINEAR: Table = {
 };
 
 /// `round(sqrt(x / 128) * 16384)`, that is the rounded square root of `x 2^21`.
-pub const SQUARE_ROOT: Table = {
+const SQUARE_ROOT: Table = {
     let mut table = [0; 129];
     let mut x = 0;
     while x <= 128 {
         let square = (x as u32) << 21;
         let root = square.isqrt();
-        // Above the middle between two integers: square > (root + 1/2)^2.
+        // Round up above the middle of two integers: square > (root + 1/2)^2.
         table[x] = (root + (square > root * root + root) as u32) as i16;
         x += 1;
     }
     table
 };
 
-impl Companding {
-    /// The table of input codes.
-    #[must_use]
-    pub const fn table(self) -> &'static [i16; 129] {
-        const { assert!(LINEAR[128] == ONE && SQUARE_ROOT[128] == ONE) };
-        match self {
-            Self::Linear => &LINEAR,
-            Self::SquareRoot => &SQUARE_ROOT,
-        }
+const fn table(companding: Companding) -> &'static Table {
+    const { assert!(LINEAR[128] == ONE && SQUARE_ROOT[128] == ONE) };
+    match companding {
+        Companding::Linear => &LINEAR,
+        Companding::SquareRoot => &SQUARE_ROOT,
     }
 }
 
 /// `h = W_e x + b_e`; the 80 inputs sample by sample, the oldest first, channel 1 first.
 ///
-/// A value above 128, which no cleaned sample has, counts as 128.
+/// A value above 128, which no preprocessed sample has, counts as 128.
 #[inline]
-pub fn embed<const T: usize, const D: usize>(
+pub(super) fn embed<const T: usize, const WIDTH: usize>(
     map: &LinearWeights<'_>,
     companding: Companding,
+    width: usize,
     patches: [&Patch; T],
-    tokens: &mut [Token<D>; T],
+    tokens: &mut [Token<WIDTH>; T],
 ) {
-    let table = companding.table();
+    let table = table(companding);
     let code = |value: u8| table[usize::from(value.min(128))];
     for (token, patch) in tokens.iter_mut().zip(patches) {
         token.samples.0 = patch.map(|sample| sample.map(code));
@@ -69,9 +67,9 @@ pub fn embed<const T: usize, const D: usize>(
             codes: token.samples.0.as_flattened(),
             scale: const { 1.0 / ONE as f32 },
         },
-        outputs: &mut token.h,
+        outputs: &mut token.residual[..width],
     });
-    linear::map(map, tokens, as_is);
+    linear::map(map, tokens, identity);
 }
 
 #[cfg(test)]
@@ -84,7 +82,7 @@ mod tests {
             let share = f64::from(x) / 128.0;
             let expected = [share * 16384.0, libm::round(libm::sqrt(share) * 16384.0)];
             let found = [Companding::Linear, Companding::SquareRoot]
-                .map(|companding| f64::from(companding.table()[usize::from(x)]));
+                .map(|companding| f64::from(table(companding)[usize::from(x)]));
             assert_eq!(found, expected, "x = {x}");
         }
     }

@@ -1,4 +1,4 @@
-//! Where a step has come to, for whoever counts what its parts cost.
+//! Marks between the parts of a step, for counting what each part costs.
 
 /// A part of a step, norms and residual sums included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -13,13 +13,13 @@ pub enum Part {
     Head,
 }
 
-/// Is told of every part of a step as it ends.
+/// Called at the end of every part of a step.
 pub trait Probe {
     /// `part` has ended.
     fn done(&mut self, part: Part);
 }
 
-/// Nobody counts: the compiler leaves nothing of it.
+/// Counts nothing, and compiles to nothing.
 impl Probe for () {
     #[inline(always)]
     fn done(&mut self, _: Part) {}

@@ -1,4 +1,4 @@
-//! Streaming against from scratch, and the integer encoder against its formulas in f64.
+//! Streaming against a full recompute, and the integer encoder against its formulas in f64.
 
 use alloc::vec::Vec;
 
@@ -6,12 +6,16 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::intent::Vocabulary;
-use crate::model::file::{
-    Dimensions, ModelParts,
-    samples::{Noise, random_model},
-};
+use crate::model::dimensions::{MAX_SPAN, receptive_field, usual_span};
+use crate::model::file::{ModelParts, overwrite, random::random_model};
+use crate::model::noise::Noise;
+use crate::stream::smoother::AggregationMode;
+use crate::units::{LOOK_BACK, WINDOW_PATCHES};
 
-fn model_bytes(width: usize, layers: usize, span: usize, seed: u64) -> (ModelParts, Vec<u8>) {
+/// Width, layers and span.
+type Shape = (usize, usize, usize);
+
+fn random((width, layers, span): Shape, seed: u64) -> (ModelParts, Vec<u8>) {
     let vocabulary = if seed.is_multiple_of(2) {
         Vocabulary::Three
     } else {
@@ -30,27 +34,32 @@ fn model_bytes(width: usize, layers: usize, span: usize, seed: u64) -> (ModelPar
     (parts, bytes)
 }
 
-/// Loud and quiet stretches, zeros and full scale among them.
+fn encoder(bytes: &[u8]) -> HostEncoder<'_> {
+    HostEncoder::new(&Model::parse(bytes).unwrap()).unwrap()
+}
+
+/// Patches of random amplitude, from zeros to full scale.
 fn noisy_patches(count: usize, seed: u64) -> Vec<Patch> {
     let mut noise = Noise(seed ^ 0xface);
     let mut patch = || {
-        let loudest = [0, 3, 20, 128][noise.bits() as usize % 4];
+        let amplitude = [0, 3, 20, 128][noise.bits() as usize % 4];
         let mut patch = Patch::default();
         patch
             .as_flattened_mut()
-            .fill_with(|| (noise.bits() % (loudest + 1)) as u8);
+            .fill_with(|| (noise.bits() % (amplitude + 1)) as u8);
         patch
     };
     (0..count).map(|_| patch()).collect()
 }
 
-/// A fresh state that several patches at once have gone through, and the newest six outputs, newest first.
-fn from_scratch<const D: usize, const L: usize, const SPAN: usize>(
-    encoder: &Encoder<'_, D, L, SPAN>,
+/// A fresh state after these patches, computed several at once, and the newest six outputs, newest
+/// first.
+fn recomputed<const WIDTH: usize, const SLOTS: usize>(
+    encoder: &Encoder<'_, WIDTH, SLOTS>,
     patches: &[Patch],
-) -> (EncoderState<D, L, SPAN>, [Logits; LOOK_BACK]) {
+) -> (EncoderState<WIDTH, SLOTS>, [LookBackLogits; LOOK_BACK]) {
     let mut state = encoder.fresh();
-    let mut outputs = [Logits::default(); LOOK_BACK];
+    let mut outputs = [LookBackLogits::default(); LOOK_BACK];
     encoder.steps(&mut state, patches, |logits| {
         outputs.rotate_right(1);
         outputs[0] = logits;
@@ -59,29 +68,29 @@ fn from_scratch<const D: usize, const L: usize, const SPAN: usize>(
 }
 
 /// Runs a whole stream and, at its end, the newest window through a fresh state.
-fn compare<const D: usize, const L: usize, const SPAN: usize>(seed: u64, count: usize) {
-    let (_, bytes) = model_bytes(D, L, SPAN, seed);
-    let encoder = Encoder::<D, L, SPAN>::new(&Model::parse(&bytes).unwrap()).unwrap();
+fn compare(shape: Shape, seed: u64, count: usize) {
+    let (_, bytes) = random(shape, seed);
+    let encoder = encoder(&bytes);
     let patches = noisy_patches(count, seed);
     let mut streaming = encoder.fresh();
-    let mut outputs: Vec<Logits> = patches
+    let mut outputs: Vec<LookBackLogits> = patches
         .iter()
         .map(|patch| encoder.step(&mut streaming, patch))
         .collect();
-    let (mut rebuilt, newest) = from_scratch(&encoder, &patches[count - WINDOW_PATCHES..]);
+    let (mut state, newest) = recomputed(&encoder, &patches[count - WINDOW_PATCHES..]);
     outputs.reverse();
     assert_eq!(bits(&newest), bits(&outputs[..LOOK_BACK]));
-    // The rebuilt state also goes on as the uninterrupted one does.
-    for patch in noisy_patches(SPAN, seed + 1) {
-        let [uninterrupted, rebuilt] = [
+    // The recomputed state also goes on as the streaming one does.
+    for patch in noisy_patches(shape.2, seed + 1) {
+        let [streamed, recomputed] = [
             encoder.step(&mut streaming, &patch),
-            encoder.step(&mut rebuilt, &patch),
+            encoder.step(&mut state, &patch),
         ];
-        assert_eq!(bits(&[uninterrupted]), bits(&[rebuilt]));
+        assert_eq!(bits(&[streamed]), bits(&[recomputed]));
     }
 }
 
-fn bits(outputs: &[Logits]) -> Vec<u32> {
+fn bits(outputs: &[LookBackLogits]) -> Vec<u32> {
     outputs
         .as_flattened()
         .as_flattened()
@@ -90,17 +99,27 @@ fn bits(outputs: &[Logits]) -> Vec<u32> {
         .collect()
 }
 
+/// Every kind of shape: the smallest, heads that are no multiple of four wide, one layer of the
+/// longest span, the most slots.
+fn small_shape() -> impl Strategy<Value = Shape> {
+    prop::sample::select(&[
+        (16, 2, 27),
+        (24, 3, 18),
+        (16, 1, MAX_SPAN),
+        (40, 2, 5),
+        (24, 3, 19),
+        (16, 1, 1),
+    ])
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn streaming_equals_from_scratch_small(seed: u64, count in WINDOW_PATCHES..200) {
-        compare::<16, 2, 27>(seed >> 1, count);
-    }
-
-    #[test]
-    fn streaming_equals_from_scratch_three_layers(seed: u64, count in WINDOW_PATCHES..120) {
-        compare::<24, 3, 18>(seed >> 1, count);
+    fn streaming_equals_a_full_recompute(
+        shape in small_shape(), seed: u64, count in WINDOW_PATCHES..160,
+    ) {
+        compare(shape, seed >> 1, count);
     }
 }
 
@@ -108,30 +127,70 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
     #[test]
-    fn streaming_equals_from_scratch_full_size(seed: u64, count in WINDOW_PATCHES..120) {
-        compare::<64, 2, 27>(seed >> 1, count);
+    fn streaming_equals_a_full_recompute_of_full_size(seed: u64, count in WINDOW_PATCHES..120) {
+        compare((64, 2, 27), seed >> 1, count);
     }
+}
+
+/// The capacity of the state has no influence on the outputs, nor has what the state held before.
+#[test]
+fn a_device_gives_the_outputs_of_the_host() {
+    let mut state = DeviceState::fresh();
+    for layers in [2, 3, 2] {
+        for width in [64, 48, 24] {
+            let (_, bytes) = random((width, layers, usual_span(layers)), 7);
+            let model = Model::parse(&bytes).unwrap();
+            let device = DeviceEncoder::new(&model).unwrap();
+            let host = encoder(&bytes);
+            state.reset();
+            let mut host_state = host.fresh();
+            for patch in noisy_patches(70, 9) {
+                let outputs = [
+                    device.step(&mut state, &patch),
+                    host.step(&mut host_state, &patch),
+                ];
+                assert_eq!(bits(&outputs[..1]), bits(&outputs[1..]));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_model_beyond_the_capacity_is_refused() {
+    for (shape, slots) in [((72, 2, 27), 54), ((64, 2, 28), 56)] {
+        let (_, bytes) = random(shape, 3);
+        let refused = DeviceEncoder::new(&Model::parse(&bytes).unwrap()).unwrap_err();
+        let expected = ModelError::TooLarge {
+            width: shape.0,
+            most_width: 64,
+            slots,
+            most_slots: 54,
+        };
+        assert_eq!(refused, expected);
+    }
+    let (_, bytes) = random((128, 3, 19), 3);
+    assert!(HostEncoder::new(&Model::parse(&bytes).unwrap()).is_ok());
 }
 
 #[test]
 fn a_window_of_fewer_patches_than_the_receptive_field_does_not_suffice() {
     // 52 patches reach one short of what the newest output depends on: the equality above is not
     // one that any two runs would satisfy.
-    let (_, bytes) = model_bytes(16, 2, 27, 7);
-    let encoder = Encoder::<16, 2, 27>::new(&Model::parse(&bytes).unwrap()).unwrap();
+    let (_, bytes) = random((16, 2, 27), 7);
+    let encoder = encoder(&bytes);
     let patches = noisy_patches(100, 9);
-    let (_, whole) = from_scratch(&encoder, &patches);
-    let (_, enough) = from_scratch(&encoder, &patches[100 - receptive_field(2, 27)..]);
-    let (_, short) = from_scratch(&encoder, &patches[101 - receptive_field(2, 27)..]);
+    let (_, whole) = recomputed(&encoder, &patches);
+    let (_, enough) = recomputed(&encoder, &patches[100 - receptive_field(2, 27)..]);
+    let (_, short) = recomputed(&encoder, &patches[101 - receptive_field(2, 27)..]);
     assert_eq!(bits(&whole[..1]), bits(&enough[..1]));
     assert_ne!(bits(&whole[..1]), bits(&short[..1]));
 }
 
 #[test]
 fn a_reset_state_is_a_fresh_one() {
-    let (_, bytes) = model_bytes(16, 2, 27, 3);
-    let encoder = Encoder::<16, 2, 27>::new(&Model::parse(&bytes).unwrap()).unwrap();
-    let (mut state, _) = from_scratch(&encoder, &noisy_patches(70, 1));
+    let (_, bytes) = random((16, 2, 27), 3);
+    let encoder = encoder(&bytes);
+    let (mut state, _) = recomputed(&encoder, &noisy_patches(70, 1));
     state.reset();
     let mut fresh = encoder.fresh();
     for patch in noisy_patches(30, 2) {
@@ -144,35 +203,21 @@ fn a_reset_state_is_a_fresh_one() {
 }
 
 #[test]
-fn a_model_of_another_shape_is_refused() {
-    let (_, bytes) = model_bytes(16, 2, 27, 3);
-    let model = Model::parse(&bytes).unwrap();
-    let refused = Encoder::<16, 3, 18>::new(&model).unwrap_err();
-    let expected = ModelError::Shape {
-        expected: (16, 3, 18),
-        width: 16,
-        layers: 2,
-        span: 27,
-    };
-    assert_eq!(refused, expected);
-    assert!(Encoder::<16, 2, 27>::new(&model).is_ok());
-}
-
-#[test]
-fn the_state_of_the_usual_student_has_its_stated_size() {
-    let bytes = size_of::<EncoderState<64, 2, 27>>();
-    // Per layer keys and values of 27 x 64 i16 and 2 x 27 x 4 scales; then two indices.
-    let memory = 2 * (2 * 27 * 64 * 2 + 2 * 27 * 4 * 4) + 2 * size_of::<usize>();
-    // Five times 64 numbers, 80 inputs, codes of twice 64 and as many sums as once; of a head 32 codes, sums, weights and
-    // folded ones.
+fn the_state_of_a_device_has_its_stated_size() {
+    let bytes = size_of::<DeviceState>();
+    // Keys and values: 54 x 64 i16 and 54 x 4 scales each; then two indices.
+    let cache = 2 * (54 * 64 * 2 + 54 * 4 * 4) + 2 * size_of::<usize>();
+    // Five times 64 numbers, 80 inputs, twice 64 codes, 64 sums; of a head 32 codes, sums, weights and
+    // scaled weights.
     let token = 5 * 64 * 4 + 80 * 2 + 2 * 64 * 2 + 64 * 4 + 32 * (2 + 4 + 4 + 4);
-    assert_eq!(bytes, memory + token);
+    assert_eq!(bytes, cache + token);
 }
 
 /// The formulas of the module's first lines in f64, over all patches at once, with no
 /// quantization but that of the weights.
 mod naive {
     use super::*;
+    use crate::model::dimensions::HEADS;
     use crate::model::file::{LayerParts, LinearParts, NormParts};
 
     type Vector = Vec<f64>;
@@ -264,18 +309,18 @@ mod naive {
     }
 }
 
-fn distance_from_formulas<const D: usize, const L: usize, const SPAN: usize>(seed: u64) -> f64 {
-    let (parts, bytes) = model_bytes(D, L, SPAN, seed);
-    let encoder = Encoder::<D, L, SPAN>::new(&Model::parse(&bytes).unwrap()).unwrap();
+fn distance_from_formulas(shape: Shape, seed: u64) -> f64 {
+    let (parts, bytes) = random(shape, seed);
+    let encoder = encoder(&bytes);
     let classes = encoder.classes();
     let patches = noisy_patches(80, seed);
     let mut state = encoder.fresh();
     let mut worst = 0.0_f64;
-    for (patch, truth) in patches.iter().zip(naive::outputs(&parts, &patches)) {
+    for (patch, expected) in patches.iter().zip(naive::outputs(&parts, &patches)) {
         let logits = encoder.step(&mut state, patch);
-        for (row, truth) in logits.iter().zip(truth.chunks(classes)) {
-            for (logit, truth) in row.iter().zip(truth) {
-                worst = worst.max((f64::from(*logit) - truth).abs());
+        for (row, expected) in logits.iter().zip(expected.chunks(classes)) {
+            for (logit, expected) in row.iter().zip(expected) {
+                worst = worst.max((f64::from(*logit) - expected).abs());
             }
             assert!(row[classes..].iter().all(|&unused| unused == 0.0));
         }
@@ -284,13 +329,53 @@ fn distance_from_formulas<const D: usize, const L: usize, const SPAN: usize>(see
 }
 
 #[test]
-fn the_integer_encoder_stays_by_its_formulas() {
+fn the_integer_encoder_is_close_to_its_formulas() {
     let mut worst = 0.0_f64;
     for seed in 0..8 {
-        worst = worst.max(distance_from_formulas::<16, 2, 27>(seed));
-        worst = worst.max(distance_from_formulas::<24, 3, 18>(seed));
+        worst = worst.max(distance_from_formulas((16, 2, 27), seed));
+        worst = worst.max(distance_from_formulas((24, 3, 18), seed));
     }
-    worst = worst.max(distance_from_formulas::<64, 2, 27>(1));
+    worst = worst.max(distance_from_formulas((64, 2, 27), 1));
     // Logits are of order 1; a wrong term anywhere moves them by 0.1 and more.
     assert!(worst < 5e-3, "{worst}");
+}
+
+proptest! {
+    /// Damage under a right checksum: every model that is accepted also runs.
+    #[test]
+    fn resealed_damage_is_refused_or_runs(
+        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let (_, mut file) = random((16, 1, 5), 11);
+        // Prefix and checksum are 17 bytes.
+        let body = file.len() - 17;
+        overwrite(&mut file, damage.into_iter().map(|(place, byte)| (place.index(body), byte)));
+        if let Ok(model) = Model::parse(&file) {
+            let encoder = HostEncoder::new(&model).unwrap();
+            let mut state = encoder.fresh();
+            for value in [0, 1, 128, 255] {
+                let _ = encoder.step(&mut state, &Patch::from([[value; 8]; 10]));
+            }
+        }
+    }
+}
+
+#[test]
+fn absurd_but_finite_numbers_never_panic() {
+    let (mut parts, _) = random((16, 1, 5), 11);
+    let layer = &mut parts.layers[0];
+    for linear in [&mut parts.embed, &mut layer.qkv, &mut layer.ff1] {
+        linear.scales.fill(f32::MAX);
+        linear.bias.fill(f32::MIN);
+    }
+    parts.smoother.aggregation = AggregationMode::SameInstant;
+    parts.companding = Companding::Linear;
+    let bytes = parts.to_bytes().unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    assert_eq!(model.header.smoother, parts.smoother);
+    let encoder = encoder(&bytes);
+    let mut state = encoder.fresh();
+    for _ in 0..10 {
+        let _ = encoder.step(&mut state, &Patch::from([[128; 8]; 10]));
+    }
 }

@@ -1,40 +1,67 @@
-//! One patch on its way through the layers.
+//! Scratch memory for the computation of one patch.
 
-use super::{attention::Heads, linear::Codes};
+use crate::model::dimensions::MAX_SPAN;
 use crate::model::kernels::Aligned;
 use crate::units::{CHANNELS, PATCH};
 
-/// The residual stream of a patch, and the memory that its way through the layers writes to. Nothing outlives the
-/// patch.
+/// The residual stream of a patch and the scratch memory of its computation. Nothing is kept from
+/// patch to patch.
 ///
-/// Kept beside what is remembered, so that no step spends its time on clearing it.
+/// It is part of the state, so that no step has to clear it. A model narrower than `WIDTH` uses
+/// the first elements of every array.
 #[derive(Clone, Debug)]
-pub struct Token<const D: usize> {
-    /// The residual stream.
-    pub h: [f32; D],
+pub(super) struct Token<const WIDTH: usize> {
+    /// The residual stream h.
+    pub residual: [f32; WIDTH],
     /// Codes of the patch's samples.
     pub samples: Aligned<[[i16; CHANNELS]; PATCH]>,
-    /// The stream normalised, or what the heads attend to.
-    pub normalised: [f32; D],
-    /// Query, key and value; or the feed-forward's hidden values, twice the width.
-    pub wide: [[f32; D]; 3],
-    /// What a linear map reads.
-    pub codes: Codes<D>,
-    /// What one that adds to the residual stream has summed.
-    pub sums: [i32; D],
-    /// Of the attention heads.
-    pub heads: Heads,
+    /// The normalised residual stream, then the output of the attention heads.
+    pub normalised: [f32; WIDTH],
+    /// Query, key and value one after another; or the feed-forward's hidden values.
+    pub wide: [[f32; WIDTH]; 3],
+    /// Codes of the input of a linear map.
+    pub codes: Codes<WIDTH>,
+    /// Integer sums of a linear map that adds to the residual stream.
+    pub sums: [i32; WIDTH],
+    /// Scratch memory of the attention heads, one after another.
+    pub head: HeadScratch,
 }
 
-impl<const D: usize> Token<D> {
+impl<const WIDTH: usize> Token<WIDTH> {
     /// All zeros.
     pub const EMPTY: Self = Self {
-        h: [0.0; D],
+        residual: [0.0; WIDTH],
         samples: Aligned([[0; CHANNELS]; PATCH]),
-        normalised: [0.0; D],
-        wide: [[0.0; D]; 3],
-        codes: Aligned([[0; D]; 2]),
-        sums: [0; D],
-        heads: Heads::EMPTY,
+        normalised: [0.0; WIDTH],
+        wide: [[0.0; WIDTH]; 3],
+        codes: Aligned([[0; WIDTH]; 2]),
+        sums: [0; WIDTH],
+        head: HeadScratch::EMPTY,
+    };
+}
+
+/// Codes of the input of a linear map: the width, or twice the width.
+pub(super) type Codes<const WIDTH: usize> = Aligned<[[i16; WIDTH]; 2]>;
+
+/// Scratch memory of one attention head.
+#[derive(Clone, Debug)]
+pub(super) struct HeadScratch {
+    /// The query's codes, then the attention weights' codes.
+    pub codes: Aligned<[i16; MAX_SPAN]>,
+    /// Products with the keys by slot, then sums over the values by channel of the head.
+    pub sums: [i32; MAX_SPAN],
+    /// By slot: scores, then unnormalised weights.
+    pub weights: [f32; MAX_SPAN],
+    /// By slot: weights times the scales of their values.
+    pub scaled: [f32; MAX_SPAN],
+}
+
+impl HeadScratch {
+    /// All zeros.
+    pub const EMPTY: Self = Self {
+        codes: Aligned([0; MAX_SPAN]),
+        sums: [0; MAX_SPAN],
+        weights: [0.0; MAX_SPAN],
+        scaled: [0.0; MAX_SPAN],
     };
 }

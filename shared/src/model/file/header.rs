@@ -1,49 +1,19 @@
-//! What a model says about itself, and its form on the wire.
+//! The header of a model: dimensions, defaults of the smoother, provenance.
 
 use core::marker::PhantomData;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::error::{Excerpt, ModelError};
-use crate::intent::Vocabulary;
-use crate::model::encoder::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, receptive_field};
-use crate::stream::smoother::{AggregationMode, Likelihood, Settings};
-use crate::units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
+use super::error::ModelError;
+use crate::model::dimensions::{Companding, Dimensions};
+use crate::stream::smoother::{AggregationMode, Settings};
+use crate::units::PATCH;
 
-/// Width of the preprocessing median, samples.
-const MEDIAN_WIDTH: u8 = 3;
-/// What a rectified sample is divided by.
-const DIVISOR: u8 = 128;
-
-/// The numbers that decide every tensor's shape.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Dimensions {
-    /// Width d of the residual stream: a multiple of 8, 16 to 128.
-    pub width: usize,
-    /// Layers L, 1 to 3.
-    pub layers: usize,
-    /// Patches that attention sees, the newest included.
-    pub span: usize,
-    /// What the classes are.
-    pub vocabulary: Vocabulary,
-}
-
-/// How a cleaned sample 0..=128 becomes the encoder's input 0..=1.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Companding {
-    /// `x / 128`.
-    Linear,
-    /// `sqrt(x / 128)`: more room for weak contractions.
-    SquareRoot,
-}
-
-/// How the model wants its answers smoothed, unless the user says otherwise.
+/// Default settings of the smoother for a model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SmootherDefaults {
     /// Which rows are summed.
     pub aggregation: AggregationMode,
-    /// What is summed.
-    pub likelihood: Likelihood,
     /// Samples of look-ahead: whole patches, at most 50.
     pub look_ahead: usize,
     /// Samples that a label is held: whole patches, at least one.
@@ -51,12 +21,11 @@ pub struct SmootherDefaults {
 }
 
 impl SmootherDefaults {
-    /// The settings of a smoother that takes one row a patch.
+    /// The settings of a smoother with one row per patch.
     #[must_use]
     pub const fn in_patches(&self) -> Settings {
         Settings {
             aggregation: self.aggregation,
-            likelihood: self.likelihood,
             look_ahead: self.look_ahead / PATCH,
             hold: self.hold / PATCH,
             ..Settings::PAPER_IN_PATCHES
@@ -64,31 +33,31 @@ impl SmootherDefaults {
     }
 }
 
-/// Where a model comes from.
+/// Provenance of a model.
 #[derive(Clone, Copy, Debug)]
 pub struct Provenance<'m> {
     /// Names of the data sets.
     pub data_sets: List<'m, &'m str>,
-    /// Subjects that training never saw, as `data set/subject`.
+    /// Subjects left out of the training, as `data set/subject`.
     pub subjects_left_out: List<'m, &'m str>,
-    /// Revision of the program that trained it.
+    /// Revision of the training program.
     pub git_revision: &'m str,
-    /// Seed of the training.
+    /// Random seed of the training.
     pub seed: u64,
-    /// Name and value of what was measured.
+    /// Name and value of measured metrics.
     pub metrics: List<'m, (&'m str, f32)>,
 }
 
-/// Everything that a model says about itself.
+/// The header of a model.
 #[derive(Clone, Copy, Debug)]
 pub struct Header<'m> {
-    /// Shapes.
+    /// Dimensions of the tensors.
     pub dimensions: Dimensions,
-    /// Input table.
+    /// Companding of the input.
     pub companding: Companding,
-    /// How answers are smoothed.
+    /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
-    /// Where it comes from.
+    /// Provenance.
     pub provenance: Provenance<'m>,
 }
 
@@ -100,7 +69,7 @@ pub struct List<'m, T> {
 }
 
 impl<'m, T: Deserialize<'m>> List<'m, T> {
-    fn read(bytes: &'m [u8], field: &'static str) -> Result<Self, ModelError> {
+    pub(super) fn read(bytes: &'m [u8], field: &'static str) -> Result<Self, ModelError> {
         let mut rest = bytes;
         while !rest.is_empty() {
             (_, rest) =
@@ -112,217 +81,14 @@ impl<'m, T: Deserialize<'m>> List<'m, T> {
         })
     }
 
-    /// The items in the file's order.
+    /// The items in order.
     pub fn iter(&self) -> impl Iterator<Item = T> + use<'m, T> {
         let mut rest = self.bytes;
         core::iter::from_fn(move || {
-            // `read` has proved that all items parse; an empty rest is the end.
+            // `read` has parsed all items; an empty rest is the end.
             let (item, after) = postcard::take_from_bytes(rest).ok()?;
             rest = after;
             Some(item)
-        })
-    }
-}
-
-/// The header as postcard sees it. Numbers stay raw, so that each gets its own error.
-#[derive(Serialize, Deserialize)]
-pub(super) struct WireHeader<'m> {
-    pub width: u16,
-    pub heads: u8,
-    pub layers: u8,
-    pub span: u8,
-    pub patch: u8,
-    pub look_back: u8,
-    pub classes: u8,
-    pub companding: u8,
-    #[serde(borrow)]
-    pub class_names: &'m [u8],
-    pub sample_rate_hz: u32,
-    pub median_width: u8,
-    pub divisor: u8,
-    pub aggregation: u8,
-    pub likelihood: u8,
-    pub look_ahead: u16,
-    pub hold: u16,
-    pub data_sets: &'m [u8],
-    pub subjects_left_out: &'m [u8],
-    pub git_revision: &'m str,
-    pub seed: u64,
-    pub metrics: &'m [u8],
-}
-
-#[cfg(any(test, feature = "write"))]
-impl<'m> WireHeader<'m> {
-    /// The header of a model, its lists already in wire form.
-    pub fn new(
-        dimensions: &Dimensions,
-        companding: Companding,
-        smoother: &SmootherDefaults,
-        class_names: &'m [u8],
-        [data_sets, subjects_left_out, metrics]: [&'m [u8]; 3],
-        (git_revision, seed): (&'m str, u64),
-    ) -> Self {
-        // A number too large for its field becomes the largest one, which the reader refuses.
-        let byte = |number: usize| u8::try_from(number).unwrap_or(u8::MAX);
-        let short = |number: usize| u16::try_from(number).unwrap_or(u16::MAX);
-        Self {
-            width: short(dimensions.width),
-            heads: HEADS as u8,
-            layers: byte(dimensions.layers),
-            span: byte(dimensions.span),
-            patch: PATCH as u8,
-            look_back: LOOK_BACK as u8,
-            classes: byte(dimensions.vocabulary.classes()),
-            companding: match companding {
-                Companding::Linear => 0,
-                Companding::SquareRoot => 1,
-            },
-            class_names,
-            sample_rate_hz: SAMPLE_RATE_HZ,
-            median_width: MEDIAN_WIDTH,
-            divisor: DIVISOR,
-            aggregation: match smoother.aggregation {
-                AggregationMode::AllRowsFrom => 0,
-                AggregationMode::SameInstant => 1,
-            },
-            likelihood: match smoother.likelihood {
-                Likelihood::Logits => 0,
-                Likelihood::Probabilities => 1,
-            },
-            look_ahead: short(smoother.look_ahead),
-            hold: short(smoother.hold),
-            data_sets,
-            subjects_left_out,
-            git_revision,
-            seed,
-            metrics,
-        }
-    }
-}
-
-impl<'m> WireHeader<'m> {
-    /// What the numbers mean, each checked against what this build can run.
-    pub fn interpret(self) -> Result<Header<'m>, ModelError> {
-        let dimensions = self.dimensions()?;
-        let companding = match self.companding {
-            0 => Companding::Linear,
-            1 => Companding::SquareRoot,
-            found => return Err(ModelError::Companding { found }),
-        };
-        self.check_class_names(dimensions.vocabulary)?;
-        if self.sample_rate_hz != SAMPLE_RATE_HZ {
-            return Err(ModelError::SampleRate {
-                found: self.sample_rate_hz,
-            });
-        }
-        if self.median_width != MEDIAN_WIDTH {
-            return Err(ModelError::MedianWidth {
-                found: self.median_width,
-            });
-        }
-        if self.divisor != DIVISOR {
-            return Err(ModelError::Divisor {
-                found: self.divisor,
-            });
-        }
-        Ok(Header {
-            dimensions,
-            companding,
-            smoother: self.smoother()?,
-            provenance: Provenance {
-                data_sets: List::read(self.data_sets, "data_sets")?,
-                subjects_left_out: List::read(self.subjects_left_out, "subjects_left_out")?,
-                git_revision: self.git_revision,
-                seed: self.seed,
-                metrics: List::read(self.metrics, "metrics")?,
-            },
-        })
-    }
-
-    fn dimensions(&self) -> Result<Dimensions, ModelError> {
-        let [width, heads, layers] = [
-            usize::from(self.width),
-            self.heads.into(),
-            self.layers.into(),
-        ];
-        let [span, patch, look_back] = [self.span, self.patch, self.look_back].map(usize::from);
-        if !(MIN_WIDTH..=MAX_WIDTH).contains(&width) || !width.is_multiple_of(8) {
-            return Err(ModelError::Width { found: width });
-        }
-        if heads != HEADS {
-            return Err(ModelError::Heads { found: heads });
-        }
-        if layers == 0 || layers > MAX_LAYERS {
-            return Err(ModelError::Layers { found: layers });
-        }
-        if span == 0 || span > MAX_SPAN {
-            return Err(ModelError::Span { found: span });
-        }
-        let seen = receptive_field(layers, span) + LOOK_BACK - 1;
-        if seen > WINDOW_PATCHES {
-            return Err(ModelError::ReceptiveField { found: seen });
-        }
-        if patch != PATCH {
-            return Err(ModelError::Patch { found: patch });
-        }
-        if look_back != LOOK_BACK {
-            return Err(ModelError::LookBack { found: look_back });
-        }
-        let classes = usize::from(self.classes);
-        let vocabulary =
-            Vocabulary::with_classes(classes).ok_or(ModelError::Classes { found: classes })?;
-        Ok(Dimensions {
-            width,
-            layers,
-            span,
-            vocabulary,
-        })
-    }
-
-    fn check_class_names(&self, vocabulary: Vocabulary) -> Result<(), ModelError> {
-        let names = List::<&str>::read(self.class_names, "class_names")?;
-        let [expected, found] = [vocabulary.classes(), names.iter().count()];
-        if expected != found {
-            return Err(ModelError::ClassCount { expected, found });
-        }
-        for (intent, found) in vocabulary.intents().iter().zip(names.iter()) {
-            if found != intent.name() {
-                return Err(ModelError::ClassName {
-                    class: intent.class(),
-                    expected: intent.name(),
-                    found: Excerpt::of(found),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn smoother(&self) -> Result<SmootherDefaults, ModelError> {
-        let aggregation = match self.aggregation {
-            0 => AggregationMode::AllRowsFrom,
-            1 => AggregationMode::SameInstant,
-            found => return Err(ModelError::AggregationMode { found }),
-        };
-        let likelihood = match self.likelihood {
-            0 => Likelihood::Logits,
-            1 => Likelihood::Probabilities,
-            found => return Err(ModelError::Likelihood { found }),
-        };
-        let [look_ahead, hold] = [self.look_ahead, self.hold].map(usize::from);
-        if look_ahead > LOOK_AHEAD || !look_ahead.is_multiple_of(PATCH) {
-            return Err(ModelError::LookAhead {
-                most: LOOK_AHEAD,
-                found: look_ahead,
-            });
-        }
-        if hold == 0 || !hold.is_multiple_of(PATCH) {
-            return Err(ModelError::Hold { found: hold });
-        }
-        Ok(SmootherDefaults {
-            aggregation,
-            likelihood,
-            look_ahead,
-            hold,
         })
     }
 }

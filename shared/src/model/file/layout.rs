@@ -1,10 +1,10 @@
-//! The tensors as they lie in the file: borrowed.
+//! The tensors, borrowed from the file.
 
-use crate::model::encoder::MAX_LAYERS;
+use crate::model::dimensions::MAX_LAYERS;
 
 /// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] x[c] + bias[r]`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LinearWeights<'m> {
+pub(crate) struct LinearWeights<'m> {
     /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::model::kernels::Kernels::multiply), each
     /// -127..=127.
     pub weights: &'m [i8],
@@ -14,27 +14,27 @@ pub struct LinearWeights<'m> {
     pub bias: &'m [f32],
 }
 
-/// A layer norm's learned part, `[d]` each.
+/// Parameters of a layer norm, `[d]` each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NormWeights<'m> {
-    /// Factor after normalising.
+pub(crate) struct NormWeights<'m> {
+    /// Factors.
     pub gain: &'m [f32],
-    /// Term after the gain.
+    /// Terms.
     pub bias: &'m [f32],
 }
 
 /// One pre-norm layer.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LayerWeights<'m> {
-    /// Before attention.
+pub(crate) struct LayerWeights<'m> {
+    /// Norm before attention.
     pub norm1: NormWeights<'m>,
     /// d -> 3d: query, key, value.
     pub qkv: LinearWeights<'m>,
-    /// `[heads][span]`: what is added to the score of the patch that many patches back.
+    /// `[heads][span]`: added to the score of a patch, by its age in patches.
     pub relative_bias: &'m [f32],
     /// d -> d: after attention.
     pub out: LinearWeights<'m>,
-    /// Before the feed-forward.
+    /// Norm before the feed-forward.
     pub norm2: NormWeights<'m>,
     /// d -> 2d.
     pub ff1: LinearWeights<'m>,
@@ -44,12 +44,12 @@ pub struct LayerWeights<'m> {
 
 /// All tensors of a model.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Weights<'m> {
+pub(crate) struct Weights<'m> {
     /// 80 -> d: the patch, sample by sample.
     pub embed: LinearWeights<'m>,
-    /// The layers; those from the model's own number on are empty.
+    /// The layers; empty from the model's number of layers on.
     pub layers: [LayerWeights<'m>; MAX_LAYERS],
-    /// Before the head.
+    /// Norm before the head.
     pub final_norm: NormWeights<'m>,
     /// d -> 6 x classes: the newest patch's classes first.
     pub head: LinearWeights<'m>,

@@ -1,35 +1,37 @@
-//! From bytes to a model whose every length and number is proved.
+//! From bytes to a model with every length and number checked.
 
 use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
-    error::{ModelError, TensorName},
-    header::{Header, WireHeader},
+    error::ModelError,
+    header::Header,
     layout::{LayerWeights, LinearWeights, NormWeights, Weights},
+    names::TensorName,
+    wire_header::WireHeader,
 };
-use crate::model::encoder::HEADS;
+use crate::model::dimensions::HEADS;
 use crate::model::kernels::TILE_ROWS;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
-/// A model in somebody's bytes.
+/// A model that borrows its bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'m> {
-    /// What it says about itself.
+    /// The header.
     pub header: Header<'m>,
-    /// Its tensors.
-    pub weights: Weights<'m>,
-    /// Bytes of the file; what follows in the region is not part of it.
+    /// The tensors.
+    pub(crate) weights: Weights<'m>,
+    /// Length of the file in bytes.
     pub length: usize,
 }
 
 impl<'m> Model<'m> {
     /// The model at the start of `region`, which may be longer than the file.
     ///
-    /// Copies nothing. Cost: one pass for the checksum and one over the weights.
+    /// Nothing is copied. Cost: one pass for the checksum and one over the weights.
     ///
     /// # Errors
     ///
-    /// Each kind of damage its own [`ModelError`]; the checksum is proved before anything after
-    /// the length is believed.
+    /// Each kind of damage has its own [`ModelError`]. Nothing after the length is used before the
+    /// checksum is right.
     pub fn parse(region: &'m [u8]) -> Result<Self, ModelError> {
         let (length, body) = checked_body(region)?;
         let found = region.as_ptr().addr() % ALIGNMENT;
@@ -56,7 +58,7 @@ impl<'m> Model<'m> {
     }
 }
 
-/// Length of the file, and what lies between the prefix and the checksum.
+/// Length of the file, and the bytes between prefix and checksum.
 fn checked_body(region: &[u8]) -> Result<(usize, &[u8]), ModelError> {
     let too_short = ModelError::TooShort {
         expected: PREFIX_BYTES + CHECKSUM_BYTES,
@@ -93,9 +95,9 @@ fn checked_body(region: &[u8]) -> Result<(usize, &[u8]), ModelError> {
     Ok((declared, &content[PREFIX_BYTES..]))
 }
 
-/// What is left of the tensors, and which layer is being read.
+/// The tensors not yet read, and the layer being read.
 struct Tensors<'m> {
-    /// Where in the file `rest` ends.
+    /// Position in the file where `rest` ends.
     end: usize,
     rest: &'m [u8],
     layer: Option<usize>,

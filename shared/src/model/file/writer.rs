@@ -5,17 +5,16 @@ use alloc::{string::String, vec, vec::Vec};
 use serde::Serialize;
 
 use super::{
-    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
-    error::ModelError,
-    header::{Companding, Dimensions, SmootherDefaults, WireHeader},
-    reader::Model,
+    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
+    header::SmootherDefaults, reader::Model, wire_header::WireHeader,
 };
+use crate::model::dimensions::{Companding, Dimensions};
 use crate::model::kernels::packing::packed;
 
 /// A linear map with quantized rows.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LinearParts {
-    /// Row-major `[outputs][inputs]`, each -127..=127; in the file they lie in tiles.
+    /// Row-major `[outputs][inputs]`, each -127..=127; the file has them in tiles.
     pub weights: Vec<i8>,
     /// One per output: `weight = integer * scale`.
     pub scales: Vec<f32>,
@@ -24,7 +23,7 @@ pub struct LinearParts {
 }
 
 impl LinearParts {
-    /// Quantizes a row-major `[outputs][inputs]` matrix, as many outputs as biases.
+    /// Quantizes a row-major `[outputs][inputs]` matrix with one bias per output.
     #[must_use]
     pub fn quantized(weights: &[f32], bias: Vec<f32>) -> Self {
         let columns = weights.len().checked_div(bias.len()).unwrap_or(0);
@@ -49,15 +48,15 @@ pub struct NormParts {
 /// One pre-norm layer.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LayerParts {
-    /// Before attention.
+    /// Norm before attention.
     pub norm1: NormParts,
     /// d -> 3d: query, key, value.
     pub qkv: LinearParts,
-    /// `[heads][span]` row-major: term of the score of the patch that many patches back.
+    /// `[heads][span]` row-major: added to the score of a patch, by its age in patches.
     pub relative_bias: Vec<f32>,
     /// d -> d.
     pub out: LinearParts,
-    /// Before the feed-forward.
+    /// Norm before the feed-forward.
     pub norm2: NormParts,
     /// d -> 2d.
     pub ff1: LinearParts,
@@ -65,37 +64,37 @@ pub struct LayerParts {
     pub ff2: LinearParts,
 }
 
-/// Where a model comes from.
+/// Provenance of a model.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct ProvenanceParts {
     /// Names of the data sets.
     pub data_sets: Vec<String>,
-    /// Subjects that training never saw, as `data set/subject`.
+    /// Subjects left out of the training, as `data set/subject`.
     pub subjects_left_out: Vec<String>,
-    /// Revision of the program that trained it.
+    /// Revision of the training program.
     pub git_revision: String,
-    /// Seed of the training.
+    /// Random seed of the training.
     pub seed: u64,
-    /// Name and value of what was measured.
+    /// Name and value of measured metrics.
     pub metrics: Vec<(String, f32)>,
 }
 
-/// A whole model, owned.
+/// A model that owns its tensors.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ModelParts {
-    /// Shapes.
+    /// Dimensions of the tensors.
     pub dimensions: Dimensions,
-    /// Input table.
+    /// Companding of the input.
     pub companding: Companding,
-    /// How answers are smoothed.
+    /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
-    /// Where it comes from.
+    /// Provenance.
     pub provenance: ProvenanceParts,
     /// 80 -> d.
     pub embed: LinearParts,
     /// The layers in order.
     pub layers: Vec<LayerParts>,
-    /// Before the head.
+    /// Norm before the head.
     pub final_norm: NormParts,
     /// d -> 6 x classes.
     pub head: LinearParts,
@@ -106,14 +105,14 @@ impl ModelParts {
     ///
     /// # Errors
     ///
-    /// Whatever [`Model::parse`] would refuse, said before anything is written to a disk.
+    /// As [`Model::parse`]: an invalid model is refused before it is written.
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
         let bytes = self.emit();
         Model::parse(&bytes)?;
         Ok(bytes)
     }
 
-    /// The file's bytes, right or wrong.
+    /// The file's bytes, unchecked.
     pub(super) fn emit(&self) -> Vec<u8> {
         let provenance = &self.provenance;
         let names = list(
@@ -156,16 +155,16 @@ impl ModelParts {
 /// Quantizes each row to -127..=127: integers row-major, and one scale per row.
 ///
 /// The scale is the row's largest magnitude over 127, each integer the nearest (halves away from
-/// zero). A row of zeros has scale 0. Values that are not finite show up in the scale, which
-/// [`ModelParts::to_bytes`] then refuses.
+/// zero). A row of zeros has scale 0. Infinity and NaN make the scale infinite or NaN, which
+/// [`ModelParts::to_bytes`] refuses.
 #[must_use]
-pub fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
+pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
     let mut integers = Vec::with_capacity(matrix.len());
     let mut scales = vec![0.0; rows];
     for (row, scale) in matrix.chunks(columns.max(1)).zip(&mut scales) {
         let largest = crate::model::arithmetic::absmax(row);
         *scale = largest / 127.0;
-        // f64: the quotient of a tiny row has to stay finite.
+        // f64: the quotient of a tiny row must be finite.
         let inverse = if largest > 0.0 {
             127.0 / f64::from(largest)
         } else {
@@ -179,7 +178,7 @@ pub fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, V
     (integers, scales)
 }
 
-/// Magic, version and room for the length.
+/// Magic, version and four bytes for the length.
 pub(super) fn prefix() -> Vec<u8> {
     let mut file = MAGIC.to_vec();
     file.push(FORMAT_VERSION);
@@ -187,7 +186,7 @@ pub(super) fn prefix() -> Vec<u8> {
     file
 }
 
-/// Writes the length into its place and appends the checksum.
+/// Writes the length and appends the checksum.
 pub(super) fn seal(file: &mut Vec<u8>) {
     let length = u32::try_from(file.len() + CHECKSUM_BYTES).unwrap_or(u32::MAX);
     file[MAGIC.len() + 1..PREFIX_BYTES].copy_from_slice(&length.to_le_bytes());
@@ -195,7 +194,7 @@ pub(super) fn seal(file: &mut Vec<u8>) {
     file.extend(checksum.to_le_bytes());
 }
 
-/// Items one after another.
+/// Items without their number.
 pub(super) fn list<T: Serialize>(items: impl IntoIterator<Item = T>) -> Vec<u8> {
     let mut bytes = Vec::new();
     for item in items {
@@ -205,7 +204,7 @@ pub(super) fn list<T: Serialize>(items: impl IntoIterator<Item = T>) -> Vec<u8> 
 }
 
 pub(super) fn append<T: Serialize + ?Sized>(file: &mut Vec<u8>, item: &T) {
-    // Fails only for a sequence of unknown length, and for a custom serializer; there is neither.
+    // Fails only for a sequence of unknown length or a custom serializer; there is neither.
     let bytes = postcard::to_allocvec(item).expect("slices, texts and numbers always serialize");
     file.extend(bytes);
 }
@@ -231,11 +230,22 @@ fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
     append_tensor(file, &bytes);
 }
 
-/// The bytes behind as many zeros as make them begin at a multiple of four bytes.
+/// Appends the bytes behind as many zeros as align them to four bytes.
 fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
-    // The zeros count in the length that comes first, which for whole words takes no byte more for them: the
-    // longest lengths of one and of two bytes, 127 and 16 383, are three beyond a multiple of four.
+    // The length that comes first includes the zeros. They never make it a byte longer: tensors are whole
+    // words, and the largest lengths of one and two bytes, 127 and 16 383, are a multiple of four plus 3.
     let start = file.len() + list([bytes.len()]).len();
     let pad = start.next_multiple_of(ALIGNMENT) - start;
     append::<[u8]>(file, &[&[0; ALIGNMENT][..pad], bytes].concat());
+}
+
+/// Overwrites bytes between prefix and checksum (positions count from the prefix) and corrects the
+/// checksum.
+#[cfg(test)]
+pub(crate) fn overwrite(file: &mut Vec<u8>, changes: impl Iterator<Item = (usize, u8)>) {
+    file.truncate(file.len() - CHECKSUM_BYTES);
+    for (place, byte) in changes {
+        file[PREFIX_BYTES + place] = byte;
+    }
+    seal(file);
 }

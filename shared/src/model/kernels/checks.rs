@@ -1,44 +1,46 @@
-//! One catalogue that judges every form of the kernels, on the PC and on the core.
+//! Checks of any implementation of the kernels, for the PC and for the emulated core.
 //!
-//! Naive twins in i64, lengths from nothing to the longest, extremes and seeded noise.
+//! References are naive and in i64. Lengths range from 0 to the largest; operands are extremes and
+//! seeded noise.
+
+use alloc::vec::Vec;
 
 use super::{
-    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT,
+    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT, packing::packed,
     portable::Portable,
 };
 
-/// A kernel and its twin disagree.
-#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
-#[error("{kernel}, length {length}, fill {fill:?}, row {row}: {found}, expected {expected}")]
-pub struct Mismatch {
-    /// Which kernel.
-    pub kernel: &'static str,
+/// A kernel differs from its reference.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Mismatch {
+    /// The kernel.
+    kernel: &'static str,
     /// Length of the rows.
-    pub length: usize,
-    /// What they were filled with.
-    pub fill: Fill,
-    /// Which output.
-    pub row: usize,
-    /// The twin's result.
-    pub expected: i64,
+    length: usize,
+    /// Their content.
+    fill: Fill,
+    /// Index of the output.
+    row: usize,
+    /// The reference's result.
+    expected: i64,
     /// The kernel's result.
-    pub found: i64,
+    found: i64,
 }
 
-/// What operands are filled with.
+/// Content of the operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Fill {
+enum Fill {
     /// All zeros.
     Zeros,
     /// The largest codes times the largest weights.
     Maxima,
-    /// The smallest codes times the largest weights: the largest magnitude of all.
+    /// The smallest codes times the largest weights: the largest magnitude.
     Minima,
-    /// The extremes by turns.
+    /// The extremes alternating.
     Alternating,
-    /// Uniform over the whole range.
+    /// Uniform pseudo-random numbers over the whole range.
     Noise,
-    /// Infinities, what is no number, and the smallest.
+    /// Infinities, NaN and the smallest numbers.
     Special,
 }
 
@@ -49,19 +51,19 @@ const FILLS: [Fill; 5] = [
     Fill::Alternating,
     Fill::Noise,
 ];
-/// Columns of `multiply`: whole groups, whole blocks of groups and what lies between.
+/// Columns of `multiply`: multiples of a group, with and without whole passes of the unrolled loop.
 const COLUMNS: [usize; 13] = [0, 4, 8, 12, 16, 20, 32, 48, 64, 80, 124, 508, MAX_COLUMNS];
 /// Rows of `multiply`: one tile and several.
 const ROWS: [usize; 2] = [4, 12];
-/// Most tokens of `multiply`: one, two that share the weights, and one more.
+/// Most tokens of `multiply`: two that share the weights, and one more.
 const MOST_TOKENS: usize = 3;
 /// Terms of the products of codes.
 const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];
-/// Rows of as many terms, or columns of them, and what lies between two rows.
-const BESIDE: [(usize, usize); 6] = [(1, 0), (3, 4), (4, 0), (9, 4), (16, 5), (27, 1)];
+/// Number of rows of these terms, or of columns, and of unused values between two rows.
+const LAYOUTS: [(usize, usize); 6] = [(1, 0), (3, 4), (4, 0), (9, 4), (16, 5), (27, 1)];
 /// Lengths of `quantize`.
 const LENGTHS: [usize; 7] = [0, 1, 2, 7, 16, 127, MAX_COLUMNS];
-/// What no token should be, and what one may just be.
+/// Values that quantize to zero, and the smallest and largest that do not.
 const SPECIAL: [[f32; 8]; 6] = [
     [f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -f32::NAN],
     [1.0, 2.0, f32::INFINITY, 3.0, 4.0, 5.0, 6.0, 7.0],
@@ -79,62 +81,62 @@ const SPECIAL: [[f32; 8]; 6] = [
         -1e38,
     ],
 ];
-/// Draws of noise for each kernel, of random shapes.
+/// Random shapes with noise, for each kernel.
 const DRAWS: usize = 10_000;
-/// Most columns in a draw: ten thousand of them on an emulated core are a matter of seconds.
+/// Most columns of a random shape: ten thousand take seconds on the emulated core.
 const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
-/// Calls of kernels in one call of [`judge`].
-pub const CASES: usize = 4 * DRAWS
+/// Kernel calls in one [`check`].
+const CASES: usize = 4 * DRAWS
     + SPECIAL.len()
     + FILLS.len()
         * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
-            + 2 * TERMS.len() * BESIDE.len()
+            + 2 * TERMS.len() * LAYOUTS.len()
             + LENGTHS.len());
 
-/// Judges a form by the whole catalogue and counts the judgements.
+/// Runs all checks on an implementation and returns their number.
 ///
 /// # Errors
 ///
-/// The first disagreement.
-pub fn judge<K: Kernels>() -> Result<usize, Mismatch> {
-    let mut judged = 0;
+/// The first difference.
+fn check<K: Kernels>() -> Result<usize, Mismatch> {
+    let mut checked = 0;
     let mut noise = Noise(0x2545_f491);
     for fill in FILLS {
         for columns in COLUMNS {
             for rows in ROWS {
-                judged += multiply::<K, 1>(columns, rows, fill, &mut noise)?;
-                judged += multiply::<K, 2>(columns, rows, fill, &mut noise)?;
-                judged += multiply::<K, MOST_TOKENS>(columns, rows, fill, &mut noise)?;
+                checked += multiply::<K, 1>(columns, rows, fill, &mut noise)?;
+                checked += multiply::<K, 2>(columns, rows, fill, &mut noise)?;
+                checked += multiply::<K, MOST_TOKENS>(columns, rows, fill, &mut noise)?;
             }
         }
         for terms in TERMS {
-            for (beside, between) in BESIDE {
-                judged += row_products::<K>(terms, beside, between, fill, &mut noise)?;
-                judged += weighted_rows::<K>(terms, beside, between, fill, &mut noise)?;
+            for (count, between) in LAYOUTS {
+                checked += row_products::<K>(terms, count, between, fill, &mut noise)?;
+                checked += weighted_rows::<K>(terms, count, between, fill, &mut noise)?;
             }
         }
         for length in LENGTHS {
-            judged += quantize::<K>(length, fill, &mut noise)?;
+            checked += quantize::<K>(length, fill, &mut noise)?;
         }
     }
     for values in SPECIAL {
-        judged += quantize_special::<K>(values)?;
+        checked += quantize_special::<K>(values)?;
     }
     for _ in 0..DRAWS {
         let columns = 4 * noise.below(DRAWN_COLUMNS / 4 + 1);
         let rows = 4 + 4 * noise.below(MOST_ROWS / 4);
-        judged += match noise.below(2) {
+        checked += match noise.below(2) {
             0 => multiply::<K, 1>(columns, rows, Fill::Noise, &mut noise)?,
             _ => multiply::<K, 2>(columns, rows, Fill::Noise, &mut noise)?,
         };
-        let [terms, beside, between] = [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| noise.below(most));
-        judged += row_products::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
-        judged += weighted_rows::<K>(terms, 1 + beside, between, Fill::Noise, &mut noise)?;
-        judged += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
+        let [terms, count, between] = [MAX_TERMS + 1, MAX_TERMS, 5].map(|most| noise.below(most));
+        checked += row_products::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
+        checked += weighted_rows::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
+        checked += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
     }
-    Ok(judged)
+    Ok(checked)
 }
 
 fn multiply<K: Kernels, const T: usize>(
@@ -165,7 +167,7 @@ fn multiply<K: Kernels, const T: usize>(
         for (row, &found) in sums[..rows].iter().enumerate() {
             let expected = (0..columns)
                 .map(|column| {
-                    let weight = weights[place_in_tiles(row, column, columns)];
+                    let weight = weights[index_in_tiles(row, column, columns)];
                     i64::from(weight) * i64::from(input[column])
                 })
                 .sum();
@@ -182,13 +184,13 @@ fn multiply<K: Kernels, const T: usize>(
     Ok(1)
 }
 
-/// Where a weight lies: the order of [`Kernels::multiply`], said once more.
-fn place_in_tiles(row: usize, column: usize, columns: usize) -> usize {
+/// Index of a weight in the tiles of [`Kernels::multiply`].
+fn index_in_tiles(row: usize, column: usize, columns: usize) -> usize {
     let byte = [0, 2, 1, 3][column % 4];
     row / 4 * 4 * columns + column / 4 * 16 + row % 4 * 4 + byte
 }
 
-/// Operands of the two products of codes: the single row, and the rows with what lies between.
+/// Operands of the two products of codes: a single row, and rows with unused values between.
 struct Operands {
     single: Aligned<[i16; MAX_TERMS]>,
     rows: Aligned<[i16; 2 * MAX_TERMS * MAX_TERMS + 8 * MAX_TERMS]>,
@@ -264,8 +266,8 @@ fn weighted_rows<K: Kernels>(
     Ok(1)
 }
 
-/// Against the portable form, bit for bit, and against the formula in f64: a code may differ from it
-/// only where the two f32 roundings can carry it, and the largest value has the largest code.
+/// Compares with the portable kernel, bit for bit, and with the formula in f64: a code may differ from it
+/// by the error of two f32 roundings, and the largest value has the largest code.
 fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
     let mut values = [0.0_f32; MAX_COLUMNS];
     let mut codes = Aligned([1_i16; MAX_COLUMNS]);
@@ -310,7 +312,7 @@ fn quantize_special<K: Kernels>(values: [f32; 8]) -> Result<usize, Mismatch> {
     Ok(1)
 }
 
-/// Codes and scale of a form; they are floats' work, so what they have to equal is the portable form.
+/// Compares codes and scale with those of the portable kernel.
 fn quantize_as_portable<K: Kernels>(
     values: &[f32],
     limit: i16,
@@ -347,7 +349,7 @@ fn agree(pair: Mismatch) -> Result<(), Mismatch> {
     }
 }
 
-/// Marsaglia's xorshift: the same operands on every machine.
+/// Marsaglia's xorshift generator: the same operands on every machine.
 struct Noise(u32);
 
 impl Noise {
@@ -362,7 +364,7 @@ impl Noise {
         self.bits() as usize % most
     }
 
-    /// `range` is that of noise and of alternation; `maxima` are the values of the two extremes.
+    /// A value; `range` is that of noise and of alternation, `extremes` are those of minima and maxima.
     fn value(&mut self, fill: Fill, index: usize, range: [i32; 2], extremes: [i32; 2]) -> i32 {
         match fill {
             Fill::Zeros => 0,
@@ -376,44 +378,49 @@ impl Noise {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Omits the last term of an odd number, as a faulty loop over pairs would.
+struct DropsTheTail;
 
-    /// Forgets the last term of an odd number, the classic slip of a paired loop.
-    struct DropsTheTail;
-
-    impl Kernels for DropsTheTail {
-        fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
-            Portable::multiply(weights, inputs, sums);
-        }
-        fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
-            Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);
-        }
-        fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
-            Portable::weighted_rows(weights, rows, stride, sums);
-        }
-        fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
-            Portable::quantize(values, limit, codes)
-        }
+impl Kernels for DropsTheTail {
+    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
+        Portable::multiply(weights, inputs, sums);
     }
-
-    #[test]
-    fn the_catalogue_catches_a_dropped_tail() {
-        let mismatch = judge::<DropsTheTail>().unwrap_err();
-        assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+    fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+        Portable::row_products(&codes[..codes.len() / 2 * 2], rows, stride, sums);
     }
+    fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
+        Portable::weighted_rows(weights, rows, stride, sums);
+    }
+    fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
+        Portable::quantize(values, limit, codes)
+    }
+}
 
-    #[test]
-    fn tiles_are_those_that_the_writer_packs() {
-        for (rows, columns) in [(1, 4), (5, 8), (11, 16)] {
-            let matrix: alloc::vec::Vec<i8> =
-                (0..rows * columns).map(|place| place as i8).collect();
-            let tiles = crate::model::kernels::packing::packed(&matrix, columns);
-            for place in 0..rows * columns {
-                let found = tiles[place_in_tiles(place / columns, place % columns, columns)];
-                assert_eq!(found, matrix[place]);
-            }
+#[test]
+fn the_portable_kernels_pass_the_checks() {
+    assert_eq!(check::<Portable>(), Ok(CASES));
+}
+
+#[cfg(cortex_m4)]
+#[test]
+fn the_dsp_kernels_pass_the_checks() {
+    assert_eq!(check::<super::cortex_m4::CortexM4>(), Ok(CASES));
+}
+
+#[test]
+fn a_dropped_tail_is_detected() {
+    let mismatch = check::<DropsTheTail>().unwrap_err();
+    assert_eq!((mismatch.kernel, mismatch.length), ("row_products", 1));
+}
+
+#[test]
+fn tiles_are_those_of_packing() {
+    for (rows, columns) in [(1, 4), (5, 8), (11, 16)] {
+        let matrix: Vec<i8> = (0..rows * columns).map(|index| index as i8).collect();
+        let tiles = packed(&matrix, columns);
+        for index in 0..rows * columns {
+            let found = tiles[index_in_tiles(index / columns, index % columns, columns)];
+            assert_eq!(found, matrix[index]);
         }
     }
 }

@@ -1,76 +1,78 @@
-//! The integer inner loops of the encoder, and what chooses between their forms.
+//! The integer kernels of the encoder, and the choice between their implementations.
 //!
-//! [`portable`] is the meaning; a form for a processor is the same, faster; [`checks`] judges any
-//! of them. Callers keep the bounds stated here: the accumulators are 32 bits wide and nothing
-//! looks for an overflow at run time.
+//! [`portable`] is the reference; an implementation for a processor gives the same results faster;
+//! [`checks`] tests any of them. Callers keep the bounds stated here: accumulators are 32 bits wide, and
+//! an overflow is not detected at run time.
 
-pub mod checks;
+#[cfg(test)]
+mod checks;
 #[cfg(cortex_m4)]
-pub mod cortex_m4;
+mod cortex_m4;
 #[cfg(any(test, feature = "write"))]
-pub mod packing;
-pub mod portable;
+pub(crate) mod packing;
+mod portable;
 
-/// The form that the encoder uses on this target.
+/// The implementation for this target.
 #[cfg(not(cortex_m4))]
-pub type Active = portable::Portable;
-/// The form that the encoder uses on this target.
+pub(crate) type Active = portable::Portable;
+/// The implementation for this target.
 #[cfg(cortex_m4)]
-pub type Active = cortex_m4::CortexM4;
+pub(crate) type Active = cortex_m4::CortexM4;
 
 /// Longest row of weights: the second matrix of a feed-forward of 2 x 256.
-pub const MAX_COLUMNS: usize = 512;
+pub(crate) const MAX_COLUMNS: usize = 512;
 /// Largest code of a quantized token.
-pub const TOKEN_LIMIT: i16 = i16::MAX;
-/// Largest code of a query, and of a folded attention weight.
-pub const QUERY_LIMIT: i16 = 4095;
-/// Largest code of a key, and of a value.
-pub const KEY_LIMIT: i16 = 8191;
-/// Most terms of a product of two codes: a head's width, or the span.
-pub const MAX_TERMS: usize = if cfg!(feature = "patch-5") { 64 } else { 32 };
-/// Rows of weights that lie side by side in a tile (see [`Kernels::multiply`]).
-pub const TILE_ROWS: usize = 4;
-/// Columns of a row that lie side by side in a tile: one word of a 32-bit core.
-pub const GROUP: usize = 4;
-/// Where the columns of a group lie in its word. Sign-extending every other byte of it, a single
-/// instruction on a Cortex-M4, then gives columns 0 and 1, and those between, columns 2 and 3.
-pub const GROUP_ORDER: [usize; GROUP] = [0, 2, 1, 3];
+pub(crate) const TOKEN_LIMIT: i16 = i16::MAX;
+/// Largest code of a query, and of an attention weight times the scale of its value.
+pub(crate) const QUERY_LIMIT: i16 = 4095;
+/// Largest code of a key or a value.
+pub(crate) const KEY_LIMIT: i16 = 8191;
+/// Most terms of a product of codes: a head's width, or the span.
+pub(crate) const MAX_TERMS: usize = 32;
+/// Rows of a tile of weights (see [`Kernels::multiply`]).
+pub(crate) const TILE_ROWS: usize = 4;
+/// Columns of a group: one word of a 32-bit core.
+pub(crate) const GROUP: usize = 4;
+/// Order of a group's columns in its word. On a Cortex-M4 one instruction sign-extends every other byte:
+/// it gives columns 0 and 1, and of the rotated word columns 2 and 3.
+pub(crate) const GROUP_ORDER: [usize; GROUP] = [0, 2, 1, 3];
 
 // i16 x i8 over 512 columns: 512 x 32768 x 127 = 2 130 706 432. With -128 it would be 2^31.
 const _: () = assert!(MAX_COLUMNS as i64 * 32_768 * 127 <= i32::MAX as i64);
-// Query x key over a head, attention weight x value over the span: below 2^12 x 2^13 x 2^6 = 2^31.
+// Query x key over a head, attention weight x value over the span: below 2^12 x 2^13 x 2^5 = 2^30.
 const _: () = assert!(QUERY_LIMIT as i64 * KEY_LIMIT as i64 * MAX_TERMS as i64 <= i32::MAX as i64);
 
 /// Numbers at a multiple of four bytes, where a core can load several words at once.
 ///
-/// Kernels take slices at any address; only those that lie so are fast.
+/// Kernels take slices at any address; they are fast at a multiple of four.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(C, align(4))]
 pub struct Aligned<T: ?Sized>(pub T);
 
-/// The inner loops. Pure functions: a form has no state.
-pub trait Kernels {
+/// The kernels: pure functions.
+pub(crate) trait Kernels {
     /// `sums[t][r] = sum over c of weights[r][c] * inputs[t][c]`, exactly, for each of `T` tokens.
     ///
-    /// As many rows as a token has sums, a multiple of [`TILE_ROWS`], of as many columns as it has inputs: a multiple
-    /// of [`GROUP`], at most [`MAX_COLUMNS`]; all weights in -127..=127. They lie in tiles of so many rows; a tile
-    /// holds group after group of columns, a group row after row, the columns of a row in [`GROUP_ORDER`].
-    /// All tokens are of one length. Two of them share the reading of the weights.
+    /// There are as many rows as a token has sums, a multiple of [`TILE_ROWS`], and as many columns as it
+    /// has inputs, a multiple of [`GROUP`] and at most [`MAX_COLUMNS`]. All weights are in -127..=127. They
+    /// are stored in tiles of [`TILE_ROWS`] rows: group of columns after group, in a group row after row,
+    /// the columns of a row in [`GROUP_ORDER`]. All tokens have the same length; two of them share the
+    /// reading of the weights.
     fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]);
 
     /// `sums[r] = sum over c of rows[r * stride + c] * codes[c]`, exactly.
     ///
-    /// At most [`MAX_TERMS`] columns; |codes| <= [`QUERY_LIMIT`] and |rows| <= [`KEY_LIMIT`]. Fast where columns and
-    /// stride are a multiple of 4 and there are four rows or more.
+    /// At most [`MAX_TERMS`] columns; |codes| <= [`QUERY_LIMIT`] and |rows| <= [`KEY_LIMIT`]. Fast if columns
+    /// and stride are multiples of 4 and there are four rows or more.
     fn row_products(codes: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]);
 
     /// `sums[c] = sum over r of weights[r] * rows[r * stride + c]`, exactly.
     ///
-    /// At most [`MAX_TERMS`] rows; |weights| <= [`QUERY_LIMIT`] and |rows| <= [`KEY_LIMIT`]. Fast where sums are a
-    /// multiple of 4 and the stride is even.
+    /// At most [`MAX_TERMS`] rows; |weights| <= [`QUERY_LIMIT`] and |rows| <= [`KEY_LIMIT`]. Fast if there are
+    /// two rows or more, an even number of sums, eight or more, and the stride is even.
     fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]);
 
-    /// Codes in `-limit..=limit` and their scale, so that `value` is about `code * scale`.
+    /// Writes codes in `-limit..=limit` and returns their scale: `value` is about `code * scale`.
     ///
     /// The scale is `absmax / limit`, each code `value * (limit / absmax)` rounded to the nearest,
     /// halves to even. If the largest magnitude is below 1e-30 or not finite, all codes and the scale are 0.

@@ -1,14 +1,15 @@
-//! From a matrix in rows to the tiles that [`Kernels::multiply`](super::Kernels::multiply) reads.
+//! Packs a row-major matrix into the tiles of [`Kernels::multiply`](super::Kernels::multiply).
 
 use alloc::vec::Vec;
 
 use super::{GROUP, GROUP_ORDER, TILE_ROWS};
 
-/// The tiles of a row-major matrix of so many columns; rows of zeros fill the last one.
+/// The tiles of a row-major matrix with this number of columns; rows of zeros fill the last one.
 ///
-/// What is no whole number of rows, or of groups of columns, stays as it is: nothing reads it.
+/// A matrix without a whole number of rows, or of groups of columns, is returned as it is: no model with
+/// it is accepted.
 #[must_use]
-pub fn packed(matrix: &[i8], columns: usize) -> Vec<i8> {
+pub(crate) fn packed(matrix: &[i8], columns: usize) -> Vec<i8> {
     if columns == 0 || !columns.is_multiple_of(GROUP) || !matrix.len().is_multiple_of(columns) {
         return matrix.to_vec();
     }
@@ -31,7 +32,7 @@ mod tests {
 
     #[test]
     fn a_tile_holds_groups_of_columns_row_by_row_and_the_last_tile_is_filled_with_zeros() {
-        // Tens are the row, ones the column.
+        // Tens digit: row; ones digit: column.
         let matrix: Vec<i8> = (0..5)
             .flat_map(|row| (0..8).map(move |column| 10 * row + column))
             .collect();
@@ -45,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_matrix_stays_as_it_is() {
+    fn an_incomplete_matrix_is_returned_as_it_is() {
         let odd: Vec<i8> = (0..21).collect();
         for columns in [0, 3, 6, 7, 8] {
             assert_eq!(packed(&odd, columns), odd);

@@ -1,11 +1,12 @@
-//! The sequence as tables: which packet comes when, and what must come out by then.
+//! The sequence as tables: arrivals with their times, and the expected output.
 
 use super::*;
 use crate::myo::Lane;
+use crate::myo::arrival_timing::Ordered;
 use crate::units::Millis;
 use alloc::{vec, vec::Vec};
 
-/// What came out: the number of a packet, or how many samples are missing.
+/// Output: the number of a notification, or how many samples are missing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Out {
     Packet(u32),
@@ -13,7 +14,7 @@ pub(super) enum Out {
 }
 use Out::{Gap, Packet};
 
-/// Packet `number`, which has its number for content and no other's.
+/// Notification `number`, whose samples encode its number.
 pub(super) fn arrival(at: u32, number: u32) -> Arrival {
     let [a, b, c, d] = number.to_le_bytes().map(u8::cast_signed);
     Arrival {
@@ -32,8 +33,8 @@ pub(super) fn out(ordered: Ordered) -> Out {
     }
 }
 
-/// Feeds (time, number) and gives, per packet, what came out.
-fn follow(arrivals: &[(u32, u32)]) -> (Vec<Vec<Out>>, Counters) {
+/// Pushes (time, number) and returns the output of each notification.
+fn run(arrivals: &[(u32, u32)]) -> (Vec<Vec<Out>>, Counters) {
     let (mut sequence, mut counters) = (Sequence::new(), Counters::default());
     let outs = arrivals.iter().map(|(at, number)| {
         let mut outs = Vec::new();
@@ -45,13 +46,13 @@ fn follow(arrivals: &[(u32, u32)]) -> (Vec<Vec<Out>>, Counters) {
     (outs.collect(), counters)
 }
 
-/// The numbers, each when it is due, and ten more before them to set the pace; what comes out for
-/// those ten is left out.
-fn paced(numbers: impl IntoIterator<Item = u32>) -> (Vec<Vec<Out>>, Counters) {
+/// Pushes each number at its due time, after ten more that set the due times; returns the output of
+/// all but those ten.
+fn in_time(numbers: impl IntoIterator<Item = u32>) -> (Vec<Vec<Out>>, Counters) {
     let due = |number| (100 + 10 * number, 10 + number);
     let mut arrivals: Vec<_> = (0..10).map(|number| (10 * number, number)).collect();
     arrivals.extend(numbers.into_iter().map(due));
-    let (mut outs, counters) = follow(&arrivals);
+    let (mut outs, counters) = run(&arrivals);
     (outs.split_off(10), counters)
 }
 
@@ -60,10 +61,10 @@ fn packet(number: u32) -> Out {
 }
 
 #[test]
-fn packets_in_sequence_and_on_time_come_out_at_once() {
+fn notifications_in_sequence_and_in_time_are_delivered_at_once() {
     for first in 0..4 {
         let arrivals: Vec<_> = (0..50).map(|n| (n * 10, first + n)).collect();
-        let (outs, counters) = follow(&arrivals);
+        let (outs, counters) = run(&arrivals);
         let each: Vec<_> = (0..50).map(|n| vec![Packet(first + n)]).collect();
         assert_eq!((outs, counters), (each, Counters::default()));
     }
@@ -71,14 +72,14 @@ fn packets_in_sequence_and_on_time_come_out_at_once() {
 
 #[test]
 fn a_lone_loss_of_one_to_three_is_exact() {
-    let (outs, counters) = paced([0, 2, 3]);
+    let (outs, counters) = in_time([0, 2, 3]);
     assert_eq!(
         outs,
         [vec![packet(0)], vec![], vec![Gap(2), packet(2), packet(3)]]
     );
     assert_eq!((counters.lost, counters.given_up), (2, 0));
     for lost in [2, 3] {
-        let (outs, counters) = paced([0, 1 + lost, 2 + lost]);
+        let (outs, counters) = in_time([0, 1 + lost, 2 + lost]);
         let expected = [
             vec![packet(0)],
             vec![Gap(2 * lost), packet(1 + lost)],
@@ -89,35 +90,36 @@ fn a_lone_loss_of_one_to_three_is_exact() {
 }
 
 #[test]
-fn a_loss_of_four_to_thirteen_is_told_within_200_ms_by_the_clock() {
+fn a_loss_of_four_to_thirteen_is_reported_within_200_ms() {
     for lost in 4..=13 {
         let after = 1 + lost;
-        let (outs, counters) = paced((0..1).chain(after..after + 20));
-        let (silent, told): (Vec<_>, Vec<_>) = outs[1..].iter().partition(|outs| outs.is_empty());
-        // The first that came after the loss was due at (after) periods: told while silence is not.
+        let (outs, counters) = in_time((0..1).chain(after..after + 20));
+        let (silent, reported): (Vec<_>, Vec<_>) =
+            outs[1..].iter().partition(|outs| outs.is_empty());
+        // The first one after the loss is due after `after` periods: reported before 200 ms of silence.
         assert!(
             (after + silent.len() as u32) * 10 < 200,
             "{lost}: {silent:?}"
         );
-        // What was held is given up with the lost, and nothing else.
-        let [Gap(missing), ..] = told[0][..] else {
-            panic!("{lost}: {told:?}");
+        // The held ones are discarded with the lost ones, and nothing else.
+        let [Gap(missing), ..] = reported[0][..] else {
+            panic!("{lost}: {reported:?}");
         };
         assert_eq!(missing, 2 * lost + counters.given_up, "loss of {lost}");
         assert_eq!(counters.lost, missing);
-        // From then on everything comes out, the next one first.
-        let resumed = told.iter().flat_map(|outs| outs.iter().copied());
+        // From then on everything is delivered, the next one first.
+        let resumed = reported.iter().flat_map(|outs| outs.iter().copied());
         let first = 1 + missing / 2;
         let expected = [Gap(missing)]
             .into_iter()
             .chain((first..after + 20).map(packet));
-        assert!(resumed.eq(expected), "{lost}: {told:?}");
+        assert!(resumed.eq(expected), "{lost}: {reported:?}");
     }
 }
 
 #[test]
-fn a_stall_and_its_bunch_lose_nothing() {
-    // Of 11 ... 30 none comes before 300 ms; all of those due by then come in one bunch.
+fn a_stall_and_its_burst_lose_nothing() {
+    // None after 10 arrives before the end of the stall; all that are due by then come in one burst.
     for stall_end in [150, 200, 300] {
         let arrivals: Vec<_> = (0..50)
             .map(|n| {
@@ -131,7 +133,7 @@ fn a_stall_and_its_bunch_lose_nothing() {
                 )
             })
             .collect();
-        let (outs, counters) = follow(&arrivals);
+        let (outs, counters) = run(&arrivals);
         assert!(outs.into_iter().flatten().eq((0..50).map(Packet)));
         assert_eq!(counters, Counters::default());
     }
@@ -139,25 +141,25 @@ fn a_stall_and_its_bunch_lose_nothing() {
 
 #[test]
 fn a_stall_interrupted_by_a_single_packet_loses_nothing() {
-    // 11 comes at 200 ms, and the others that are due not before another 60 have passed.
+    // 11 arrives at 200 ms, the others that are due at 260 ms.
     let at = |n| match n {
         0..=10 => 10 * n,
         11 => 200,
         _ => (10 * n).max(260),
     };
     let arrivals: Vec<_> = (0..50).map(|n| (at(n), n)).collect();
-    let (outs, counters) = follow(&arrivals);
+    let (outs, counters) = run(&arrivals);
     assert!(outs.into_iter().flatten().eq((0..50).map(Packet)));
     assert_eq!(counters, Counters::default());
 }
 
 #[test]
 fn a_stall_that_ends_in_a_loss_is_never_contiguous() {
-    // 11 ... 14 were kept through a stall; 15 ... 22 had no room; 23 on come in time.
+    // 11 ... 14 are kept through a stall; 15 ... 22 are lost; from 23 on all are in time.
     let mut arrivals: Vec<_> = (0..=10).map(|n| (10 * n, n)).collect();
     arrivals.extend((11..=14).map(|n| (225, n)));
     arrivals.extend((23..50).map(|n| (10 * n, n)));
-    let (outs, counters) = follow(&arrivals);
+    let (outs, counters) = run(&arrivals);
     let outs: Vec<_> = outs.into_iter().flatten().collect();
     let [Gap(missing), Packet(next), ..] = outs[11..] else {
         panic!("{outs:?}");
@@ -169,12 +171,12 @@ fn a_stall_that_ends_in_a_loss_is_never_contiguous() {
 }
 
 #[test]
-fn a_stall_too_long_to_hold_is_told_as_a_loss_and_the_rest_still_judged() {
-    // 400 ms of stall, then a bunch of forty in which four are missing.
+fn a_stall_too_long_to_hold_is_a_loss_and_later_losses_are_still_detected() {
+    // 400 ms of stall, then a burst of forty in which four are missing.
     let mut arrivals: Vec<_> = (0..=10).map(|n| (10 * n, n)).collect();
     arrivals.extend((11..=40).chain(45..=50).map(|n| (510, n)));
     arrivals.extend((51..80).map(|n| (10 * n, n)));
-    let (outs, _) = follow(&arrivals);
+    let (outs, _) = run(&arrivals);
     let outs: Vec<_> = outs.into_iter().flatten().collect();
     let mut previous = 10;
     let mut gap = false;
@@ -194,8 +196,8 @@ fn a_stall_too_long_to_hold_is_told_as_a_loss_and_the_rest_still_judged() {
 }
 
 #[test]
-fn a_swap_is_put_right_and_counted() {
-    let (outs, counters) = follow(&[(0, 0), (20, 2), (21, 1), (30, 3), (40, 4)]);
+fn a_swap_is_reversed_and_counted() {
+    let (outs, counters) = run(&[(0, 0), (20, 2), (21, 1), (30, 3), (40, 4)]);
     let swapped = vec![Packet(1), Packet(2), Packet(3)];
     let expected = [vec![Packet(0)], vec![], vec![], swapped, vec![Packet(4)]];
     assert_eq!(outs, expected);
@@ -203,9 +205,9 @@ fn a_swap_is_put_right_and_counted() {
 }
 
 #[test]
-fn a_loss_that_looks_like_a_swap_is_told_by_the_clock() {
+fn a_loss_that_looks_like_a_swap_is_detected_by_time() {
     // 1, 3, 4 and 6 are lost: the lanes of 0, 2, 5, 7 are those of a swap.
-    let (outs, counters) = paced([0, 2, 5].into_iter().chain(7..40));
+    let (outs, counters) = in_time([0, 2, 5].into_iter().chain(7..40));
     let outs: Vec<_> = outs.into_iter().flatten().collect();
     assert_eq!(counters.reordered, 1); // by the lanes alone
     let [first, Gap(missing), Packet(next), ..] = outs[..] else {
@@ -216,19 +218,19 @@ fn a_loss_that_looks_like_a_swap_is_told_by_the_clock() {
 
 #[test]
 fn a_duplicate_is_dropped_and_a_repeated_lane_is_not() {
-    let (outs, counters) = follow(&[(0, 0), (10, 1), (10, 1), (29, 1), (31, 2)]);
+    let (outs, counters) = run(&[(0, 0), (10, 1), (10, 1), (29, 1), (31, 2)]);
     assert_eq!(outs.concat(), [0, 1, 2].map(Packet));
     assert_eq!((counters.duplicates, counters.lost), (2, 0));
-    // Other bytes in the same lane: a loss of three, however quick.
-    let (outs, _) = follow(&[(0, 0), (10, 1), (11, 5)]);
+    // Other bytes in the same lane: a loss of three, at any time.
+    let (outs, _) = run(&[(0, 0), (10, 1), (11, 5)]);
     assert_eq!(outs.concat(), [Packet(0), Packet(1), Gap(6), Packet(5)]);
 }
 
 #[test]
-fn the_same_bytes_in_a_repeated_lane_are_a_loss_where_they_come_40_ms_later() {
+fn the_same_bytes_in_a_repeated_lane_40_ms_later_are_a_loss() {
     let (mut sequence, mut counters) = (Sequence::new(), Counters::default());
     let mut outs = Vec::new();
-    let flat = [[0; 8]; 2]; // electrodes in the air
+    let flat = [[0; 8]; 2]; // the armband is not worn
     for (at, lane) in [(0, 0), (10, 1), (50, 1), (60, 2)] {
         let (at, lane) = (Millis(at), Lane::new(lane).unwrap());
         let pair = flat;
@@ -241,10 +243,10 @@ fn the_same_bytes_in_a_repeated_lane_are_a_loss_where_they_come_40_ms_later() {
 }
 
 #[test]
-fn a_faster_stream_loses_nothing_to_the_clock() {
+fn a_faster_stream_has_no_gaps() {
     for per_packet_us in [500u32, 1_000, 2_000, 5_000, 9_900, 10_000, 10_049] {
         let arrivals: Vec<_> = (0..5000).map(|n| (n * per_packet_us / 1000, n)).collect();
-        let (outs, counters) = follow(&arrivals);
+        let (outs, counters) = run(&arrivals);
         assert!(
             outs.iter().all(|outs| outs.len() == 1),
             "{per_packet_us} us"
@@ -258,7 +260,7 @@ fn a_faster_stream_survives_a_stall() {
     let arrivals: Vec<_> = (0..200)
         .map(|n| (if n > 50 { 160 + n } else { n }, n))
         .collect();
-    let (outs, counters) = follow(&arrivals);
+    let (outs, counters) = run(&arrivals);
     assert!(outs.into_iter().flatten().eq((0..200).map(Packet)));
     assert_eq!(counters, Counters::default());
 }
@@ -267,9 +269,9 @@ fn a_faster_stream_survives_a_stall() {
 fn the_clock_may_wrap_or_run_backwards() {
     let start = u32::MAX - 95;
     let arrivals: Vec<_> = (0..50).map(|n| (start.wrapping_add(10 * n), n)).collect();
-    let (outs, counters) = follow(&arrivals);
+    let (outs, counters) = run(&arrivals);
     assert!(outs.into_iter().flatten().eq((0..50).map(Packet)));
     assert_eq!(counters, Counters::default());
-    let (outs, _) = follow(&[(100, 0), (90, 1), (80, 2)]);
+    let (outs, _) = run(&[(100, 0), (90, 1), (80, 2)]);
     assert_eq!(outs.concat(), [0, 1, 2].map(Packet));
 }

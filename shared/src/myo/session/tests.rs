@@ -1,11 +1,12 @@
-//! The session as tables: what happens when, and what it must ask for.
+//! The session as tables: events with their times, and the expected actions.
 
 use super::*;
 use crate::myo::AddressKind;
+use crate::myo::Uuid;
 use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg};
+use crate::myo::command::Command;
 use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
-use crate::myo::{Command, Uuid};
 use alloc::vec::Vec;
 
 mod properties;
@@ -39,37 +40,37 @@ const fn lane(number: u8) -> Characteristic {
     Emg(Lane::ALL[number as usize])
 }
 
-/// A session and all that it asked for.
-struct Player {
+/// A session, and the radio's side of it.
+struct Driver {
     session: MyoSession,
 }
 
-impl Player {
+impl Driver {
     fn new(settings: Settings) -> Self {
         let session = MyoSession::new(settings);
         Self { session }
     }
 
-    fn tell(&mut self, now: u32, event: Event<'_>) -> Vec<Action> {
+    fn handle(&mut self, now: u32, event: Event<'_>) -> Vec<Action> {
         let mut actions = Vec::new();
         let act = &mut |action| actions.push(action);
         self.session.handle(Millis(now), event, act);
         actions
     }
 
-    /// Tells each event at its time and holds the session to what it must ask for.
-    fn follow(&mut self, trace: &[(u32, Event<'_>, &[Action])]) {
+    /// Handles each event at its time and checks the actions.
+    fn run(&mut self, trace: &[(u32, Event<'_>, &[Action])]) {
         for (row, (now, event, expected)) in trace.iter().enumerate() {
-            let actions = self.tell(*now, *event);
+            let actions = self.handle(*now, *event);
             assert_eq!(actions, *expected, "row {row}: {event:?} at {now} ms");
         }
     }
 
-    fn hear(&mut self, now: u32, address: Address, rssi: i8) -> Vec<Action> {
+    fn advertise(&mut self, now: u32, address: Address, rssi: i8) -> Vec<Action> {
         let data = &advertisement();
-        self.tell(
+        self.handle(
             now,
-            Event::Heard {
+            Event::Advertisement {
                 address,
                 rssi,
                 data,
@@ -77,18 +78,18 @@ impl Player {
         )
     }
 
-    /// Scans from `now`, which is when a scan is due, and connects.
+    /// Scans from `now`, when a scan is due, and connects.
     fn connecting(&mut self, now: u32) {
-        assert_eq!(self.tell(now, Event::Tick), [Action::Scan]);
-        assert_eq!(self.hear(now, NEAR, -40), []);
+        assert_eq!(self.handle(now, Event::Tick), [Action::Scan]);
+        assert_eq!(self.advertise(now, NEAR, -40), []);
         let connect = [Action::StopScan, Action::Connect(NEAR)];
-        assert_eq!(self.tell(now + 500, Event::Tick), connect);
+        assert_eq!(self.handle(now + 500, Event::Tick), connect);
     }
 
-    /// And gets as far as reading the firmware, at `now` + 501.
+    /// As `connecting`, and on to reading the firmware version, at `now` + 501.
     fn discovered(&mut self, now: u32, found: Found) {
         self.connecting(now);
-        self.follow(&[
+        self.run(&[
             (now + 501, Event::Connected, &[Action::Discover]),
             (
                 now + 501,
@@ -98,13 +99,13 @@ impl Player {
         ]);
     }
 
-    /// And gets as far as a stream, at `now` + 501.
+    /// As `discovered`, and on to a stream, at `now` + 501.
     fn streaming(&mut self, now: u32) {
         self.discovered(now, everything());
         let at = now + 501;
         let read = Action::Read(BatteryLevel);
         let subscribe = Action::Subscribe;
-        self.follow(&[
+        self.run(&[
             (at, Event::Read(&FIRMWARE), &[read]),
             (at, Event::Read(&[80]), &[subscribe(lane(0))]),
             (at, Event::Done, &[subscribe(lane(1))]),
@@ -122,7 +123,7 @@ impl Player {
     fn emg(&mut self, now: u32, number: u32) -> Vec<Action> {
         let characteristic = lane((number % 4) as u8);
         let bytes = &[number as u8; 16];
-        self.tell(
+        self.handle(
             now,
             Event::Notification {
                 characteristic,
@@ -138,14 +139,14 @@ fn deliver(number: u8) -> Action {
 
 #[test]
 fn an_armband_is_found_set_up_and_streams() {
-    let mut player = Player::new(Settings::default());
-    assert_eq!(player.session.phase(), Phase::Idle);
-    player.streaming(0);
+    let mut driver = Driver::new(Settings::default());
+    assert_eq!(driver.session.phase(), Phase::Idle);
+    driver.streaming(0);
     for number in 0..100 {
-        let delivered = player.emg(510 + 10 * number, number);
+        let delivered = driver.emg(510 + 10 * number, number);
         assert_eq!(delivered, [deliver(number as u8)]);
     }
-    let session = &player.session;
+    let session = &driver.session;
     assert_eq!(
         (session.battery(), session.battery_is_low()),
         (Some(80), false)
@@ -162,123 +163,129 @@ fn an_armband_is_found_set_up_and_streams() {
 #[test]
 fn the_mode_is_the_settings() {
     let emg = EmgMode::Raw;
-    let mut player = Player::new(Settings { pinned: None, emg });
-    player.discovered(0, everything());
+    let mut driver = Driver::new(Settings { pinned: None, emg });
+    driver.discovered(0, everything());
     let mut last = Vec::new();
     let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
     for answer in answers.into_iter().chain([Event::Done; 6]) {
-        last = player.tell(600, answer);
+        last = driver.handle(600, answer);
     }
     assert_eq!(last, [write(Command::SetMode(EmgMode::Raw))]);
 }
 
 #[test]
 fn the_strongest_armband_of_half_a_second_wins() {
-    let mut player = Player::new(Settings::default());
-    player.follow(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
-    let stranger = Event::Heard {
+    let mut driver = Driver::new(Settings::default());
+    driver.run(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
+    let other = Event::Advertisement {
         address: address(9),
         rssi: -1,
         data: b"\x04\x09Myo",
     };
-    assert_eq!(player.tell(9_100, stranger), []);
-    assert_eq!(player.hear(10_000, FAR, -80), []);
-    assert_eq!(player.hear(10_100, address(3), 127), []); // the radio does not know
-    assert_eq!(player.hear(10_200, NEAR, -50), []);
-    assert_eq!(player.hear(10_499, address(4), -60), []);
+    assert_eq!(driver.handle(9_100, other), []);
+    assert_eq!(driver.advertise(10_000, FAR, -80), []);
+    assert_eq!(driver.advertise(10_100, address(3), 127), []); // signal strength unknown
+    assert_eq!(driver.advertise(10_200, NEAR, -50), []);
+    assert_eq!(driver.advertise(10_499, address(4), -60), []);
     let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(player.tell(10_500, Event::Tick), connect);
-    assert_eq!(player.hear(10_501, address(5), -1), []);
+    assert_eq!(driver.handle(10_500, Event::Tick), connect);
+    assert_eq!(driver.advertise(10_501, address(5), -1), []);
 }
 
 #[test]
 fn a_pinned_armband_is_taken_at_once_and_no_other() {
     let pinned = Address::parse("FA:00:00:00:00:01").ok();
-    let mut player = Player::new(Settings {
+    let mut driver = Driver::new(Settings {
         pinned,
         ..Settings::default()
     });
-    assert_eq!(player.tell(0, Event::Tick), [Action::Scan]);
-    assert_eq!(player.hear(0, FAR, -20), []);
-    assert_eq!(player.tell(2_000, Event::Tick), []);
-    // Of the kind that the report names, not of that which was assumed.
+    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.advertise(0, FAR, -20), []);
+    assert_eq!(driver.handle(2_000, Event::Tick), []);
+    // With the address kind of the report, not the one that was assumed.
     let kind = AddressKind::Random;
-    let heard = Address { kind, ..NEAR };
-    let connect = [Action::StopScan, Action::Connect(heard)];
-    assert_eq!(player.hear(2_001, heard, -90), connect);
+    let reported = Address { kind, ..NEAR };
+    let connect = [Action::StopScan, Action::Connect(reported)];
+    assert_eq!(driver.advertise(2_001, reported, -90), connect);
 }
 
 #[test]
-fn a_scan_that_ends_is_repeated_after_a_rest() {
-    let mut player = Player::new(Settings::default());
-    player.follow(&[
+fn a_scan_that_ends_is_repeated_after_a_delay() {
+    let mut driver = Driver::new(Settings::default());
+    driver.run(&[
         (0, Event::Tick, &[Action::Scan]),
         (10, Event::ScanEnded, &[]),
         (309, Event::Tick, &[]),
         (310, Event::Tick, &[Action::Scan]),
     ]);
-    // With an armband heard, that is the one.
-    assert_eq!(player.hear(320, FAR, -80), []);
+    // With an armband received before, that one is taken.
+    assert_eq!(driver.advertise(320, FAR, -80), []);
     let connect = [Action::StopScan, Action::Connect(FAR)];
-    assert_eq!(player.tell(330, Event::ScanEnded), connect);
+    assert_eq!(driver.handle(330, Event::ScanEnded), connect);
 }
 
 #[test]
-fn failed_connects_rest_longer_each_time_up_to_five_seconds() {
-    let mut player = Player::new(Settings::default());
+fn failed_connects_back_off_up_to_five_seconds() {
+    let mut driver = Driver::new(Settings::default());
     let mut now = 0;
-    for rest in [300, 600, 1200, 2400, 4800, 5000, 5000] {
-        player.connecting(now);
+    for delay in [300, 600, 1200, 2400, 4800, 5000, 5000] {
+        driver.connecting(now);
         now += 510;
-        assert_eq!(player.tell(now, Event::ConnectFailed), []);
-        assert_eq!(player.session.phase(), Phase::Resting);
-        assert_eq!(player.tell(now + rest - 1, Event::Tick), []);
-        now += rest;
+        assert_eq!(driver.handle(now, Event::ConnectFailed), []);
+        assert_eq!(driver.session.phase(), Phase::BackingOff);
+        assert_eq!(driver.handle(now + delay - 1, Event::Tick), []);
+        now += delay;
     }
-    assert_eq!(player.session.counters().failed_connects, 7);
+    assert_eq!(driver.session.counters().failed_connects, 7);
 }
 
 #[test]
-fn a_stream_that_ran_makes_the_next_rest_short() {
-    let mut player = Player::new(Settings::default());
+fn a_stream_that_ran_makes_the_next_delay_short() {
+    let mut driver = Driver::new(Settings::default());
     for now in [0, 1_000, 2_500] {
-        player.connecting(now);
-        player.tell(now + 510, Event::ConnectFailed);
+        driver.connecting(now);
+        driver.handle(now + 510, Event::ConnectFailed);
     }
-    player.streaming(5_000);
-    assert_eq!(player.emg(5_510, 0), [deliver(0)]);
-    player.follow(&[
-        (5_520, Event::Disconnected, &[Action::Lost]),
+    driver.streaming(5_000);
+    assert_eq!(driver.emg(5_510, 0), [deliver(0)]);
+    driver.run(&[
+        (5_520, Event::Disconnected, &[Action::StreamEnded]),
         (5_521, Event::Disconnected, &[]),
         (5_819, Event::Tick, &[]),
     ]);
-    player.streaming(5_820);
-    assert_eq!(player.session.counters().connections, 2);
+    driver.streaming(5_820);
+    assert_eq!(driver.session.counters().connections, 2);
 }
 
 #[test]
-fn a_stream_that_never_came_is_lost_too_but_rests_longer() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
-    assert_eq!(player.tell(510, Event::Disconnected), [Action::Lost]);
-    player.streaming(810);
-    assert_eq!(player.tell(1_320, Event::Disconnected), [Action::Lost]);
-    assert_eq!(player.tell(1_919, Event::Tick), []);
-    assert_eq!(player.tell(1_920, Event::Tick), [Action::Scan]);
+fn a_stream_without_emg_ends_too_and_backs_off_longer() {
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
+    assert_eq!(
+        driver.handle(510, Event::Disconnected),
+        [Action::StreamEnded]
+    );
+    driver.streaming(810);
+    assert_eq!(
+        driver.handle(1_320, Event::Disconnected),
+        [Action::StreamEnded]
+    );
+    assert_eq!(driver.handle(1_919, Event::Tick), []);
+    assert_eq!(driver.handle(1_920, Event::Tick), [Action::Scan]);
 }
 
 #[test]
 fn an_operation_that_is_not_answered_ends_the_connection() {
-    let mut player = Player::new(Settings::default());
-    player.connecting(0);
-    player.follow(&[
+    let mut driver = Driver::new(Settings::default());
+    driver.connecting(0);
+    driver.run(&[
         (5_499, Event::Tick, &[]),
         (5_500, Event::Tick, &[Action::Disconnect]),
         (5_501, Event::Connected, &[]), // too late: it is being closed
         (5_510, Event::ConnectFailed, &[]),
     ]);
-    player.discovered(5_810, everything());
-    player.follow(&[
+    driver.discovered(5_810, everything());
+    driver.run(&[
         (11_310, Event::Tick, &[]),
         (11_311, Event::Tick, &[Action::Disconnect]),
         (11_312, Event::Read(&FIRMWARE), &[]),
@@ -286,41 +293,41 @@ fn an_operation_that_is_not_answered_ends_the_connection() {
         (11_919, Event::Tick, &[]),
         (11_920, Event::Tick, &[Action::Scan]),
     ]);
-    assert_eq!(player.session.counters().timeouts, 2);
+    assert_eq!(driver.session.counters().timeouts, 2);
 }
 
 #[test]
-fn a_connection_that_does_not_end_is_not_waited_for() {
-    let mut player = Player::new(Settings::default());
-    player.connecting(0);
-    player.follow(&[
+fn a_connection_that_does_not_end_is_waited_for_5_s() {
+    let mut driver = Driver::new(Settings::default());
+    driver.connecting(0);
+    driver.run(&[
         (5_500, Event::Tick, &[Action::Disconnect]),
         (10_500, Event::Tick, &[]),
         (10_800, Event::Tick, &[Action::Scan]),
-        // And then it came after all: nobody wants it any more.
+        // The connection is established after all, too late.
         (10_900, Event::Connected, &[Action::Disconnect]),
         (10_901, Event::Disconnected, &[]),
     ]);
-    assert_eq!(player.session.phase(), Phase::Scanning);
+    assert_eq!(driver.session.phase(), Phase::Scanning);
 }
 
 #[test]
-fn an_armband_with_a_part_missing_is_left() {
+fn an_armband_without_a_characteristic_is_disconnected() {
     for absent in Characteristic::ALL {
         let found: Found = Characteristic::ALL
             .into_iter()
             .filter(|one| *one != absent)
             .collect();
-        let mut player = Player::new(Settings::default());
-        player.connecting(0);
-        player.tell(501, Event::Connected);
+        let mut driver = Driver::new(Settings::default());
+        driver.connecting(0);
+        driver.handle(501, Event::Connected);
         let expected = if absent == BatteryLevel {
             Action::Read(Characteristic::FirmwareVersion)
         } else {
             Action::Disconnect
         };
         assert_eq!(
-            player.tell(501, Event::Discovered(found)),
+            driver.handle(501, Event::Discovered(found)),
             [expected],
             "{absent:?}"
         );
@@ -332,9 +339,9 @@ fn without_a_battery_two_steps_are_skipped() {
     let found = Characteristic::ALL
         .into_iter()
         .filter(|one| *one != BatteryLevel);
-    let mut player = Player::new(Settings::default());
-    player.discovered(0, found.collect());
-    player.follow(&[
+    let mut driver = Driver::new(Settings::default());
+    driver.discovered(0, found.collect());
+    driver.run(&[
         (502, Event::Read(&FIRMWARE), &[Action::Subscribe(lane(0))]),
         (502, Event::Done, &[Action::Subscribe(lane(1))]),
         (502, Event::Done, &[Action::Subscribe(lane(2))]),
@@ -343,15 +350,15 @@ fn without_a_battery_two_steps_are_skipped() {
         (502, Event::Done, &[SET_MODE]),
         (502, Event::Done, &[]),
     ]);
-    assert_eq!(player.session.battery(), None);
+    assert_eq!(driver.session.battery(), None);
 }
 
 #[test]
 fn a_battery_that_fails_does_not_matter() {
     for answer in [Event::Failed, Event::Read(&[])] {
-        let mut player = Player::new(Settings::default());
-        player.discovered(0, everything());
-        player.follow(&[
+        let mut driver = Driver::new(Settings::default());
+        driver.discovered(0, everything());
+        driver.run(&[
             (502, Event::Read(&FIRMWARE), &[Action::Read(BatteryLevel)]),
             (502, answer, &[Action::Subscribe(lane(0))]),
             (502, Event::Done, &[Action::Subscribe(lane(1))]),
@@ -366,29 +373,29 @@ fn a_battery_that_fails_does_not_matter() {
 #[test]
 fn a_step_that_fails_ends_the_connection() {
     for steps in 0..7 {
-        let mut player = Player::new(Settings::default());
-        player.discovered(0, everything());
+        let mut driver = Driver::new(Settings::default());
+        driver.discovered(0, everything());
         let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
         let answers = answers.into_iter().chain([Event::Done; 6]);
         // The battery's are optional: the read is step 1, the subscription step 6.
         for answer in answers.take(if steps == 0 { 0 } else { steps + 1 }) {
-            player.tell(502, answer);
+            driver.handle(502, answer);
         }
-        let failed = player.tell(502, Event::Failed);
+        let failed = driver.handle(502, Event::Failed);
         if steps == 5 {
             assert_eq!(failed, [NEVER_SLEEP]);
         } else {
             assert_eq!(failed, [Action::Disconnect], "after {steps}");
-            assert_eq!(player.session.counters().failed_set_ups, 1);
+            assert_eq!(driver.session.counters().failed_set_ups, 1);
         }
     }
 }
 
 #[test]
 fn firmware_of_major_0_is_refused_for_a_minute() {
-    let mut player = Player::new(Settings::default());
-    player.discovered(0, everything());
-    player.follow(&[
+    let mut driver = Driver::new(Settings::default());
+    driver.discovered(0, everything());
+    driver.run(&[
         (
             502,
             Event::Read(&[0, 0, 8, 0, 0, 0, 1, 0]),
@@ -398,104 +405,108 @@ fn firmware_of_major_0_is_refused_for_a_minute() {
         (60_509, Event::Tick, &[]),
         (60_510, Event::Tick, &[Action::Scan]),
     ]);
-    assert_eq!(player.session.counters().refused, 1);
-    assert_eq!(player.session.firmware(), None);
+    assert_eq!(driver.session.counters().refused, 1);
+    assert_eq!(driver.session.firmware(), None);
 }
 
 #[test]
 fn a_firmware_version_too_short_is_malformed() {
-    let mut player = Player::new(Settings::default());
-    player.discovered(0, everything());
-    let actions = player.tell(502, Event::Read(&FIRMWARE[..7]));
+    let mut driver = Driver::new(Settings::default());
+    driver.discovered(0, everything());
+    let actions = driver.handle(502, Event::Read(&FIRMWARE[..7]));
     assert_eq!(actions, [Action::Disconnect]);
     let Counters {
         malformed,
         failed_set_ups,
         ..
-    } = player.session.counters();
+    } = driver.session.counters();
     assert_eq!((malformed, failed_set_ups), (1, 1));
 }
 
 #[test]
 fn emg_that_overtakes_the_answer_to_its_mode_counts() {
-    let mut player = Player::new(Settings::default());
-    player.discovered(0, everything());
+    let mut driver = Driver::new(Settings::default());
+    driver.discovered(0, everything());
     let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
     for answer in answers.into_iter().chain([Event::Done; 5]) {
-        player.tell(502, answer);
+        driver.handle(502, answer);
     }
     // The mode is not written yet: this is of no stream.
-    assert_eq!(player.emg(502, 3), []);
-    assert_eq!(player.tell(503, Event::Done), [SET_MODE]);
-    assert_eq!(player.emg(504, 0), [deliver(0)]);
-    assert_eq!(player.tell(505, Event::Done), []);
-    assert_eq!(player.emg(514, 1), [deliver(1)]);
-    let counters = player.session.counters();
+    assert_eq!(driver.emg(502, 3), []);
+    assert_eq!(driver.handle(503, Event::Done), [SET_MODE]);
+    assert_eq!(driver.emg(504, 0), [deliver(0)]);
+    assert_eq!(driver.handle(505, Event::Done), []);
+    assert_eq!(driver.emg(514, 1), [deliver(1)]);
+    let counters = driver.session.counters();
     assert_eq!((counters.foreign, counters.notifications), (1, 2));
 }
 
 #[test]
-fn never_sleep_is_told_again_every_ten_seconds() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
-    let mut told = Vec::new();
+fn never_sleep_is_written_every_ten_seconds() {
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
+    let mut written = Vec::new();
     for number in 0..3_200 {
         let now = 501 + 10 * number;
-        for action in player.emg(now, number) {
+        for action in driver.emg(now, number) {
             if action == NEVER_SLEEP {
-                told.push(now - 501);
-                assert_eq!(player.tell(now, Event::Done), []);
+                written.push(now - 501);
+                assert_eq!(driver.handle(now, Event::Done), []);
             }
         }
     }
-    assert_eq!(told, [10_000, 20_000, 30_000]);
+    assert_eq!(written, [10_000, 20_000, 30_000]);
 }
 
 #[test]
 fn a_write_that_is_never_answered_ends_the_stream() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
     let mut end = Vec::new();
     for number in 0..1_501 {
-        end = player.emg(501 + 10 * number, number);
+        end = driver.emg(501 + 10 * number, number);
         end.retain(|action| !matches!(action, Action::Deliver(_)));
     }
-    assert_eq!(end, [Action::Disconnect, Action::Lost]);
-    assert_eq!(player.session.counters().timeouts, 1);
+    assert_eq!(end, [Action::Disconnect, Action::StreamEnded]);
+    assert_eq!(driver.session.counters().timeouts, 1);
 }
 
 #[test]
-fn a_silent_stream_is_stirred_once_and_then_given_up() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
-    assert_eq!(player.emg(510, 0), [deliver(0)]);
-    player.follow(&[
+fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
+    assert_eq!(driver.emg(510, 0), [deliver(0)]);
+    driver.run(&[
         (1_009, Event::Tick, &[]),
         (1_010, Event::Tick, &[SET_MODE]),
         (1_011, Event::Done, &[]),
         (1_509, Event::Tick, &[]),
-        (1_510, Event::Tick, &[Action::Disconnect, Action::Lost]),
+        (
+            1_510,
+            Event::Tick,
+            &[Action::Disconnect, Action::StreamEnded],
+        ),
         (1_520, Event::Disconnected, &[]),
         (1_819, Event::Tick, &[]),
         (1_820, Event::Tick, &[Action::Scan]),
     ]);
-    assert_eq!(player.session.counters().stalls, 1);
+    assert_eq!(driver.session.counters().stalls, 1);
 }
 
 #[test]
-fn a_stream_that_was_stirred_and_came_back_tells_of_a_gap() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
+fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
     for number in 0..10 {
-        assert_eq!(player.emg(510 + 10 * number, number).len(), 1);
+        assert_eq!(driver.emg(510 + 10 * number, number).len(), 1);
     }
-    assert_eq!(player.tell(1_100, Event::Tick), [SET_MODE]);
-    assert_eq!(player.tell(1_101, Event::Done), []);
-    // 510 ms of nothing: 51 were lost, and the next seven cannot be placed.
+    assert_eq!(driver.handle(1_100, Event::Tick), [SET_MODE]);
+    assert_eq!(driver.handle(1_101, Event::Done), []);
+    // 510 ms of silence: 51 were lost, and the next six cannot be placed.
     let resumed: Vec<_> = (0..10)
-        .map(|n| player.emg(1_120 + 10 * n, 61 + n))
+        .map(|n| driver.emg(1_120 + 10 * n, 61 + n))
         .collect();
-    let told: Vec<_> = resumed.concat();
+    let actions: Vec<_> = resumed.concat();
     let missing = 2 * (51 + 6);
     let expected = [
         Action::Gap { missing },
@@ -504,18 +515,18 @@ fn a_stream_that_was_stirred_and_came_back_tells_of_a_gap() {
         deliver(69),
         deliver(70),
     ];
-    assert_eq!(told, expected);
-    assert_eq!(player.session.counters().given_up, 12);
-    // Stirred once per silence, not once for all.
-    assert_eq!(player.tell(1_710, Event::Tick), [SET_MODE]);
+    assert_eq!(actions, expected);
+    assert_eq!(driver.session.counters().given_up, 12);
+    // Once per silence, not once per stream.
+    assert_eq!(driver.handle(1_710, Event::Tick), [SET_MODE]);
 }
 
 #[test]
-fn short_long_and_foreign_values_are_survived_and_counted() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
+fn short_long_and_foreign_values_are_handled_and_counted() {
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
     let mut notify = |now, characteristic, bytes: &[u8]| {
-        player.tell(
+        driver.handle(
             now,
             Event::Notification {
                 characteristic,
@@ -524,14 +535,14 @@ fn short_long_and_foreign_values_are_survived_and_counted() {
         )
     };
     assert_eq!(notify(510, lane(0), &[0; 16]), [deliver(0)]);
-    assert_eq!(notify(520, lane(1), &[1; 15]), []); // short: as good as lost
+    assert_eq!(notify(520, lane(1), &[1; 15]), []); // short: counts as lost
     assert_eq!(notify(530, lane(2), &[2; 20]), []); // long: its first 16 bytes
     let recovered = [Action::Gap { missing: 2 }, deliver(2), deliver(3)];
     assert_eq!(notify(540, lane(3), &[3; 16]), recovered);
     assert_eq!(notify(541, Characteristic::Command, &[3; 16]), []);
     assert_eq!(notify(542, BatteryLevel, &[]), []);
     assert_eq!(notify(543, BatteryLevel, &[10]), []);
-    let session = &player.session;
+    let session = &driver.session;
     assert_eq!(
         (session.battery(), session.battery_is_low()),
         (Some(10), true)
@@ -546,43 +557,49 @@ fn short_long_and_foreign_values_are_survived_and_counted() {
 }
 
 #[test]
-fn malformed_emg_alone_keeps_no_stream_alive() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
+fn malformed_emg_alone_counts_as_silence() {
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
     let characteristic = lane(0);
     let bytes = &[0; 3];
     let malformed = Event::Notification {
         characteristic,
         bytes,
     };
-    let told: Vec<_> = (0..110)
-        .map(|n| player.tell(501 + 10 * n, malformed))
+    let actions: Vec<_> = (0..110)
+        .map(|n| driver.handle(501 + 10 * n, malformed))
         .collect();
-    assert_eq!(told.concat(), [SET_MODE, Action::Disconnect, Action::Lost]);
+    assert_eq!(
+        actions.concat(),
+        [SET_MODE, Action::Disconnect, Action::StreamEnded]
+    );
 }
 
 #[test]
 fn a_new_connection_starts_a_new_stream() {
-    let mut player = Player::new(Settings::default());
-    player.streaming(0);
+    let mut driver = Driver::new(Settings::default());
+    driver.streaming(0);
     for number in 0..3 {
-        player.emg(510 + 10 * number, number);
+        driver.emg(510 + 10 * number, number);
     }
-    assert_eq!(player.tell(540, Event::Disconnected), [Action::Lost]);
-    assert_eq!(player.session.battery(), Some(80)); // as last told
-    player.streaming(840);
-    // On whichever lane, with no gap: what is gone is told by `Lost`.
-    assert_eq!(player.emg(1_350, 2), [deliver(2)]);
-    assert_eq!(player.session.counters().lost, 0);
+    assert_eq!(
+        driver.handle(540, Event::Disconnected),
+        [Action::StreamEnded]
+    );
+    assert_eq!(driver.session.battery(), Some(80)); // the last known value
+    driver.streaming(840);
+    // On any lane, without a gap: `StreamEnded` has reported the loss.
+    assert_eq!(driver.emg(1_350, 2), [deliver(2)]);
+    assert_eq!(driver.session.counters().lost, 0);
 }
 
 #[test]
 fn time_may_wrap_in_any_phase() {
-    let mut player = Player::new(Settings::default());
+    let mut driver = Driver::new(Settings::default());
     let start = u32::MAX - 400;
-    assert_eq!(player.tell(start, Event::Tick), [Action::Scan]);
-    assert_eq!(player.hear(start, NEAR, -40), []);
-    assert_eq!(player.tell(98, Event::Tick), []);
+    assert_eq!(driver.handle(start, Event::Tick), [Action::Scan]);
+    assert_eq!(driver.advertise(start, NEAR, -40), []);
+    assert_eq!(driver.handle(98, Event::Tick), []);
     let connect = [Action::StopScan, Action::Connect(NEAR)];
-    assert_eq!(player.tell(99, Event::Tick), connect);
+    assert_eq!(driver.handle(99, Event::Tick), connect);
 }

@@ -1,17 +1,16 @@
-//! What each kind of event does in each state.
+//! Transitions: what each kind of event does in each state.
 
 use super::*;
+use crate::myo::arrival_timing::Ordered;
 use crate::myo::back_off::REFUSED_MS;
 use crate::myo::characteristic::Characteristic;
 use crate::myo::command::Command;
 use crate::myo::counters::count;
-use crate::myo::elapsed;
 use crate::myo::lane::Lane;
 use crate::myo::order::Arrival;
 use crate::myo::packet::{parse_battery, parse_emg};
-use crate::myo::sequence::Ordered;
-use crate::myo::set_up::{Answer, write};
-use crate::myo::stream::{ANSWER_MS, Duty};
+use crate::myo::set_up::{Response, write};
+use crate::myo::stream_monitor::{Due, OPERATION_MS};
 use crate::myo::{Action, Address};
 use crate::units::Millis;
 
@@ -29,8 +28,8 @@ impl MyoSession {
         };
         match scan.strongest() {
             Some(address) => self.connect(now, address, act),
-            // Not again at once: a radio that cannot scan would be asked without end.
-            None => self.rest(now),
+            // Not at once: a radio that cannot scan would be asked again and again.
+            None => self.back_off(now),
         }
     }
 
@@ -39,51 +38,56 @@ impl MyoSession {
             State::Connecting { .. } => {
                 count(&mut self.counters.connections, 1);
                 (self.battery, self.firmware) = (None, None);
-                self.begin(now, Step::Discover, Found::NONE, act);
+                self.begin_step(now, Step::Discover, Found::NONE, act);
             }
-            // Nobody waits for this connection any more, and it would keep the armband from
+            // Too late: the attempt has timed out. An open connection would keep the armband from
             // advertising.
-            State::Idle | State::Scanning(_) | State::Resting { .. } => act(Action::Disconnect),
-            State::SettingUp { .. } | State::Streaming(_) | State::Leaving { .. } => {}
+            State::Idle | State::Scanning(_) | State::BackingOff { .. } => act(Action::Disconnect),
+            State::SettingUp { .. } | State::Streaming(_) | State::Disconnecting { .. } => {}
         }
     }
 
-    /// The connection is gone, or never came.
-    pub(super) fn gone(&mut self, now: Millis, event: Event<'_>, act: &mut impl FnMut(Action)) {
+    /// The connection ended or failed.
+    pub(super) fn disconnected(
+        &mut self,
+        now: Millis,
+        event: Event<'_>,
+        act: &mut impl FnMut(Action),
+    ) {
         match (&self.state, event) {
-            (State::Leaving { rest, .. }, _) => {
-                let rest = *rest;
-                self.state = State::Resting { since: now, rest };
+            (State::Disconnecting { delay, .. }, _) => {
+                let delay = *delay;
+                self.state = State::BackingOff { since: now, delay };
             }
             (State::Connecting { .. }, _) => {
                 count(&mut self.counters.failed_connects, 1);
-                self.rest(now);
+                self.back_off(now);
             }
-            (State::SettingUp { .. }, Event::Disconnected) => self.rest(now),
+            (State::SettingUp { .. }, Event::Disconnected) => self.back_off(now),
             (State::Streaming(_), Event::Disconnected) => {
-                self.rest(now);
-                act(Action::Lost);
+                self.back_off(now);
+                act(Action::StreamEnded);
             }
             _ => {}
         }
     }
 
-    fn rest(&mut self, now: Millis) {
-        let rest = self.back_off.rest();
-        self.state = State::Resting { since: now, rest };
+    fn back_off(&mut self, now: Millis) {
+        let delay = self.back_off.delay();
+        self.state = State::BackingOff { since: now, delay };
     }
 
-    /// Closes the connection and rests once it is gone.
-    fn leave(&mut self, now: Millis, rest: u32, act: &mut impl FnMut(Action)) {
+    /// Closes the connection; the delay before the next attempt begins with its end.
+    fn disconnect(&mut self, now: Millis, delay: u32, act: &mut impl FnMut(Action)) {
         let streaming = matches!(self.state, State::Streaming(_));
-        self.state = State::Leaving { since: now, rest };
+        self.state = State::Disconnecting { since: now, delay };
         act(Action::Disconnect);
         if streaming {
-            act(Action::Lost);
+            act(Action::StreamEnded);
         }
     }
 
-    fn begin(&mut self, now: Millis, step: Step, found: Found, act: &mut impl FnMut(Action)) {
+    fn begin_step(&mut self, now: Millis, step: Step, found: Found, act: &mut impl FnMut(Action)) {
         self.state = State::SettingUp {
             since: now,
             step,
@@ -92,40 +96,45 @@ impl MyoSession {
         act(step.action(self.settings.emg));
     }
 
-    pub(super) fn answered(&mut self, now: Millis, event: Event<'_>, act: &mut impl FnMut(Action)) {
+    pub(super) fn operation_answered(
+        &mut self,
+        now: Millis,
+        event: Event<'_>,
+        act: &mut impl FnMut(Action),
+    ) {
         let (step, mut found) = match &mut self.state {
             State::SettingUp { step, found, .. } => (*step, *found),
-            State::Streaming(stream) if matches!(event, Event::Done | Event::Failed) => {
-                return stream.answered();
+            State::Streaming(monitor) if matches!(event, Event::Done | Event::Failed) => {
+                return monitor.write_answered();
             }
             _ => return,
         };
-        let answer = step.answer(event);
-        match answer {
-            Answer::None => return,
-            Answer::Done | Answer::Failed => {}
-            Answer::Found(these) => found = these,
-            Answer::Firmware(version) => self.firmware = Some(version),
-            Answer::Battery(percent) => self.battery = Some(percent),
-            Answer::Malformed => count(&mut self.counters.malformed, 1),
-            Answer::Refused => {
+        let response = step.response(event);
+        match response {
+            Response::None => return,
+            Response::Done | Response::Failed => {}
+            Response::Found(these) => found = these,
+            Response::Firmware(version) => self.firmware = Some(version),
+            Response::Battery(percent) => self.battery = Some(percent),
+            Response::Malformed => count(&mut self.counters.malformed, 1),
+            Response::Unsupported => {
                 count(&mut self.counters.refused, 1);
-                return self.leave(now, REFUSED_MS, act);
+                return self.disconnect(now, REFUSED_MS, act);
             }
         }
-        let failed = matches!(answer, Answer::Failed | Answer::Malformed);
+        let failed = matches!(response, Response::Failed | Response::Malformed);
         if failed && !step.is_optional() {
             count(&mut self.counters.failed_set_ups, 1);
-            let rest = self.back_off.rest();
-            self.leave(now, rest, act);
+            let delay = self.back_off.delay();
+            self.disconnect(now, delay, act);
         } else if let Some(next) = step.next(found) {
-            self.begin(now, next, found, act);
+            self.begin_step(now, next, found, act);
         } else {
-            self.stream(now, None);
+            self.start_stream(now, None);
         }
     }
 
-    pub(super) fn notified(
+    pub(super) fn notification(
         &mut self,
         now: Millis,
         characteristic: Characteristic,
@@ -144,23 +153,23 @@ impl MyoSession {
     }
 
     fn emg(&mut self, now: Millis, lane: Lane, bytes: &[u8], act: &mut impl FnMut(Action)) {
-        // The first EMG may overtake the answer that confirms its mode, and counts.
+        // The first EMG may overtake the confirmation of the mode, and belongs to the stream.
         if let State::SettingUp {
             since,
             step: Step::SetMode,
             ..
         } = self.state
         {
-            self.stream(now, Some(since));
+            self.start_stream(now, Some(since));
         }
-        let State::Streaming(stream) = &mut self.state else {
+        let State::Streaming(monitor) = &mut self.state else {
             return count(&mut self.counters.foreign, 1);
         };
         let Ok(pair) = parse_emg(bytes) else {
             return count(&mut self.counters.malformed, 1);
         };
         count(&mut self.counters.notifications, 1);
-        stream.hear(now);
+        monitor.emg(now);
         let arrival = Arrival {
             at: now,
             lane,
@@ -177,55 +186,57 @@ impl MyoSession {
         self.sequence.push(arrival, &mut self.counters, out);
     }
 
-    /// Does what is due because time passed.
-    pub(super) fn keep_time(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
+    /// Does what is due at `now`.
+    pub(super) fn handle_time(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
         match &mut self.state {
-            State::Idle => self.scan(act),
-            State::Resting { since, rest } if elapsed(now, *since) >= *rest => self.scan(act),
+            State::Idle => self.start_scan(act),
+            State::BackingOff { since, delay } if now.elapsed_since(*since) >= *delay => {
+                self.start_scan(act);
+            }
             State::Scanning(scan) => {
                 if let Some(address) = scan.choice(now) {
                     self.connect(now, address, act);
                 }
             }
             State::Connecting { since } | State::SettingUp { since, .. }
-                if elapsed(now, *since) >= ANSWER_MS =>
+                if now.elapsed_since(*since) >= OPERATION_MS =>
             {
                 self.time_out(now, act);
             }
-            State::Leaving { since, rest } if elapsed(now, *since) >= ANSWER_MS => {
-                let rest = *rest;
+            State::Disconnecting { since, delay } if now.elapsed_since(*since) >= OPERATION_MS => {
+                let delay = *delay;
                 count(&mut self.counters.timeouts, 1);
-                self.state = State::Resting { since: now, rest };
+                self.state = State::BackingOff { since: now, delay };
             }
-            State::Streaming(stream) => match stream.duty(now) {
-                Duty::Nothing => {}
-                Duty::KeepAwake => act(write(Command::NeverSleep)),
-                Duty::Stir => act(write(Command::SetMode(self.settings.emg))),
-                Duty::Unanswered => self.time_out(now, act),
-                Duty::Stalled => {
+            State::Streaming(monitor) => match monitor.due(now) {
+                Due::Nothing => {}
+                Due::NeverSleep => act(write(Command::NeverSleep)),
+                Due::SetMode => act(write(Command::SetMode(self.settings.emg))),
+                Due::Unanswered => self.time_out(now, act),
+                Due::Stalled => {
                     count(&mut self.counters.stalls, 1);
-                    let rest = self.back_off.rest();
-                    self.leave(now, rest, act);
+                    let delay = self.back_off.delay();
+                    self.disconnect(now, delay, act);
                 }
             },
             _ => {}
         }
     }
 
-    /// Begins to stream; `written` where the mode's confirmation is still to come.
-    fn stream(&mut self, now: Millis, written: Option<Millis>) {
+    /// Starts a stream; `write` where the mode's confirmation is still to come.
+    fn start_stream(&mut self, now: Millis, write: Option<Millis>) {
         self.sequence = Sequence::new();
-        self.state = State::Streaming(Stream::new(now, written));
+        self.state = State::Streaming(StreamMonitor::new(now, write));
     }
 
-    fn scan(&mut self, act: &mut impl FnMut(Action)) {
+    fn start_scan(&mut self, act: &mut impl FnMut(Action)) {
         self.state = State::Scanning(Scan::new(self.settings.pinned));
         act(Action::Scan);
     }
 
     fn time_out(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
         count(&mut self.counters.timeouts, 1);
-        let rest = self.back_off.rest();
-        self.leave(now, rest, act);
+        let delay = self.back_off.delay();
+        self.disconnect(now, delay, act);
     }
 }

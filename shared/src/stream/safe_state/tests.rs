@@ -1,11 +1,11 @@
-//! The guard as tables: what is heard when, and the change that it must make.
+//! The safe state as tables: events with their times, and the expected change of state.
 
 use super::*;
 
-/// What is heard at each instant, and the change that it must make.
+/// Time, event and expected change of state.
 type Trace<'a> = &'a [(u32, Event, Option<Status>)];
 
-fn follow(start: Start, trace: Trace) -> SafeState {
+fn run(start: Start, trace: Trace) -> SafeState {
     let mut state = SafeState::new(start);
     for (row, (now, event, expected)) in trace.iter().enumerate() {
         let change = state.handle(Millis(*now), *event);
@@ -27,7 +27,7 @@ const fn safe(cause: Cause) -> Option<Status> {
 }
 
 #[test]
-fn every_start_is_safe_and_tells_its_cause() {
+fn after_a_reset_the_state_is_safe_with_its_cause() {
     for (start, cause) in [
         (Start::Boot, Cause::Boot),
         (Start::Watchdog, Cause::Watchdog),
@@ -44,7 +44,7 @@ fn only_a_label_from_a_full_window_leaves_the_safe_state() {
         intent: Intent::Open,
         window_full: false,
     };
-    let state = follow(
+    let state = run(
         Start::Boot,
         &[
             (0, label(Intent::Open), None),
@@ -59,7 +59,7 @@ fn only_a_label_from_a_full_window_leaves_the_safe_state() {
 
 #[test]
 fn silence_of_200_ms_is_safe_and_of_199_is_not() {
-    follow(
+    run(
         Start::Watchdog,
         &[
             (1000, Event::Sample, None),
@@ -69,15 +69,15 @@ fn silence_of_200_ms_is_safe_and_of_199_is_not() {
             (1300, label(Intent::Open), None),
             (1301, Event::Sample, None),
             (1302, label(Intent::Open), OPEN),
-            // The silence shows even where the sample that ends it comes before any tick.
+            // The silence is reported even if the sample that ends it arrives before a tick.
             (1600, Event::Sample, safe(Cause::Silence)),
         ],
     );
 }
 
 #[test]
-fn a_gap_and_a_disconnection_are_told_apart() {
-    let state = follow(
+fn a_gap_and_a_disconnection_have_causes_of_their_own() {
+    let state = run(
         Start::Boot,
         &[
             (0, Event::Sample, None),
@@ -87,7 +87,7 @@ fn a_gap_and_a_disconnection_are_told_apart() {
             (9, Event::Disconnected, safe(Cause::Disconnected)),
             (10, Event::Disconnected, None),
             (11, label(Intent::Open), None),
-            // Nobody waits for samples of an armband that is gone.
+            // After a disconnection there is no silence.
             (5000, Event::Tick, None),
         ],
     );
@@ -96,7 +96,7 @@ fn a_gap_and_a_disconnection_are_told_apart() {
 
 #[test]
 fn a_refused_model_stays_refused() {
-    follow(
+    run(
         Start::Boot,
         &[
             (0, Event::ModelRefused, safe(Cause::ModelRefused)),
@@ -118,7 +118,7 @@ fn silence_is_measured_across_the_clock_wrap() {
 }
 
 #[test]
-fn names_lead_back_to_their_cause() {
+fn names_of_causes_are_unique() {
     for cause in Cause::ALL {
         assert_eq!(Cause::from_name(cause.name()), Some(cause));
     }

@@ -1,4 +1,4 @@
-//! The smoother beside a twin that keeps every window and adds up as the definition says.
+//! The smoother against a reference that stores every window and sums by definition.
 
 use super::*;
 use alloc::{vec, vec::Vec};
@@ -18,21 +18,8 @@ fn naive_sums(settings: &Settings, windows: &[Rows]) -> [f64; CLASSES] {
             if single && after > 0 {
                 continue;
             }
-            let growth = |factor: f32, steps: usize| {
-                1.0 + (f64::from(factor) - 1.0) * steps as f64 / (ahead.max(1)) as f64
-            };
-            let weight = match settings.weighting {
-                Weighting::Equal { max_factor } => growth(max_factor, late),
-                Weighting::Progressive { max_factor } => growth(max_factor, after),
-            };
-            let total: f64 = row.iter().map(|logit| libm::exp(f64::from(*logit))).sum();
             for (sum, logit) in sums.iter_mut().zip(row) {
-                let logit = f64::from(*logit);
-                *sum += weight
-                    * match settings.likelihood {
-                        Likelihood::Logits => logit,
-                        Likelihood::Probabilities => libm::exp(logit) / total,
-                    };
+                *sum += f64::from(*logit);
             }
         }
     }
@@ -40,33 +27,18 @@ fn naive_sums(settings: &Settings, windows: &[Rows]) -> [f64; CLASSES] {
 }
 
 fn any_settings() -> impl Strategy<Value = Settings> {
-    let max_factor = 0.0f32..3.0;
-    (
-        prop_oneof![
-            Just(AggregationMode::AllRowsFrom),
-            Just(AggregationMode::SameInstant)
-        ],
-        prop_oneof![Just(Likelihood::Logits), Just(Likelihood::Probabilities)],
-        prop_oneof![
-            max_factor
-                .clone()
-                .prop_map(|max_factor| Weighting::Equal { max_factor }),
-            max_factor.prop_map(|max_factor| Weighting::Progressive { max_factor }),
-        ],
-        0..ROWS,
-        1usize..5,
-        1u32..20,
+    let aggregation = prop_oneof![
+        Just(AggregationMode::AllRowsFrom),
+        Just(AggregationMode::SameInstant)
+    ];
+    (aggregation, 0..ROWS, 1usize..5, 1u32..20).prop_map(
+        |(aggregation, look_ahead, hold, row_samples)| Settings {
+            aggregation,
+            look_ahead,
+            hold,
+            row_samples,
+        },
     )
-        .prop_map(
-            |(aggregation, likelihood, weighting, look_ahead, hold, row_samples)| Settings {
-                aggregation,
-                likelihood,
-                weighting,
-                look_ahead,
-                hold,
-                row_samples,
-            },
-        )
 }
 
 fn any_windows() -> impl Strategy<Value = Vec<Rows>> {
@@ -86,12 +58,12 @@ proptest! {
             let due = number >= settings.look_ahead && number % settings.hold == 0;
             prop_assert_eq!(decision.is_some(), due);
             let Some(decision) = decision else { continue };
-            prop_assert_eq!(decision.known, end);
+            prop_assert_eq!(decision.window_end, end);
             prop_assert_eq!(
                 end.since(decision.instant),
                 settings.look_ahead as u32 * settings.row_samples
             );
-            // f32 against f64: the chosen class is the largest but for rounding.
+            // f32 against f64: the class has the largest sum, up to rounding.
             let sums = naive_sums(&settings, &windows[..=number]);
             let most = sums.iter().copied().fold(f64::MIN, f64::max);
             prop_assert!(most - sums[decision.class] < 1e-3);
@@ -99,7 +71,7 @@ proptest! {
     }
 
     #[test]
-    fn after_a_restart_nothing_of_before_is_left(
+    fn a_restart_forgets_all_windows(
         settings in any_settings(), before in any_windows(), after in any_windows(),
     ) {
         let mut fresh = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
@@ -124,8 +96,8 @@ const PLAIN: Settings = Settings {
 };
 
 /// The classes of the labels over windows whose every row is the same.
-fn classes(settings: Settings, live: usize, windows: &[[f32; CLASSES]]) -> Vec<Option<usize>> {
-    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, live).unwrap();
+fn classes(settings: Settings, used: usize, windows: &[[f32; CLASSES]]) -> Vec<Option<usize>> {
+    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, used).unwrap();
     windows
         .iter()
         .map(|row| smoother.push(SampleIndex(0), &[*row; ROWS]))
@@ -153,32 +125,22 @@ fn the_hold_counts_from_the_first_window_not_from_the_first_label() {
 }
 
 #[test]
-fn a_class_that_is_not_live_never_wins_and_ties_go_to_the_lowest() {
-    for likelihood in [Likelihood::Logits, Likelihood::Probabilities] {
-        let settings = Settings {
-            look_ahead: 0,
-            likelihood,
-            ..PLAIN
-        };
-        assert_eq!(
-            classes(settings, 3, &[[-9.0, -2.0, -2.0, 5.0]]),
-            [Some(1)],
-            "{likelihood:?}"
-        );
-    }
+fn an_unused_class_never_wins_and_ties_go_to_the_lowest() {
+    let settings = Settings {
+        look_ahead: 0,
+        ..PLAIN
+    };
+    assert_eq!(classes(settings, 3, &[[-9.0, -2.0, -2.0, 5.0]]), [Some(1)]);
 }
 
 #[test]
-fn rows_that_are_no_numbers_still_give_a_class() {
-    for likelihood in [Likelihood::Logits, Likelihood::Probabilities] {
-        let settings = Settings {
-            look_ahead: 0,
-            likelihood,
-            ..PLAIN
-        };
-        let rows = [[f32::NAN; CLASSES], [f32::NEG_INFINITY; CLASSES]];
-        assert_eq!(classes(settings, CLASSES, &rows), [Some(0), Some(0)]);
-    }
+fn rows_of_nan_and_infinity_still_give_a_class() {
+    let settings = Settings {
+        look_ahead: 0,
+        ..PLAIN
+    };
+    let rows = [[f32::NAN; CLASSES], [f32::NEG_INFINITY; CLASSES]];
+    assert_eq!(classes(settings, CLASSES, &rows), [Some(0), Some(0)]);
 }
 
 #[test]
@@ -207,9 +169,4 @@ fn impossible_settings_are_refused_each_with_its_reason() {
         ..PLAIN
     };
     assert_eq!(refused(row_samples, 3), Some(SettingsError::RowSamples));
-    let weighting = Weighting::Progressive { max_factor: -1.0 };
-    assert_eq!(
-        refused(Settings { weighting, ..PLAIN }, 3),
-        Some(SettingsError::MaxFactor { found: -1.0 })
-    );
 }

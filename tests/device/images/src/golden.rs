@@ -1,4 +1,4 @@
-//! Runs a golden check that the PC has read and written to a file, whose path is the argument.
+//! Runs a golden check from a file that the PC has written. The argument is its path.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 #![forbid(unsafe_code)]

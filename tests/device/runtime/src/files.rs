@@ -1,4 +1,4 @@
-//! Files of the machine that emulates.
+//! Files of the host, by semihosting.
 
 use alloc::{ffi::CString, vec, vec::Vec};
 
@@ -7,7 +7,7 @@ use semihosting::{
     io::{self, Read as _},
 };
 
-/// A whole file.
+/// Reads a whole file.
 ///
 /// # Errors
 /// Where the emulator cannot open or read it.

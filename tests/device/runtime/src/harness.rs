@@ -1,12 +1,12 @@
 //! The test harness that `#[test]` expands to, on a core without operating system.
 //!
-//! The compiler turns each `#[test]` into a constant of the type [`TestDescAndFn`] of a crate
-//! `test`, and hands their list to [`test_main_static`]. A crate that has this one as its
-//! dependency `test` thus runs its plain tests here. Fields, names and values are the compiler's
-//! (1.95 and 1.96 alike); it sets them all and this harness reads some.
+//! The compiler turns each `#[test]` into a constant of type [`TestDescAndFn`] of the crate `test`,
+//! and passes the list of them to [`test_main_static`]. A crate that depends on this one under the
+//! name `test` so runs its unchanged tests here. Types, fields and variants are those that the
+//! compiler expects (1.95 and 1.96); it sets all fields, of which this harness reads some.
 //!
 //! Without arguments the program lists its tests. With the name of a test it runs that one and
-//! exits with 0 if it passed: a panic ends the program, so every test has an emulator to itself.
+//! exits with 0 if it passed. A panic ends the program, so each test runs in an emulator of its own.
 
 use core::{
     fmt::Debug,
@@ -15,10 +15,10 @@ use core::{
 
 use semihosting::{println, process};
 
-use crate::arguments;
+use crate::arguments::arguments;
 
-/// Exit code where no test has the name asked for.
-const UNKNOWN: i32 = 103;
+/// Exit code if no test has the requested name.
+const UNKNOWN_TEST: i32 = 103;
 
 static PANIC_IS_EXPECTED: AtomicBool = AtomicBool::new(false);
 
@@ -26,41 +26,41 @@ pub(crate) fn panic_is_expected() -> bool {
     PANIC_IS_EXPECTED.load(Ordering::Relaxed)
 }
 
-/// A test and what is known of it.
+/// A test and its description.
 #[derive(Debug)]
 pub struct TestDescAndFn {
-    /// What is known of it.
+    /// Its description.
     pub desc: TestDesc,
     /// The test itself.
     pub testfn: StaticTestFn,
 }
 
-/// What is known of a test.
+/// Description of a test.
 #[derive(Debug)]
 pub struct TestDesc {
     /// Path without the crate.
     pub name: StaticTestName,
-    /// Whether `#[ignore]` stands by it.
+    /// Whether it is marked `#[ignore]`.
     pub ignore: bool,
     /// Why it is ignored.
     pub ignore_message: Option<&'static str>,
-    /// Where it stands.
+    /// Its file.
     pub source_file: &'static str,
-    /// Where it begins.
+    /// Its first line.
     pub start_line: usize,
-    /// Where it begins.
+    /// Column of its start.
     pub start_col: usize,
-    /// Where it ends.
+    /// Its last line.
     pub end_line: usize,
-    /// Where it ends.
+    /// Column of its end.
     pub end_col: usize,
-    /// Of documentation tests.
+    /// Set for documentation tests only.
     pub compile_fail: bool,
-    /// Of documentation tests.
+    /// Set for documentation tests only.
     pub no_run: bool,
-    /// Whether it passes by a panic.
+    /// Whether it is expected to panic.
     pub should_panic: ShouldPanic,
-    /// Where tests of its kind live.
+    /// Unit test or integration test.
     pub test_type: TestType,
 }
 
@@ -72,18 +72,18 @@ pub struct StaticTestName(pub &'static str);
 #[derive(Clone, Copy, Debug)]
 pub struct StaticTestFn(pub fn() -> Result<(), &'static str>);
 
-/// Whether a test passes by a panic.
+/// Whether a test is expected to panic.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ShouldPanic {
-    /// It passes by coming to its end.
+    /// It passes if it returns.
     No,
-    /// It passes by any panic.
+    /// It passes if it panics.
     Yes,
-    /// It passes by a panic of this message; any will do here.
+    /// It should panic with this message; this harness accepts any panic.
     YesWithMessage(&'static str),
 }
 
-/// Where tests of a kind live.
+/// The kind of a test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TestType {
     /// In `src`.
@@ -94,7 +94,7 @@ pub enum TestType {
     Unknown,
 }
 
-/// What a test may give back.
+/// What a test may return.
 pub trait Outcome {
     /// Whether it passed.
     fn passed(self) -> bool;
@@ -112,18 +112,18 @@ impl<E: Debug> Outcome for Result<(), E> {
     }
 }
 
-/// Wraps every test's body.
+/// Called with the outcome of every test.
 ///
 /// # Errors
-/// Where the test gave an error back, which is printed.
+/// If the test returned an error, which is printed.
 pub fn assert_test_result(outcome: impl Outcome) -> Result<(), &'static str> {
     outcome
         .passed()
         .then_some(())
-        .ok_or("the test gave an error")
+        .ok_or("the test returned an error")
 }
 
-/// Lists the tests, or runs the one that the command line names.
+/// Lists the tests, or runs the one named on the command line.
 pub fn test_main_static(tests: &[&TestDescAndFn]) {
     let Some(name) = arguments().into_iter().next() else {
         for test in tests.iter().filter(|test| !test.desc.ignore) {
@@ -133,7 +133,7 @@ pub fn test_main_static(tests: &[&TestDescAndFn]) {
     };
     let Some(test) = tests.iter().find(|test| test.desc.name.0 == name) else {
         println!("no test {name}");
-        process::exit(UNKNOWN)
+        process::exit(UNKNOWN_TEST)
     };
     let panics = test.desc.should_panic != ShouldPanic::No;
     PANIC_IS_EXPECTED.store(panics, Ordering::Relaxed);

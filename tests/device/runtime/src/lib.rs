@@ -1,20 +1,23 @@
-//! What a program needs to run on the emulated Cortex-M4F: start, heap, console, test harness.
+//! The runtime of programs on the emulated Cortex-M4F: start, heap, console, test harness.
 //!
-//! Named `test` by a crate under test, it takes the place of the standard harness (`harness`).
-//! Console, command line, files and exit code are the emulator's, by semihosting.
+//! A crate under test that depends on it under the name `test` gets its harness instead of the
+//! standard one. Console, command line, files and exit code go to the emulator by semihosting.
 #![no_std]
 #![cfg(target_os = "none")]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
+#![deny(clippy::undocumented_unsafe_blocks)]
 
 extern crate alloc;
 
+mod arguments;
 pub mod files;
 pub mod harness;
 mod start;
 pub mod timer;
 
-// The paths that `#[test]` expands to have the crate `test` before them and nothing between.
+pub use arguments::{Arguments, arguments};
+// `#[test]` expands to paths directly under the crate `test`.
 pub use harness::*;
 pub use semihosting::{print, println};
-pub use start::{Arguments, arguments, start};
+pub use start::start;

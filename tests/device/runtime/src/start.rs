@@ -1,9 +1,8 @@
-//! From reset to a program's own `main`, and out again.
+//! From reset to a program's own `main`, and from its end to the emulator's exit code.
 
 use core::panic::PanicInfo;
 
-use alloc::{string::String, vec::Vec};
-// For its critical section, which the allocator calls.
+// For its critical section, which the allocator uses.
 use cortex_m as _;
 use cortex_m_rt::{ExceptionFrame, exception};
 use embedded_alloc::LlffHeap;
@@ -11,10 +10,11 @@ use semihosting::{println, process};
 
 use crate::harness;
 
-/// Of the 16 MiB; the start-up code clears it, which takes time in every run.
+/// Of 16 MiB of RAM. No more: the start-up code clears it in every run, which takes time.
 const HEAP_BYTES: usize = 4 << 20;
-/// Exit code of a panic, as `std` has it.
+/// Exit code of a panic, the same as with `std`.
 const PANICKED: i32 = 101;
+/// Exit code of a hard fault.
 const FAULTED: i32 = 102;
 
 #[global_allocator]
@@ -24,6 +24,9 @@ static HEAP: LlffHeap = LlffHeap::empty();
 #[macro_export]
 macro_rules! entry {
     ($main:path) => {
+        // SAFETY: cortex-m-rt calls the symbol `main` once, after RAM is initialised, as a function
+        // without arguments that never returns, which this is. No other item of the image has the
+        // name: with `no_main` the compiler defines none.
         #[unsafe(export_name = "main")]
         extern "C" fn reset() -> ! {
             $crate::start($main)
@@ -33,31 +36,14 @@ macro_rules! entry {
 
 /// Runs a program once and ends the emulator; for [`entry!`](crate::entry).
 pub fn start(main: fn()) -> ! {
-    #[expect(
-        unsafe_code,
-        reason = "the allocator cannot know that it is given memory once"
-    )]
-    // SAFETY: the first statement of the program, run once, before anything allocates.
+    #[expect(unsafe_code, reason = "the allocator gets its memory by address")]
+    // SAFETY: `init!` defines the memory that it passes to the allocator, so nothing else uses it;
+    // it panics if it runs a second time.
     unsafe {
         embedded_alloc::init!(HEAP, HEAP_BYTES);
     }
     main();
     process::exit(0)
-}
-
-/// Words of the command line after the program's name.
-pub type Arguments = Vec<String>;
-
-/// What `-semihosting-config arg=...` handed over.
-///
-/// # Panics
-/// On a command line above 1 KiB, or not of UTF-8.
-#[must_use]
-pub fn arguments() -> Arguments {
-    let line = semihosting::experimental::env::args::<1024>().expect("a command line");
-    line.skip(1)
-        .map(|word| word.expect("UTF-8").into())
-        .collect()
 }
 
 #[panic_handler]
@@ -69,11 +55,13 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     process::exit(PANICKED)
 }
 
-// `allow`, for `expect` does not see through what the attribute makes of the function.
+// `allow`: `expect` is not fulfilled inside what the attribute expands to.
 #[allow(
     unsafe_code,
-    reason = "the runtime asks for it: a fault may come anywhere"
+    reason = "cortex-m-rt requires the handler to be an unsafe fn"
 )]
+// SAFETY: only the core calls it, on a hard fault, with `frame` on the stack that it pushed the
+// registers to. It may interrupt any code: it reads the frame, prints, and ends the emulator.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     println!("hard fault at {:#010x}", frame.pc());

@@ -1,7 +1,7 @@
-//! Golden checks over plain data: the same on a PC and on the emulated core.
+//! Golden checks: the same on a PC and on the emulated core.
 //!
-//! Reading the reference's files is the PC's part (tests/golden). What comes out is a [`Check`]:
-//! it runs where it is, or travels as bytes to an image that runs it.
+//! The PC reads the reference's files (tests/golden) into a [`Check`], and runs it or passes it as bytes to an
+//! image for the emulated core.
 #![no_std]
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
@@ -18,15 +18,13 @@ use serde::{Deserialize, Serialize};
 use preprocess::Recording;
 use smoother::Set;
 
-/// What is checked, with its data.
+/// A check with its data.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub enum Check {
     /// [`preprocess::whole`].
     WholeRecordings(Vec<Recording>),
     /// [`preprocess::stream`].
     Stream(Vec<Recording>),
-    /// [`preprocess::left_arm`].
-    LeftArm(Vec<Recording>),
     /// [`preprocess::rectified_first`].
     RectifiedFirst(Vec<Recording>),
     /// [`preprocess::live_edges`].
@@ -39,12 +37,11 @@ impl Check {
     /// Checks every case.
     ///
     /// # Panics
-    /// At the first case that differs from the reference, or where there is none.
+    /// At the first case that differs from the reference, or if there is no case.
     pub fn run(&self) {
         let count = match self {
             Self::WholeRecordings(recordings) => each(recordings, preprocess::whole),
             Self::Stream(recordings) => each(recordings, preprocess::stream),
-            Self::LeftArm(recordings) => each(recordings, preprocess::left_arm),
             Self::RectifiedFirst(recordings) => each(recordings, preprocess::rectified_first),
             Self::LiveEdges(recordings) => each(recordings, preprocess::live_edges),
             Self::LiveLabels(sets) => each(sets, smoother::live),

@@ -3,22 +3,22 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::stream::preprocess::{ArmSide, DIVISOR, Preprocessor, clean};
+use shared::stream::preprocess::{DIVISOR, Preprocessor, clean};
 use shared::units::{CHANNELS, CleanSample, Sample, WINDOW};
 
 /// The model's input at one instant, 0 ... 1.
 pub type Input = [f32; CHANNELS];
 
-/// A recording and what the reference makes of it.
+/// A recording and the reference's output.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Recording {
     /// Its name in the reference's files.
     pub name: String,
     /// As the armband sent it.
     pub raw: Vec<Sample>,
-    /// What the check compares with.
+    /// The expected output.
     pub expected: Vec<Input>,
-    /// Windows from one that the reference stored to the next; 1 where there are no windows.
+    /// Distance in windows between those that the reference stored; 1 if the check has no windows.
     pub stored_every: u32,
 }
 
@@ -30,13 +30,13 @@ fn cleaned(samples: impl IntoIterator<Item = Sample>) -> Vec<Input> {
     clean(samples).map(scaled).collect()
 }
 
-/// A whole recording becomes the reference's input.
+/// A whole recording gives the reference's input.
 pub fn whole(recording: &Recording) {
     let output = cleaned(recording.raw.iter().copied());
     assert!(output == recording.expected, "{} differs", recording.name);
 }
 
-/// Sample by sample it becomes the same, one sample late.
+/// Sample by sample it gives the same, one sample late.
 pub fn stream(recording: &Recording) {
     let Recording {
         name,
@@ -53,18 +53,8 @@ pub fn stream(recording: &Recording) {
     assert_eq!(preprocessor.finish().map(scaled), expected.last().copied());
 }
 
-/// A left arm is reordered before it is cleaned.
-pub fn left_arm(recording: &Recording) {
-    let mirrored = recording
-        .raw
-        .iter()
-        .map(|sample| ArmSide::Left.reorder(*sample));
-    let output = cleaned(mirrored);
-    assert!(output == recording.expected, "{} differs", recording.name);
-}
-
-/// The reference can also rectify before the median. It is no option here: the check shows that
-/// the order of the two steps is understood, and that it matters.
+/// The reference can also rectify before the median. The preprocessor has no such option: the check shows
+/// that the order of the two steps matters.
 pub fn rectified_first(recording: &Recording) {
     let Recording {
         name,
@@ -90,8 +80,8 @@ pub fn rectified_first(recording: &Recording) {
     assert!(output != cleaned(raw.iter().copied()), "{name} is the same");
 }
 
-/// The reference's live path cleans each window of raw samples by itself: its first and its last
-/// sample, of every window that was stored.
+/// The reference's live path preprocesses each window of raw samples by itself. Compares the first and the
+/// last sample of every window that was stored.
 pub fn live_edges(recording: &Recording) {
     let edges: Vec<_> = recording
         .raw

@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::stream::smoother::{AggregationMode, Likelihood, Settings, Smoother, Weighting};
+use shared::stream::smoother::{AggregationMode, Settings, Smoother};
 use shared::units::SampleIndex;
 
 /// The three classes and MASK, which the reference lets win.
@@ -11,7 +11,7 @@ pub const CLASSES: usize = 4;
 /// Rows that the files keep of every window.
 pub const TAIL: usize = 52;
 
-/// Windows and what the reference says of them under many settings.
+/// Windows and the reference's labels under many settings.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Set {
     /// Its name in the reference's files.
@@ -27,35 +27,20 @@ pub struct Set {
 pub struct Case {
     /// [`AggregationMode::SameInstant`], or else [`AggregationMode::AllRowsFrom`].
     pub same_instant: bool,
-    /// [`Likelihood::Probabilities`], or else [`Likelihood::Logits`].
-    pub probabilities: bool,
-    /// [`Weighting::Progressive`], or else [`Weighting::Equal`].
-    pub progressive: bool,
-    /// Of either weighting.
-    pub max_factor: f32,
     /// In rows, here samples.
     pub look_ahead: u32,
     /// In windows.
     pub hold: u32,
-    /// One a window, none where none was due.
+    /// One per window; none where no label was due.
     pub labels: Vec<Option<u8>>,
 }
 
 impl Case {
     fn settings(&self) -> Settings {
-        let max_factor = self.max_factor;
         Settings {
             aggregation: match self.same_instant {
                 true => AggregationMode::SameInstant,
                 false => AggregationMode::AllRowsFrom,
-            },
-            likelihood: match self.probabilities {
-                true => Likelihood::Probabilities,
-                false => Likelihood::Logits,
-            },
-            weighting: match self.progressive {
-                true => Weighting::Progressive { max_factor },
-                false => Weighting::Equal { max_factor },
             },
             look_ahead: self.look_ahead as usize,
             hold: self.hold as usize,
@@ -64,7 +49,7 @@ impl Case {
     }
 }
 
-/// Live labels are the reference's in every case.
+/// The labels equal those of the reference's live aggregator in every case.
 pub fn live(set: &Set) {
     let scores: Vec<f32> = set
         .tails

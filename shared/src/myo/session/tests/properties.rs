@@ -1,4 +1,4 @@
-//! Whatever happens, in whatever order: the promises hold.
+//! The session's guarantees under random events in random order.
 
 use super::{NEAR, address, advertisement, everything};
 use crate::myo::characteristic::{Characteristic, Found};
@@ -7,11 +7,11 @@ use crate::units::Millis;
 use alloc::{vec, vec::Vec};
 use proptest::prelude::*;
 
-/// An event with its bytes. `Answer` is whatever answers the outstanding operation well, so that
-/// random walks get beyond the first step.
+/// A random event with its bytes. `Answer` is the successful answer to the outstanding operation, so
+/// that random walks get beyond the first step.
 #[derive(Clone, Debug)]
-enum Happening {
-    Heard(u8, i8, Vec<u8>),
+enum Random {
+    Advertisement(u8, i8, Vec<u8>),
     Armband(u8, i8),
     Answer,
     Emg(u8),
@@ -31,27 +31,27 @@ fn characteristic() -> impl Strategy<Value = Characteristic> {
     prop::sample::select(&Characteristic::ALL[..])
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
+fn random_event() -> impl Strategy<Value = Random> {
     let bytes = || prop::collection::vec(any::<u8>(), 0..24);
     prop_oneof![
-        1 => (any::<u8>(), any::<i8>(), bytes()).prop_map(|(a, r, d)| Happening::Heard(a, r, d)),
-        3 => (0..4u8, any::<i8>()).prop_map(|(a, r)| Happening::Armband(a, r)),
-        40 => Just(Happening::Answer),
-        30 => any::<u8>().prop_map(Happening::Emg),
-        1 => Just(Happening::ScanEnded),
-        1 => Just(Happening::Connected),
-        1 => Just(Happening::ConnectFailed),
-        1 => prop::collection::vec(characteristic(), 0..8).prop_map(Happening::Discovered),
-        1 => bytes().prop_map(Happening::Read),
-        1 => Just(Happening::Done),
-        1 => Just(Happening::Failed),
-        2 => (characteristic(), bytes()).prop_map(|(c, b)| Happening::Notification(c, b)),
-        1 => Just(Happening::Disconnected),
-        10 => Just(Happening::Tick),
+        1 => (any::<u8>(), any::<i8>(), bytes()).prop_map(|(a, r, d)| Random::Advertisement(a, r, d)),
+        3 => (0..4u8, any::<i8>()).prop_map(|(a, r)| Random::Armband(a, r)),
+        40 => Just(Random::Answer),
+        30 => any::<u8>().prop_map(Random::Emg),
+        1 => Just(Random::ScanEnded),
+        1 => Just(Random::Connected),
+        1 => Just(Random::ConnectFailed),
+        1 => prop::collection::vec(characteristic(), 0..8).prop_map(Random::Discovered),
+        1 => bytes().prop_map(Random::Read),
+        1 => Just(Random::Done),
+        1 => Just(Random::Failed),
+        2 => (characteristic(), bytes()).prop_map(|(c, b)| Random::Notification(c, b)),
+        1 => Just(Random::Disconnected),
+        10 => Just(Random::Tick),
     ]
 }
 
-/// Milliseconds that pass: mostly few, at times many, and now and then the clock is nonsense.
+/// Milliseconds between events: mostly few, sometimes many, rarely a nonsensical clock.
 fn pause() -> impl Strategy<Value = u32> {
     prop_oneof![20 => 0..30u32, 5 => 0..700u32, 2 => 0..12_000u32, 1 => any::<u32>()]
 }
@@ -67,18 +67,18 @@ const OPERATIONS: fn(&Action) -> bool = |action| {
     )
 };
 
-/// What a radio knows, and what a pipeline may expect.
+/// The view of radio and pipeline: checks the order of actions.
 #[derive(Default)]
-struct Judge {
+struct Checker {
     outstanding: Option<Action>,
-    /// Whether samples may come: the mode was written and the stream is not lost.
+    /// Whether samples may be delivered: the mode was written and the stream has not ended.
     stream: bool,
     streams: u32,
-    lost: u32,
+    ended: u32,
 }
 
-impl Judge {
-    /// The event that answers the outstanding operation well.
+impl Checker {
+    /// The successful answer to the outstanding operation.
     fn answer(&self) -> Event<'static> {
         match self.outstanding {
             Some(Action::Connect(_)) => Event::Connected,
@@ -117,10 +117,10 @@ impl Judge {
             Action::Disconnect => self.outstanding = None,
             Action::Deliver(_) => prop_assert!(self.stream),
             Action::Gap { missing } => prop_assert!(self.stream && missing > 0),
-            Action::Lost => {
+            Action::StreamEnded => {
                 prop_assert!(self.stream);
                 self.stream = false;
-                self.lost += 1;
+                self.ended += 1;
             }
             _ => {}
         }
@@ -132,67 +132,67 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
-    fn any_events_at_any_time_keep_the_promises(
-        happenings in prop::collection::vec((pause(), happening()), 0..300),
+    fn any_events_at_any_time_keep_the_guarantees(
+        events in prop::collection::vec((pause(), random_event()), 0..300),
         pinned: bool,
     ) {
         let pinned = pinned.then_some(NEAR);
         let mut session = MyoSession::new(Settings { pinned, ..Settings::default() });
-        let mut judge = Judge::default();
+        let mut checker = Checker::default();
         let mut now = Millis(0);
         let mut number = 0u8;
         let armband = advertisement();
-        for (pause, happening) in &happenings {
+        for (pause, random) in &events {
             now = now.plus(*pause);
             let mut value = [0; 16];
-            let event = match happening {
-                Happening::Heard(last, rssi, data) => {
-                    Event::Heard { address: address(*last), rssi: *rssi, data }
+            let event = match random {
+                Random::Advertisement(last, rssi, data) => {
+                    Event::Advertisement { address: address(*last), rssi: *rssi, data }
                 }
-                Happening::Armband(last, rssi) => {
-                    Event::Heard { address: address(*last), rssi: *rssi, data: &armband }
+                Random::Armband(last, rssi) => {
+                    Event::Advertisement { address: address(*last), rssi: *rssi, data: &armband }
                 }
-                Happening::Answer => judge.answer(),
-                Happening::Emg(content) => {
+                Random::Answer => checker.answer(),
+                Random::Emg(content) => {
                     value.fill(*content);
                     number = number.wrapping_add(1);
                     let characteristic = Characteristic::ALL[2 + usize::from(number % 4)];
                     Event::Notification { characteristic, bytes: &value }
                 }
-                Happening::ScanEnded => Event::ScanEnded,
-                Happening::Connected => Event::Connected,
-                Happening::ConnectFailed => Event::ConnectFailed,
-                Happening::Discovered(these) => {
+                Random::ScanEnded => Event::ScanEnded,
+                Random::Connected => Event::Connected,
+                Random::ConnectFailed => Event::ConnectFailed,
+                Random::Discovered(these) => {
                     Event::Discovered(these.iter().copied().collect::<Found>())
                 }
-                Happening::Read(bytes) => Event::Read(bytes),
-                Happening::Done => Event::Done,
-                Happening::Failed => Event::Failed,
-                Happening::Notification(characteristic, bytes) => {
+                Random::Read(bytes) => Event::Read(bytes),
+                Random::Done => Event::Done,
+                Random::Failed => Event::Failed,
+                Random::Notification(characteristic, bytes) => {
                     Event::Notification { characteristic: *characteristic, bytes }
                 }
-                Happening::Disconnected => Event::Disconnected,
-                Happening::Tick => Event::Tick,
+                Random::Disconnected => Event::Disconnected,
+                Random::Tick => Event::Tick,
             };
             let streamed = session.phase() == Phase::Streaming;
             let mut actions = Vec::new();
             session.handle(now, event, &mut |action| actions.push(action));
 
-            // All that was held, each with a gap before it, and one thing that was due.
+            // All held notifications, each with a gap before it, and one action that was due.
             prop_assert!(actions.len() <= 2 * 27 + 2);
-            judge.event(event);
+            checker.event(event);
             let streams = session.phase() == Phase::Streaming;
-            if (streams || actions.contains(&Action::Lost)) && !streamed {
-                judge.stream = true;
-                judge.streams += 1;
+            if (streams || actions.contains(&Action::StreamEnded)) && !streamed {
+                checker.stream = true;
+                checker.streams += 1;
             }
             for action in actions {
-                judge.action(action)?;
+                checker.action(action)?;
             }
-            prop_assert_eq!(judge.stream, streams);
+            prop_assert_eq!(checker.stream, streams);
             prop_assert_ne!(session.phase(), Phase::Idle);
         }
-        prop_assert_eq!(judge.lost + u32::from(judge.stream), judge.streams);
+        prop_assert_eq!(checker.ended + u32::from(checker.stream), checker.streams);
     }
 }
 
@@ -200,31 +200,31 @@ proptest! {
 fn random_walks_do_reach_a_stream() {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::TestRunner;
-    // Else the property above would hold for want of trying.
+    // Otherwise the property above would hold without a stream.
     let mut runner = TestRunner::deterministic();
-    let walk = prop::collection::vec((0..30u32, happening()), 300);
+    let walk = prop::collection::vec((0..30u32, random_event()), 300);
     let mut streamed = 0;
     for _ in 0..50 {
         let walk = walk.new_tree(&mut runner).unwrap().current();
         let mut session = MyoSession::new(Settings::default());
-        let mut judge = Judge::default();
+        let mut checker = Checker::default();
         let mut now = Millis(0);
         let armband = advertisement();
-        for (pause, happening) in walk {
+        for (pause, random) in walk {
             now = now.plus(pause);
-            let event = match happening {
-                Happening::Armband(last, rssi) => Event::Heard {
+            let event = match random {
+                Random::Armband(last, rssi) => Event::Advertisement {
                     address: address(last),
                     rssi,
                     data: &armband,
                 },
-                Happening::Answer => judge.answer(),
+                Random::Answer => checker.answer(),
                 _ => Event::Tick,
             };
-            judge.event(event);
+            checker.event(event);
             session.handle(now, event, &mut |action| {
                 if OPERATIONS(&action) {
-                    judge.outstanding = Some(action);
+                    checker.outstanding = Some(action);
                 }
             });
             if session.phase() == Phase::Streaming {

@@ -1,8 +1,8 @@
-//! Counts the instructions that each part of the line executes per patch.
+//! Counts the instructions per patch that each part of the pipeline executes.
 //!
-//! The arguments are a file of raw samples, 8 bytes each, and a model's, or none for the one that the project ships.
-//! Prints how many patches were counted, the bytes of the encoder's state, then a line for every part: name, mean and
-//! largest count over the patches.
+//! Arguments: a file of raw samples, 8 bytes each, and optionally a model file; without one the model that the
+//! project ships. Prints the number of patches counted, the size of the encoder's state in bytes, then a line for
+//! every part: name, mean and largest count over the patches.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 #![forbid(unsafe_code)]
@@ -11,7 +11,7 @@
 extern crate alloc;
 
 #[cfg(target_os = "none")]
-mod line;
+mod pipeline;
 #[cfg(target_os = "none")]
 mod spans;
 
@@ -20,29 +20,16 @@ mod image {
     use alloc::vec::Vec;
 
     use device::{arguments, files, println, timer};
-    use shared::model::encoder::{EncoderState, usual_span};
+    use shared::model::Aligned;
+    use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
     use shared::model::file::Model;
-    use shared::model::kernels::Aligned;
     use shared::units::{CHANNELS, Sample};
 
-    use crate::line;
+    use crate::pipeline;
 
-    /// The model that the project ships, where flash has it: at a multiple of four.
+    /// The model that the project ships, aligned as in flash: at a multiple of four.
     static MODEL: &Aligned<[u8]> =
         &Aligned(*include_bytes!("../../../../../models/three-class.intent"));
-
-    /// Counts with the encoder of a shape; gives the bytes of its state too.
-    macro_rules! count {
-        ($model:expr, $samples:expr, $(($width:literal, $layers:literal))*) => {
-            match ($model.header.dimensions.width, $model.header.dimensions.layers) {
-                $(($width, $layers) => (
-                    line::count::<$width, $layers, { usual_span($layers) }>($model, $samples),
-                    size_of::<EncoderState<$width, $layers, { usual_span($layers) }>>(),
-                ),)*
-                shape => panic!("no encoder {shape:?} is compiled"),
-            }
-        };
-    }
 
     fn main() {
         let mut paths = arguments().into_iter();
@@ -58,18 +45,25 @@ mod image {
             .iter()
             .map(|sample| sample.map(|byte| byte as i8))
             .collect();
-        // Read into memory it is aligned as a large allocation is: at a multiple of eight.
+        // Memory for a file is a large allocation, aligned to eight bytes.
         let file = paths
             .next()
             .map(|path| files::read(&path).expect("a readable file"));
         let model = Model::parse(file.as_deref().unwrap_or(&MODEL.0)).expect("a model");
 
         timer::start();
-        let (counts, state) = count!(
-            &model,
-            &samples,
-            (48, 2)(64, 2)(96, 2)(128, 2)(48, 3)(64, 3)(96, 3)(128, 3)
-        );
+        // Wider models than a device holds are counted with the host's capacity.
+        let (counts, state) = match DeviceEncoder::new(&model) {
+            Ok(encoder) => (
+                pipeline::count(encoder, &model, &samples),
+                size_of::<DeviceState>(),
+            ),
+            Err(_) => {
+                let encoder = HostEncoder::new(&model).expect("room for every model");
+                let counts = pipeline::count(encoder, &model, &samples);
+                (counts, size_of_val(&encoder.fresh()))
+            }
+        };
         println!("patches {}", counts.total.count());
         println!("state {state}");
         for (part, spans) in counts.named() {

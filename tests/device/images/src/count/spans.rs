@@ -5,7 +5,7 @@ use core::hint::black_box;
 use device::timer::{self, Instant};
 use shared::model::encoder::probe::{Part, Probe};
 
-/// Counts of one piece of work, done again and again.
+/// Counts of a repeated piece of work.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Spans {
     sum: u64,
@@ -21,12 +21,12 @@ impl Spans {
         self.count += 1;
     }
 
-    /// How many.
+    /// Their number.
     pub const fn count(&self) -> u32 {
         self.count
     }
 
-    /// Their mean, to the nearest; 0 of none.
+    /// Their mean, rounded; 0 if there are none.
     pub fn mean(&self) -> u64 {
         let count = u64::from(self.count.max(1));
         (self.sum + count / 2) / count
@@ -38,14 +38,14 @@ impl Spans {
     }
 }
 
-/// Takes spans less what taking one costs.
+/// Counts spans, less the cost of counting.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     empty: u32,
 }
 
 impl Clock {
-    /// Measures first what a span of nothing costs.
+    /// Measures the count of an empty span.
     pub fn new() -> Self {
         let clock = Self { empty: 0 };
         let empty = (0..8).map(|_| clock.span(|| ()).1).min();
@@ -54,7 +54,7 @@ impl Clock {
         }
     }
 
-    /// Does the work; gives its result and its instructions.
+    /// Does the work; returns its result and its instructions.
     #[inline(always)]
     pub fn span<T>(&self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = timer::now();
@@ -67,7 +67,7 @@ impl Clock {
         (end.instructions() - start.instructions()).saturating_sub(self.empty)
     }
 
-    /// A probe for a step that begins now.
+    /// A probe for a step that starts now.
     pub fn probe(&self) -> Steps {
         Steps {
             clock: *self,
@@ -81,13 +81,13 @@ impl Clock {
 #[derive(Debug)]
 pub struct Steps {
     clock: Clock,
-    /// Embed, attention, feed-forward, head; the layers' added up.
+    /// Embed, attention, feed-forward, head; summed over the layers.
     pub parts: [u32; 4],
     last: Instant,
 }
 
 impl Probe for Steps {
-    /// Reads the timer first and last: the bookkeeping between counts for no part.
+    /// Reads the timer first and last: the bookkeeping between belongs to no part.
     #[inline(always)]
     fn done(&mut self, part: Part) {
         let end = timer::now();

@@ -1,0 +1,62 @@
+//! The state that pins and LEDs show. Only the newest counts, so it is no queue.
+
+use core::cell::Cell;
+
+use embassy_sync::{
+    blocking_mutex::{Mutex, raw::CriticalSectionRawMutex},
+    signal::Signal,
+};
+use shared::stream::safe_state::{Cause, Status};
+
+/// What pins and LEDs show.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct PinState {
+    /// Label and `valid`. Exactly one intent's pin is high, in the safe state that of relax.
+    pub status: Status,
+    /// Whether an armband streams.
+    pub armband: bool,
+}
+
+impl PinState {
+    /// After a start and after a panic.
+    pub const SAFE: Self = Self {
+        status: Status::Safe(Cause::Boot),
+        armband: false,
+    };
+}
+
+static STATE: Mutex<CriticalSectionRawMutex, Cell<PinState>> =
+    Mutex::new(Cell::new(PinState::SAFE));
+static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
+
+/// Sets label and `valid`.
+pub fn set_status(status: Status) {
+    update(|state| state.status = status);
+}
+
+/// Sets whether an armband streams.
+pub fn set_armband(streams: bool) {
+    update(|state| state.armband = streams);
+}
+
+fn update(change: impl FnOnce(&mut PinState)) {
+    STATE.lock(|cell| {
+        let before = cell.get();
+        let mut state = before;
+        change(&mut state);
+        if state != before {
+            cell.set(state);
+            CHANGED.signal(());
+        }
+    });
+}
+
+/// The newest state.
+pub fn current() -> PinState {
+    STATE.lock(Cell::get)
+}
+
+/// Waits until the state changed since the last wait.
+pub async fn changed() {
+    CHANGED.wait().await;
+}

@@ -1,0 +1,196 @@
+//! Runs the Myo session on a Bluetooth stack: carries out its actions and reports their outcome.
+//!
+//! The session decides everything and knows no stack; nothing is decided here. One operation runs
+//! at a time, notifications arrive beside it, and the session gets a tick every 50 ms.
+
+use core::cell::{Cell, RefCell};
+
+use embassy_futures::select::{Either, select};
+use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
+use embassy_time::{Duration, Ticker};
+use shared::myo::{Action, Event, MyoSession, Phase};
+use shared::stream::link_sequence::Sequencer;
+
+use super::{
+    ConnectionHandler, ENABLE_NOTIFICATIONS, Link, MAX_VALUE_BYTES, OperationFailed, Radio,
+    handles::Handles,
+};
+use crate::clock::now;
+use crate::messages::{heartbeat, packets::Packets};
+
+const TICK: Duration = Duration::from_millis(50);
+
+/// The session, and what connects it to the stack and to the inference.
+pub struct SessionDriver<'q> {
+    session: RefCell<MyoSession>,
+    sequencer: RefCell<Sequencer>,
+    packets: &'q Packets,
+    /// Actions for the stack, in order. The session has at most one operation outstanding, and may
+    /// stop a scan before it.
+    operations: Channel<NoopRawMutex, Action, 4>,
+    disconnect: Signal<NoopRawMutex, ()>,
+    streaming: Signal<NoopRawMutex, ()>,
+    connected: Cell<bool>,
+    /// Of the current connection.
+    handles: Cell<Handles>,
+    /// Called after every event.
+    observe: &'q dyn Fn(&MyoSession),
+}
+
+impl<'q> SessionDriver<'q> {
+    /// Before the first event.
+    pub fn new(
+        session: MyoSession,
+        packets: &'q Packets,
+        observe: &'q dyn Fn(&MyoSession),
+    ) -> Self {
+        Self {
+            session: RefCell::new(session),
+            sequencer: RefCell::new(Sequencer::new()),
+            packets,
+            operations: Channel::new(),
+            disconnect: Signal::new(),
+            streaming: Signal::new(),
+            connected: Cell::new(false),
+            handles: Cell::default(),
+            observe,
+        }
+    }
+
+    /// Runs the session forever, from one connection to the next.
+    pub async fn run(&self, radio: &mut impl Radio) {
+        select(self.tick(), async {
+            loop {
+                match self.operations.receive().await {
+                    Action::Scan => self.scan(radio).await,
+                    Action::Connect(address) => {
+                        self.disconnect.reset();
+                        self.streaming.reset();
+                        self.connected.set(false);
+                        select(radio.connect(address, self), self.disconnect.wait()).await;
+                        self.handle(if self.connected.get() {
+                            Event::Disconnected
+                        } else {
+                            Event::ConnectFailed
+                        });
+                    }
+                    // Of a link that has ended; the session has handled that already.
+                    _ => {}
+                }
+            }
+        })
+        .await;
+    }
+
+    async fn tick(&self) {
+        let mut ticker = Ticker::every(TICK);
+        loop {
+            self.handle(Event::Tick);
+            heartbeat::RADIO.beat();
+            ticker.next().await;
+        }
+    }
+
+    async fn scan(&self, radio: &mut impl Radio) {
+        let scan = radio.scan(|advertisement| {
+            self.handle(Event::Advertisement {
+                address: advertisement.address,
+                rssi: advertisement.rssi,
+                data: advertisement.data(),
+            });
+        });
+        let stopped =
+            async { while !matches!(self.operations.receive().await, Action::StopScan) {} };
+        if let Either::First(()) = select(scan, stopped).await {
+            self.handle(Event::ScanEnded);
+        }
+    }
+
+    /// Passes an event to the session, and the session's actions on.
+    fn handle(&self, event: Event<'_>) {
+        let mut session = self.session.borrow_mut();
+        session.handle(now(), event, &mut |action| self.act(action));
+        if session.phase() == Phase::Streaming {
+            self.streaming.signal(());
+        }
+        (self.observe)(&session);
+    }
+
+    fn act(&self, action: Action) {
+        match action {
+            Action::Disconnect => self.disconnect.signal(()),
+            Action::Deliver(samples) => self
+                .packets
+                .push(self.sequencer.borrow_mut().samples(samples)),
+            Action::Gap { missing } => self.sequencer.borrow_mut().gap(missing),
+            Action::StreamEnded => self.packets.push(self.sequencer.borrow_mut().end()),
+            // It has room: at most one operation is outstanding.
+            operation => drop(self.operations.try_send(operation)),
+        }
+    }
+
+    async fn operate(&self, link: &impl Link, operation: Action) {
+        let mut value = [0; MAX_VALUE_BYTES];
+        let handles = self.handles.get();
+        let outcome = match operation {
+            Action::Discover => match link.discover().await {
+                Ok(handles) => {
+                    self.handles.set(handles);
+                    return self.handle(Event::Discovered(handles.found()));
+                }
+                Err(failed) => Err(failed),
+            },
+            Action::Read(characteristic) => match handles.value(characteristic) {
+                Some(handle) => match link.read(handle, &mut value).await {
+                    Ok(length) => {
+                        return self.handle(Event::Read(&value[..length.min(MAX_VALUE_BYTES)]));
+                    }
+                    Err(failed) => Err(failed),
+                },
+                None => Err(OperationFailed),
+            },
+            Action::Write(characteristic, payload) => match handles.value(characteristic) {
+                Some(handle) => link.write(handle, payload.as_slice()).await,
+                None => Err(OperationFailed),
+            },
+            Action::Subscribe(characteristic) => match handles.subscription(characteristic) {
+                Some(handle) => link.write(handle, &ENABLE_NOTIFICATIONS).await,
+                None => Err(OperationFailed),
+            },
+            _ => return,
+        };
+        self.handle(match outcome {
+            Ok(()) => Event::Done,
+            Err(_) => Event::Failed,
+        });
+    }
+}
+
+impl ConnectionHandler for SessionDriver<'_> {
+    async fn run(&self, link: &impl Link) {
+        self.connected.set(true);
+        self.handles.take();
+        self.handle(Event::Connected);
+        let operate = async {
+            loop {
+                let operation = self.operations.receive().await;
+                self.operate(link, operation).await;
+            }
+        };
+        let listen = async {
+            self.streaming.wait().await;
+            let handles = self.handles.get();
+            link.listen(|handle, bytes| {
+                // No other characteristic of the armband is subscribed to.
+                if let Some(characteristic) = handles.characteristic(handle) {
+                    self.handle(Event::Notification {
+                        characteristic,
+                        bytes,
+                    });
+                }
+            })
+            .await
+        };
+        select(operate, listen).await;
+    }
+}

@@ -1,0 +1,108 @@
+//! LSTM: a recurrent network on moving standard deviations.
+
+use burn::module::Module;
+use burn::nn::lstm::{Lstm, LstmConfig};
+use burn::nn::{Initializer, Linear, LinearConfig};
+use burn::tensor::{Device, Tensor};
+use shared::units::CHANNELS;
+
+use super::Network;
+use myointent::training::dropout::Dropout;
+
+/// Dimensions of the network.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LstmBaselineConfig {
+    /// Width of the linear layer before the recurrent layer.
+    projection: usize,
+    /// Width of the recurrent layer's state.
+    hidden: usize,
+}
+
+impl Default for LstmBaselineConfig {
+    fn default() -> Self {
+        Self {
+            projection: 400,
+            hidden: 256,
+        }
+    }
+}
+
+impl LstmBaselineConfig {
+    /// A network with random weights.
+    pub(crate) fn init(&self, classes: usize, device: &Device) -> LstmBaseline {
+        // PyTorch's initialization, not Burn's.
+        let bound = 1.0 / (self.hidden as f64).sqrt();
+        LstmBaseline {
+            projection: LinearConfig::new(CHANNELS, self.projection).init(device),
+            lstm: LstmConfig::new(self.projection, self.hidden, true)
+                .with_initializer(Initializer::Uniform {
+                    min: -bound,
+                    max: bound,
+                })
+                .init(device),
+            out: LinearConfig::new(self.hidden, classes).init(device),
+        }
+    }
+}
+
+/// The network.
+#[derive(Module, Debug)]
+pub(crate) struct LstmBaseline {
+    projection: Linear,
+    lstm: Lstm,
+    out: Linear,
+}
+
+impl Network for LstmBaseline {
+    fn forward(&self, input: Tensor<2>, _: &mut Dropout) -> Vec<Tensor<3>> {
+        let [batch, numbers] = input.dims();
+        let input = input.reshape([batch, numbers / CHANNELS, CHANNELS]);
+        let x = self.projection.forward(input).tanh();
+        // One time step per call. Over a whole sequence the layer writes every state into one tensor,
+        // and the backward pass copies that tensor once per time step.
+        let mut state = None;
+        let mut hidden = Vec::with_capacity(numbers / CHANNELS);
+        for step in x.iter_dim(1) {
+            let (output, next) = self.lstm.forward(step, state);
+            hidden.push(output);
+            state = Some(next);
+        }
+        vec![self.out.forward(Tensor::cat(hidden, 1))]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::baselines::networks::lock_random_weights;
+    use myointent::training::tensor::read_back;
+
+    #[test]
+    fn has_as_many_parameters_as_counted_by_hand() {
+        let _lock = lock_random_weights();
+        let model = LstmBaselineConfig::default().init(3, &Device::default());
+        // Four gates, each with one bias for the input and one for the state, as in PyTorch.
+        let gates = 4 * (400 * 256 + 256 + 256 * 256 + 256);
+        assert_eq!(model.num_params(), (8 + 1) * 400 + gates + (256 + 1) * 3);
+    }
+
+    #[test]
+    fn single_time_steps_equal_the_whole_sequence() {
+        let _lock = lock_random_weights();
+        let device = Device::default();
+        let model = LstmBaselineConfig::default().init(3, &device);
+        let input: Vec<f32> = (0..2 * 5 * 8_u8)
+            .map(|x| (f32::from(x) * 0.7).sin())
+            .collect();
+        let input = Tensor::<1>::from_floats(input.as_slice(), &device).reshape([2, 40]);
+        let found = model.forward(input.clone(), &mut Dropout::off()).remove(0);
+        let x = model.projection.forward(input.reshape([2, 5, 8])).tanh();
+        let expected = model.out.forward(model.lstm.forward(x, None).0);
+        for (found, expected) in read_back(found).iter().zip(read_back(expected)) {
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{found} against {expected}"
+            );
+        }
+    }
+}

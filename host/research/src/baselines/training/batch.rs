@@ -1,0 +1,71 @@
+//! A batch of windows as tensors.
+
+use burn::tensor::{Device, Int, Tensor, TensorData};
+
+use super::data::extract;
+use crate::baselines::features::FeatureExtraction;
+use crate::baselines::windows::{Window, WindowedCorpus};
+use myointent::training::loss::cross_entropy;
+use myointent::training::tensor::read_back;
+
+/// Inputs and targets of some windows.
+pub(super) struct Batch {
+    /// `[windows, numbers]`.
+    pub(super) input: Tensor<2>,
+    /// Class of each frame, `[windows, frames, 1]`; 0 where there is no target.
+    target: Tensor<3, Int>,
+    /// 1 for each frame with a target, else 0, `[windows, frames]`.
+    mask: Tensor<2>,
+    /// Frames with a target that the loss is a mean over: this batch's, or those of the whole optimizer step of
+    /// which it is a shard.
+    pub(super) targets: f64,
+}
+
+impl Batch {
+    /// Computes features and targets.
+    pub(super) fn new(
+        features: &FeatureExtraction,
+        corpus: &WindowedCorpus,
+        windows: &[Window],
+        device: &Device,
+    ) -> Self {
+        let inputs = extract(features, corpus, windows);
+        let (rows, numbers) = (windows.len(), inputs[0].len());
+        let targets: Vec<_> = windows
+            .iter()
+            .flat_map(|&window| corpus.targets(window))
+            .collect();
+        let classes: Vec<i32> = targets
+            .iter()
+            .map(|target| target.map_or(0, |intent| intent.class() as i32))
+            .collect();
+        let mask: Vec<f32> = targets
+            .iter()
+            .map(|target| f32::from(u8::from(target.is_some())))
+            .collect();
+        let frames = features.frame_layout().count;
+        Self {
+            input: Tensor::from_data(TensorData::new(inputs.concat(), [rows, numbers]), device),
+            target: Tensor::from_data(TensorData::new(classes, [rows, frames, 1]), device),
+            targets: mask.iter().map(|&one| f64::from(one)).sum(),
+            mask: Tensor::from_data(TensorData::new(mask, [rows, frames]), device),
+        }
+    }
+
+    /// Cross entropy: the sum over frames with a target, divided by [`Self::targets`].
+    pub(super) fn loss(&self, logits: Tensor<3>) -> Tensor<1> {
+        let weight = self.mask.clone().unsqueeze_dim(2);
+        cross_entropy(logits, self.target.clone(), weight, self.targets)
+    }
+
+    /// Number of frames whose target has the largest logit.
+    pub(super) fn correct(&self, logits: Tensor<3>) -> f64 {
+        let hits = logits
+            .argmax(2)
+            .equal(self.target.clone())
+            .float()
+            .squeeze_dim::<2>(2)
+            * self.mask.clone();
+        f64::from(read_back(hits.sum())[0])
+    }
+}

@@ -1,0 +1,163 @@
+//! Streams divided into windows: raw and cleaned samples with a lead-in, and labels.
+
+use shared::intent::Intent;
+use shared::units::{CleanSample, Sample};
+
+use super::frame_layout::FrameLayout;
+use myointent::dataset::corpus::Corpus;
+use myointent::dataset::lead_in::lead_in;
+
+/// Samples in front of a stream. A multiple of the lead-in's 100 samples, so that the newest 600 are
+/// those that every other model gets, and enough for ED-TCN's 625.
+const LEAD: usize = 700;
+
+/// A stream with its lead-in, which has no labels.
+#[derive(Clone, Debug)]
+pub(crate) struct PaddedStream {
+    raw: Vec<Sample>,
+    emg: Vec<CleanSample>,
+    labels: Vec<Option<Intent>>,
+}
+
+/// The samples of one window.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WindowSamples<'a> {
+    /// As the armband sends them.
+    pub(crate) raw: &'a [Sample],
+    /// The same samples after cleaning (median and rectification).
+    pub(crate) emg: &'a [CleanSample],
+}
+
+/// The place of a window in a corpus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Window {
+    /// Index of the stream.
+    pub(crate) stream: usize,
+    /// Samples of the stream up to the window's end, without the lead-in.
+    pub(crate) end: usize,
+}
+
+impl PaddedStream {
+    /// Adds the lead-in. `raw` and `emg` have one length, and `labels` too unless no targets are needed.
+    pub(crate) fn new(raw: &[Sample], emg: &[CleanSample], labels: &[Option<Intent>]) -> Self {
+        let unlabelled = if raw.is_empty() { 0 } else { LEAD };
+        let unlabelled = std::iter::repeat_n(None, unlabelled);
+        Self {
+            raw: lead_in(raw, LEAD),
+            emg: lead_in(emg, LEAD),
+            labels: unlabelled.chain(labels.iter().copied()).collect(),
+        }
+    }
+
+    /// The `length` samples up to `end`, as in [`Window::end`]; `end` is 1 or more, `length` at most 700.
+    pub(crate) fn window(&self, end: usize, length: usize) -> WindowSamples<'_> {
+        let range = LEAD + end - length..LEAD + end;
+        WindowSamples {
+            raw: &self.raw[range.clone()],
+            emg: &self.emg[range],
+        }
+    }
+
+    /// The targets of the frames of the window that ends at `end`.
+    fn targets(&self, end: usize, layout: FrameLayout) -> Vec<Option<Intent>> {
+        layout.targets(&self.labels[LEAD + end - layout.window..LEAD + end])
+    }
+}
+
+/// The streams of a corpus and those of their windows that can be trained or validated with.
+#[derive(Clone, Debug)]
+pub(crate) struct WindowedCorpus {
+    streams: Vec<PaddedStream>,
+    layout: FrameLayout,
+    /// Every `stride` samples, if at least one frame has a target.
+    pub(crate) windows: Vec<Window>,
+    /// Number of classes.
+    pub(crate) classes: usize,
+}
+
+impl WindowedCorpus {
+    /// Divides the streams of a corpus into windows.
+    pub(crate) fn new(corpus: &Corpus, layout: FrameLayout, stride: usize) -> Self {
+        let streams: Vec<PaddedStream> = corpus
+            .streams
+            .iter()
+            .map(|stream| PaddedStream::new(&stream.raw, &stream.emg, &stream.labels))
+            .collect();
+        let mut windows = Vec::new();
+        for (stream, padded) in streams.iter().enumerate() {
+            let has_target = |&end: &usize| padded.targets(end, layout).iter().any(Option::is_some);
+            windows.extend(
+                (stride..=corpus.streams[stream].raw.len())
+                    .step_by(stride)
+                    .filter(has_target)
+                    .map(|end| Window { stream, end }),
+            );
+        }
+        Self {
+            streams,
+            layout,
+            windows,
+            classes: corpus.vocabulary.classes(),
+        }
+    }
+
+    /// The samples of a window.
+    pub(crate) fn samples(&self, window: Window) -> WindowSamples<'_> {
+        self.streams[window.stream].window(window.end, self.layout.window)
+    }
+
+    /// The targets of a window's frames; none where the label is unknown.
+    pub(crate) fn targets(&self, window: Window) -> Vec<Option<Intent>> {
+        self.streams[window.stream].targets(window.end, self.layout)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::baselines::Baseline;
+    use myointent::dataset::corpus::Stream;
+    use myointent::dataset::lead_in::padded;
+    use shared::intent::Vocabulary;
+
+    fn corpus() -> Corpus {
+        let raw: Vec<Sample> = (0..350_i32).map(|t| [(t % 120) as i8; 8]).collect();
+        let mut labels = vec![Some(Intent::Open); 350];
+        labels[200..260].fill(None);
+        Corpus {
+            vocabulary: Vocabulary::Three,
+            streams: vec![Stream::new(raw, labels)],
+        }
+    }
+
+    #[test]
+    fn a_window_has_the_samples_that_every_other_model_gets() {
+        let corpus = corpus();
+        let windowed = WindowedCorpus::new(&corpus, FrameLayout::of(Baseline::Lda, 1), 30);
+        let expected = padded(&corpus.streams[0].emg);
+        let window = Window { stream: 0, end: 10 };
+        assert_eq!(windowed.samples(window).emg, &expected[10..610]);
+        let windowed = WindowedCorpus::new(&corpus, FrameLayout::of(Baseline::EdTcn, 1), 30);
+        let long = windowed.samples(window);
+        assert_eq!(long.raw.len(), 625);
+        assert_eq!(long.raw[615..], corpus.streams[0].raw[..10]);
+    }
+
+    #[test]
+    fn windows_without_a_target_are_left_out() {
+        let corpus = corpus();
+        let ends = |baseline| {
+            let layout = FrameLayout::of(baseline, 10);
+            let windows = WindowedCorpus::new(&corpus, layout, 30).windows;
+            windows.iter().map(|window| window.end).collect::<Vec<_>>()
+        };
+        // The last samples of windows 210 and 240 are unlabelled; ED-TCN has older frames.
+        assert_eq!(
+            ends(Baseline::Mlp),
+            [30, 60, 90, 120, 150, 180, 270, 300, 330]
+        );
+        assert_eq!(ends(Baseline::EdTcn).len(), 11);
+        // The LSTM's targets need labels for half of a frame.
+        assert_eq!(ends(Baseline::Lstm)[0], 60);
+    }
+}

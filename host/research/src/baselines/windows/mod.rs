@@ -1,0 +1,7 @@
+//! Windows of recordings: what a baseline sees at one instant, and the labels of its frames.
+
+mod corpus;
+mod frame_layout;
+
+pub(super) use corpus::{PaddedStream, Window, WindowSamples, WindowedCorpus};
+pub(super) use frame_layout::FrameLayout;

@@ -1,0 +1,45 @@
+//! All variants of a study.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::error::ResultsError;
+use super::variant_results::{VariantResults, sub_folders};
+
+/// The results of all variants of a study.
+#[derive(Clone, Debug)]
+pub(crate) struct StudyResults {
+    /// The study's folder.
+    pub(crate) path: PathBuf,
+    /// By the variant's name, which is that of its folder.
+    pub(crate) variants: BTreeMap<String, VariantResults>,
+}
+
+impl StudyResults {
+    /// Reads the folders of all variants; folders without runs are ignored.
+    ///
+    /// # Errors
+    /// When there is no run at all, or the folds of a variant do not belong together.
+    pub(crate) fn load(path: &Path) -> Result<Self, ResultsError> {
+        let mut variants = BTreeMap::new();
+        for folder in sub_folders(path)? {
+            match VariantResults::load(&folder) {
+                Ok(variant) => {
+                    variants.insert(variant.name.clone(), variant);
+                }
+                Err(ResultsError::NoRuns { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        if variants.is_empty() {
+            return Err(ResultsError::NoRuns {
+                path: path.to_owned(),
+                expected: "folders VARIANT/fold-K",
+            });
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            variants,
+        })
+    }
+}

@@ -1,0 +1,14 @@
+//! The tables of a study, in the paper's layout, as Markdown and CSV.
+
+mod ablation;
+mod differences;
+mod folds;
+mod heading;
+mod offsets;
+mod page;
+mod scores;
+mod section;
+mod sheet;
+
+pub(crate) use folds::folds;
+pub(crate) use page::page;

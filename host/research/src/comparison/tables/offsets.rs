@@ -1,0 +1,103 @@
+//! Tables of prediction offsets: how late a model follows transitions. Means are over transitions, not over
+//! subjects.
+
+use super::heading::{Heading, ModelRow, set_title};
+use super::sheet::{Column, Row, Sheet};
+use myointent::evaluation::Truth;
+use myointent::evaluation::metric::summary::Summary;
+use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts};
+
+const FOLLOWED: Parts = &["followed", "transitions"];
+
+/// A table with a row per data set, look-ahead and model that has a score.
+pub(super) fn offsets(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Truth) -> Sheet {
+    let mut columns = vec![
+        Column::new("recordings", ONE),
+        Column::new("look-ahead", ONE),
+        Column::new(heading.rows, ONE),
+    ];
+    for time in ["reference", "emitted"] {
+        columns.extend([
+            Column::new(format!("{time} ms"), MEAN_SD),
+            Column::new(format!("{time} median"), ONE),
+            Column::new(format!("{time} absolute"), MEAN_SD),
+            Column::new(format!("{time} n"), FOLLOWED),
+        ]);
+    }
+    let variants: Vec<_> = models.iter().map(|row| row.variant).collect();
+    let mut sheet = heading.sheet(truth, &variants, columns);
+    let mut sets: Vec<(bool, &str)> = variants.iter().flat_map(|v| v.data_sets()).collect();
+    sets.sort_unstable();
+    sets.dedup();
+    for (_, set) in sets {
+        for ahead in 0..2 {
+            for row in models {
+                let look_ahead = row.variant.look_aheads()[ahead];
+                let Some(score) = row.variant.score(row.model, set, look_ahead, truth) else {
+                    continue;
+                };
+                let mut cells = vec![
+                    cell::text(set_title(set)),
+                    cell::text(look_ahead.name()),
+                    cell::text(row.label.as_str()),
+                ];
+                cells.extend(offset_cells(score.widest()));
+                cells.extend(offset_cells(&score.emitted));
+                sheet.rows.push(Row {
+                    cells,
+                    source: row.variant.provenance(),
+                });
+            }
+        }
+    }
+    sheet
+}
+
+fn offset_cells(summary: &Summary) -> [Cell; 4] {
+    let offset = summary.offset;
+    [
+        cell::signed_ms(offset.map(|offset| offset.signed)),
+        cell::one_ms(offset.map(|offset| offset.signed_median)),
+        cell::absolute_ms(offset.map(|offset| offset.absolute)),
+        cell::support(summary.correct, summary.events),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::comparison::results::fixture::{Fixture, score};
+
+    #[test]
+    fn offsets_are_over_the_transitions_of_all_folds() {
+        let fixture = Fixture::new();
+        let first = score("roshambo/01", 0.5, &[-20, 0, 10], 4);
+        fixture.fold("main", 1, 2).score(first).write();
+        let second = score("roshambo/02", 0.5, &[20], 1);
+        fixture.fold("main", 2, 2).score(second).write();
+        let main = fixture.variant("main");
+        let teacher = ModelRow {
+            label: "teacher".to_owned(),
+            variant: &main,
+            model: "teacher",
+        };
+        let heading = Heading {
+            name: "x",
+            title: "X",
+            caption: "",
+            rows: "model",
+        };
+        let sheet = offsets(&heading, &[teacher], Truth::Published);
+        let row: Vec<&str> = sheet.rows[0]
+            .cells
+            .iter()
+            .map(|c| c.shown.as_str())
+            .collect();
+        // By hand: -100, 0, 50 and 100 ms; labels are emitted 250 ms later.
+        let reference = ["+13 (85)", "+25", "63 (48)", "4 / 5"];
+        let emitted = ["+263 (85)", "+275", "263 (85)", "4 / 5"];
+        assert_eq!(row[..3], ["roshambo", "0", "teacher"]);
+        assert_eq!(row[3..7], reference);
+        assert_eq!(row[7..], emitted);
+    }
+}

@@ -1,0 +1,220 @@
+//! `myointent predict`: a model's labels and logits, for other programs.
+
+mod matrix;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::{Args, ValueEnum};
+use shared::intent::Intent;
+use shared::model::LookBackLogits;
+use shared::model::file::Model;
+use shared::stream::preprocess::clean;
+use shared::stream::smoother::Settings;
+use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
+
+use self::matrix::{Format, Matrix};
+use super::arguments::BackendArguments;
+use super::replay::one_recording;
+use crate::dataset::npy::{self, Values};
+use crate::evaluation::smooth;
+use crate::execution::run_folder::{RunFolder, write_whole};
+use crate::inference::{integer_logits, student_logits, teacher_logits};
+use crate::run::config::ResolvedConfig;
+use crate::run::context::{RunContext, load_student, load_teacher};
+use crate::student::distillation;
+use crate::teacher::model::TeacherInput;
+use crate::training::augmentation::Variation;
+use crate::training::tensor::read_back;
+
+/// A checkpoint of a run folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Which {
+    /// The masked transformer.
+    Teacher,
+    /// The float student.
+    Student,
+}
+
+/// Arguments of `predict`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
+    time (-1 before the first), and the logits of the sample's patch when it was the newest.\n\
+    For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
+    Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
+    myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
+)]
+pub struct Arguments {
+    /// Model file.
+    #[arg(
+        long,
+        value_name = "FILE.intent",
+        conflicts_with = "run",
+        required_unless_present = "run"
+    )]
+    model: Option<PathBuf>,
+    /// Run folder with a checkpoint.
+    #[arg(long, value_name = "DIR")]
+    run: Option<PathBuf>,
+    /// Which checkpoint of the run folder.
+    #[arg(long, value_enum, default_value = "student")]
+    which: Which,
+    /// A recording, in any format that `myointent data inspect` reads.
+    #[arg(long, conflicts_with = "window", required_unless_present = "window")]
+    recording: Option<PathBuf>,
+    /// Which recording, if the path holds several, as data-set/subject/name.
+    #[arg(long)]
+    name: Option<String>,
+    /// One window of raw samples as npy, 600 x 8.
+    #[arg(long, value_name = "FILE.npy")]
+    window: Option<PathBuf>,
+    /// File to write: .npy (f32) or .csv.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// Runs a model and writes its labels and logits.
+///
+/// # Errors
+/// When the model is refused, the input cannot be read or the output cannot be written.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let format = Format::of(&arguments.out)?;
+    let matrix = if let Some(path) = &arguments.window {
+        over_window(arguments, &window(path)?)?
+    } else if let Some(path) = &arguments.recording {
+        let recording = one_recording(path, arguments.name.as_deref())?;
+        over_recording(arguments, &clean(recording.samples).collect::<Vec<_>>())?
+    } else {
+        bail!("no input: give --recording or --window");
+    };
+    Ok(write_whole(&arguments.out, &matrix.encode(format))?)
+}
+
+/// Logits of every patch, number of classes and how they are smoothed.
+fn logits(
+    arguments: &Arguments,
+    emg: &[CleanSample],
+) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
+    if let Some(path) = &arguments.model {
+        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        let model =
+            Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
+        let classes = model.header.dimensions.vocabulary.classes();
+        return Ok((
+            integer_logits(&model, emg)?,
+            classes,
+            model.header.smoother.in_patches(),
+        ));
+    }
+    let (folder, config) = run_of(arguments)?;
+    let device = arguments.backend.device().inner();
+    let classes = config.preset.classes;
+    let rows = match arguments.which {
+        Which::Teacher => {
+            let model = load_teacher(&folder, &config, &device)?;
+            teacher_logits(&model, config.preset.teacher.window_shape(), emg, &device)
+        }
+        Which::Student => {
+            let model = load_student(&folder, &config, distillation::NAME, &device)?;
+            student_logits(&model, emg, &device)
+        }
+    };
+    Ok((rows, classes, Settings::PAPER_IN_PATCHES))
+}
+
+fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
+    let path = arguments
+        .run
+        .as_deref()
+        .context("no model: give --model or --run")?;
+    Ok(RunContext::find(path)?)
+}
+
+fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
+    let (rows, classes, settings) = logits(arguments, emg)?;
+    let labels = smooth(&rows, emg.len(), classes, settings)?;
+    let mut values = Vec::with_capacity(emg.len() * (classes + 1));
+    for (sample, label) in labels.reference.iter().enumerate() {
+        values.push(label.map_or(-1.0, |intent| intent.class() as f32));
+        match rows.get(sample / PATCH) {
+            Some(rows) => values.extend(&rows[0][..classes]),
+            None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
+        }
+    }
+    let columns = std::iter::once("label".to_owned())
+        .chain(names(classes, "logit_".to_owned()))
+        .collect();
+    Ok(Matrix { columns, values })
+}
+
+fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
+    let emg: Vec<CleanSample> = clean(samples.iter().copied()).collect();
+    if arguments.model.is_none() && arguments.which == Which::Teacher {
+        let (folder, config) = run_of(arguments)?;
+        let device = arguments.backend.device().inner();
+        let classes = config.preset.classes;
+        let model = load_teacher(&folder, &config, &device)?;
+        let shape = config.preset.teacher.window_shape();
+        let mut input = Vec::with_capacity(shape.window * CHANNELS);
+        // A model of a shorter window sees the newest samples of this one.
+        Variation::NONE.write(&emg[WINDOW - shape.window..], &mut input);
+        let output = model.forward(TeacherInput::for_inference(input, shape, classes, &device));
+        let columns = names(classes, String::new())
+            .chain(["mask".to_owned()])
+            .collect();
+        return Ok(Matrix {
+            columns,
+            values: read_back(output.intent),
+        });
+    }
+    let (rows, classes, _) = logits(arguments, &emg)?;
+    let columns = (0..LOOK_BACK)
+        .flat_map(|back| names(classes, format!("back{back}_")))
+        .collect();
+    let values = rows
+        .iter()
+        .flatten()
+        .flat_map(|row| &row[..classes])
+        .copied()
+        .collect();
+    Ok(Matrix { columns, values })
+}
+
+fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
+    Intent::ALL
+        .into_iter()
+        .take(classes)
+        .map(move |intent| format!("{prefix}{}", intent.name()))
+}
+
+/// Raw samples of a window: integers or floats, values -128..=127.
+fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
+    let array = npy::read(path)?;
+    let (&[WINDOW, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
+        bail!(
+            "{}: expected {WINDOW} x {CHANNELS} raw samples, found {}",
+            path.display(),
+            array.describe()
+        );
+    };
+    if let Some(at) = values
+        .iter()
+        .position(|value| value.fract() != 0.0 || !(-128.0..=127.0).contains(value))
+    {
+        bail!(
+            "{}: value {} of row {}: expected a raw sample, -128 to 127",
+            path.display(),
+            values[at],
+            at / CHANNELS
+        );
+    }
+    let (rows, _) = values.as_chunks::<CHANNELS>();
+    #[expect(clippy::cast_possible_truncation, reason = "just checked")]
+    Ok(rows
+        .iter()
+        .map(|row| row.map(|value| value as i8))
+        .collect())
+}

@@ -1,0 +1,65 @@
+//! Runs of equal labels.
+
+use shared::intent::Intent;
+
+/// A longest run of one label: samples `start..end`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Run {
+    /// The label of every sample in it.
+    pub label: Option<Intent>,
+    /// First sample.
+    pub start: usize,
+    /// One after the last sample.
+    pub end: usize,
+}
+
+impl Run {
+    /// Samples in it, at least 1.
+    #[must_use]
+    pub const fn samples(&self) -> usize {
+        self.end - self.start
+    }
+
+    /// The sample half-way.
+    #[must_use]
+    pub const fn middle(&self) -> usize {
+        usize::midpoint(self.start, self.end)
+    }
+}
+
+/// The runs of a label sequence, in order and without gaps.
+#[must_use]
+pub fn runs(labels: &[Option<Intent>]) -> Vec<Run> {
+    let mut start = 0;
+    labels
+        .chunk_by(|a, b| a == b)
+        .map(|chunk| {
+            let run = Run {
+                label: chunk[0],
+                start,
+                end: start + chunk.len(),
+            };
+            start = run.end;
+            run
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_touch_and_cover_everything() {
+        let labels = [None, None, Some(Intent::Open), None];
+        let found: Vec<_> = runs(&labels)
+            .iter()
+            .map(|r| (r.label, r.start, r.end))
+            .collect();
+        assert_eq!(
+            found,
+            [(None, 0, 2), (Some(Intent::Open), 2, 3), (None, 3, 4)]
+        );
+        assert!(runs(&[]).is_empty());
+    }
+}

@@ -1,0 +1,89 @@
+//! Labels of six classes in a vocabulary of three or six.
+
+use shared::intent::{Intent, Vocabulary};
+
+use super::runs::runs;
+use crate::dataset::recording::{DataSet, Recording};
+
+impl Recording {
+    /// The labels in a vocabulary: intents outside it become none, never a wrong label.
+    ///
+    /// Where the end of a set's gestures is unknown, the rest after such an intent becomes none too.
+    #[must_use]
+    pub fn labels_in(&self, vocabulary: Vocabulary) -> Vec<Option<Intent>> {
+        let mut labels = self.labels.clone();
+        let mut may_still_hold = false;
+        for run in runs(&self.labels) {
+            let outside = run.label.is_some_and(|intent| !vocabulary.contains(intent));
+            if outside || (may_still_hold && run.label == Some(Intent::Relax)) {
+                labels[run.start..run.end].fill(None);
+            }
+            may_still_hold = outside && self.data_set.releases_at_unknown_times();
+        }
+        labels
+    }
+}
+
+impl DataSet {
+    /// Whether rest that follows a gesture may still hold the gesture until its end.
+    ///
+    /// `ss-stm` has nominal times only and its gestures are released up to 1.5 s late.
+    const fn releases_at_unknown_times(self) -> bool {
+        matches!(self, Self::SsStm)
+    }
+}
+
+/// The vocabulary that labels need: three classes unless one of them is outside.
+pub(crate) fn smallest<'a>(labels: impl IntoIterator<Item = &'a Option<Intent>>) -> Vocabulary {
+    let mut known = labels.into_iter().flatten();
+    if known.all(|&intent| Vocabulary::Three.contains(intent)) {
+        Vocabulary::Three
+    } else {
+        Vocabulary::Six
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+
+    const R: Option<Intent> = Some(Intent::Relax);
+    const C: Option<Intent> = Some(Intent::Close);
+    const W: Option<Intent> = Some(Intent::WaveIn);
+
+    fn recording(data_set: DataSet) -> Recording {
+        let labels = vec![R, W, R, C, R];
+        Recording {
+            data_set,
+            subject: String::new(),
+            name: String::new(),
+            path: PathBuf::new(),
+            samples: vec![[0; 8]; labels.len()],
+            labels,
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn intents_outside_the_vocabulary_become_none() {
+        let recording = recording(DataSet::MyoReadings);
+        assert_eq!(recording.labels_in(Vocabulary::Six), recording.labels);
+        let three = recording.labels_in(Vocabulary::Three);
+        assert_eq!(three, [R, None, R, C, R]);
+    }
+
+    #[test]
+    fn rest_after_a_gesture_of_unknown_end_becomes_none_too() {
+        let three = recording(DataSet::SsStm).labels_in(Vocabulary::Three);
+        assert_eq!(three, [R, None, None, C, R]);
+    }
+
+    #[test]
+    fn three_classes_do_until_a_label_needs_six() {
+        assert_eq!(smallest(&[R, None, C]), Vocabulary::Three);
+        assert_eq!(smallest(&[R, W]), Vocabulary::Six);
+        assert_eq!(smallest(&[]), Vocabulary::Three);
+    }
+}

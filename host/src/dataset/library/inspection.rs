@@ -1,0 +1,234 @@
+//! Contents of a library by data set, and anomalies in it: `myointent data inspect`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use shared::intent::Intent;
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, WINDOW};
+
+use super::Library;
+use crate::dataset::labels::lag::{self, LagEstimate};
+use crate::dataset::labels::runs::{Run, runs};
+use crate::dataset::recording::{DataSet, Recording};
+
+/// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
+const SATURATED: f64 = 0.02;
+
+/// Contents of one data set.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub(crate) struct SetInspection {
+    /// The data set.
+    pub data_set: DataSet,
+    /// People.
+    pub subjects: usize,
+    /// Recordings.
+    pub recordings: usize,
+    /// Seconds of all recordings.
+    pub seconds: f64,
+    /// Seconds by intent; an intent that does not occur is left out.
+    pub seconds_by_intent: BTreeMap<&'static str, f64>,
+    /// Seconds without a label.
+    pub seconds_unlabelled: f64,
+    /// Changes from one labelled intent straight to another.
+    pub transitions: usize,
+    /// Largest share of one channel's samples in one recording at the ends of the range.
+    pub worst_saturation: f64,
+    /// How late the muscle follows its labels, over all subjects.
+    pub label_lag: Option<LagEstimate>,
+}
+
+/// An anomaly, and the recordings that have it.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub(crate) struct Suspicion {
+    /// The anomaly.
+    pub what: String,
+    /// Recordings or files.
+    pub which: Vec<String>,
+}
+
+/// Contents of a library and its anomalies.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub(crate) struct Inspection {
+    /// By data set.
+    pub sets: Vec<SetInspection>,
+    /// Anomalies, recordings with the same anomaly together.
+    pub suspicions: Vec<Suspicion>,
+    /// Files that are no recordings.
+    pub ignored: usize,
+}
+
+impl Inspection {
+    /// Examines every sample of a library.
+    #[must_use]
+    pub fn new(library: &Library) -> Self {
+        let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
+        let mut by_anomaly: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for recording in &library.recordings {
+            by_set
+                .entry(recording.data_set)
+                .or_default()
+                .push(recording);
+            for what in anomalies(recording) {
+                let which = format!("{} {}", recording.subject, recording.name);
+                by_anomaly.entry(what).or_default().push(which);
+            }
+        }
+        for skipped in &library.skipped {
+            by_anomaly
+                .entry("damaged, left out".into())
+                .or_default()
+                .push(skipped.to_string());
+        }
+        for repeat in &library.repeats {
+            let what = "same samples as another subject's, left out";
+            let which = format!("{} = {}", repeat.path.display(), repeat.kept.display());
+            by_anomaly.entry(what.into()).or_default().push(which);
+        }
+        Self {
+            sets: by_set
+                .into_iter()
+                .map(|(set, recordings)| inspect(set, &recordings))
+                .collect(),
+            suspicions: by_anomaly
+                .into_iter()
+                .map(|(what, which)| Suspicion { what, which })
+                .collect(),
+            ignored: library.ignored.len(),
+        }
+    }
+}
+
+fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
+    let mut counts = [0usize; Intent::ALL.len()];
+    let (mut unlabelled, mut transitions) = (0, 0);
+    for recording in recordings {
+        let runs = runs(&recording.labels);
+        for run in &runs {
+            match run.label {
+                Some(intent) => counts[intent.class()] += run.samples(),
+                None => unlabelled += run.samples(),
+            }
+        }
+        let straight = |pair: &&[Run]| pair.iter().all(|run| run.label.is_some());
+        transitions += runs.windows(2).filter(straight).count();
+    }
+    let seconds = |samples: usize| samples as f64 / f64::from(SAMPLE_RATE_HZ);
+    SetInspection {
+        data_set,
+        subjects: recordings
+            .iter()
+            .map(|r| &r.subject)
+            .collect::<BTreeSet<_>>()
+            .len(),
+        recordings: recordings.len(),
+        seconds: recordings.iter().map(|r| r.seconds()).sum(),
+        seconds_by_intent: Intent::ALL
+            .into_iter()
+            .filter(|intent| counts[intent.class()] > 0)
+            .map(|intent| (intent.name(), seconds(counts[intent.class()])))
+            .collect(),
+        seconds_unlabelled: seconds(unlabelled),
+        transitions,
+        worst_saturation: recordings
+            .iter()
+            .flat_map(|r| saturation(r))
+            .fold(0.0, f64::max),
+        label_lag: lag::estimate(recordings),
+    }
+}
+
+/// Share of the samples at either end of the range, by channel.
+fn saturation(recording: &Recording) -> [f64; CHANNELS] {
+    let mut ends = [0usize; CHANNELS];
+    for sample in &recording.samples {
+        for (count, &value) in ends.iter_mut().zip(sample) {
+            *count += usize::from(value == i8::MIN || value == i8::MAX);
+        }
+    }
+    ends.map(|count| count as f64 / recording.samples.len().max(1) as f64)
+}
+
+fn anomalies(recording: &Recording) -> Vec<String> {
+    let mut anomalies = recording.notes.clone();
+    if recording.samples.len() < WINDOW {
+        anomalies.push(format!("shorter than a window ({WINDOW} samples)"));
+    }
+    if saturation(recording).iter().any(|&share| share > SATURATED) {
+        anomalies.push(format!(
+            "more than {:.0} % of a channel saturated",
+            100.0 * SATURATED
+        ));
+    }
+    if let Some(first) = recording.samples.first() {
+        for channel in 0..CHANNELS {
+            if recording
+                .samples
+                .iter()
+                .all(|sample| sample[channel] == first[channel])
+            {
+                anomalies.push(format!("channel {channel} never changes"));
+            }
+        }
+    }
+    anomalies
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+
+    fn library() -> Library {
+        let label = |at: usize| match at / 200 {
+            0 | 2 => Some(Intent::Relax),
+            1 => Some(Intent::Close),
+            _ => None,
+        };
+        let sample = |at: usize| {
+            let mut sample = [at as i8 % 7; CHANNELS];
+            sample[2] = 0;
+            sample[5] = if at.is_multiple_of(10) { 127 } else { 1 };
+            sample
+        };
+        Library {
+            recordings: vec![Recording {
+                data_set: DataSet::ReactEmg,
+                subject: "react-emg/s1".into(),
+                name: "a".into(),
+                path: PathBuf::new(),
+                samples: (0..800).map(sample).collect(),
+                labels: (0..800).map(label).collect(),
+                notes: vec!["known".into()],
+            }],
+            ..Library::default()
+        }
+    }
+
+    #[test]
+    fn seconds_and_transitions_are_counted_by_label() {
+        let inspection = Inspection::new(&library());
+        let set = &inspection.sets[0];
+        assert_eq!((set.subjects, set.recordings, set.seconds), (1, 1, 4.0));
+        let seconds: Vec<_> = set
+            .seconds_by_intent
+            .iter()
+            .map(|(&n, &s)| (n, s))
+            .collect();
+        assert_eq!(seconds, [("close", 1.0), ("relax", 2.0)]);
+        assert_eq!((set.seconds_unlabelled, set.transitions), (1.0, 2));
+        assert_eq!(set.worst_saturation, 0.1);
+    }
+
+    #[test]
+    fn notes_saturation_and_dead_channels_are_suspicious() {
+        let suspicions = Inspection::new(&library()).suspicions;
+        let what: Vec<_> = suspicions.iter().map(|s| s.what.as_str()).collect();
+        let expected = [
+            "channel 2 never changes",
+            "known",
+            "more than 2 % of a channel saturated",
+        ];
+        assert_eq!(what, expected);
+        assert_eq!(suspicions[0].which, ["react-emg/s1 a"]);
+    }
+}

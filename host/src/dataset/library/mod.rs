@@ -1,0 +1,202 @@
+//! All recordings below a path.
+
+pub(crate) mod inspection;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use shared::units::Sample;
+
+use super::readers::error::LoadError;
+use super::readers::open::{Found, open};
+use super::recording::{DataSet, Recording};
+
+/// What to read.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct LoadOptions {
+    /// Stop at the first damaged file, rather than leave damaged files out and list them.
+    pub strict: bool,
+    /// Data sets to read, files of others are ignored; all if empty.
+    pub data_sets: Vec<DataSet>,
+}
+
+impl LoadOptions {
+    fn wants(&self, data_set: DataSet) -> bool {
+        self.data_sets.is_empty() || self.data_sets.contains(&data_set)
+    }
+}
+
+/// Everything found below one path.
+#[derive(Debug, Default)]
+pub struct Library {
+    /// The recordings, ordered by path.
+    pub recordings: Vec<Recording>,
+    /// Why each damaged file was left out; empty with [`LoadOptions::strict`].
+    pub skipped: Vec<LoadError>,
+    /// Recordings left out because another holds the same samples.
+    pub repeats: Vec<Repeat>,
+    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of motions
+    /// outside the six classes.
+    pub ignored: Vec<PathBuf>,
+}
+
+/// A recording left out because its samples are published twice.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Repeat {
+    /// The file left out.
+    pub path: PathBuf,
+    /// The file kept.
+    pub kept: PathBuf,
+}
+
+/// Reads every recording at or below a path: a folder of many sets, one set, or one file.
+///
+/// # Errors
+/// [`LoadError::Damaged`] at the first damaged file in path order with
+/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found;
+/// [`LoadError::Io`] if the file system refuses.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
+    let files = files(path)?;
+    let found: Vec<_> = files
+        .par_iter()
+        .map(|file| open(file, |data_set| options.wants(data_set)))
+        .collect();
+    let mut library = Library::default();
+    for (file, found) in files.into_iter().zip(found) {
+        match found {
+            Ok(Found::Recordings(recordings)) => library.recordings.extend(recordings),
+            Ok(Found::Part) => {}
+            Ok(Found::Nothing) => library.ignored.push(file),
+            Err(error @ LoadError::Damaged { .. }) if !options.strict => {
+                library.skipped.push(error);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if library.recordings.is_empty() && library.skipped.is_empty() {
+        return Err(LoadError::NoRecordings {
+            path: path.to_owned(),
+        });
+    }
+    library.leave_out_repeats();
+    Ok(library)
+}
+
+impl Library {
+    /// Subjects, each once, in alphabetical order.
+    #[must_use]
+    pub fn subjects(&self) -> Vec<String> {
+        let mut subjects: Vec<_> = self.recordings.iter().map(|r| r.subject.clone()).collect();
+        subjects.sort_unstable();
+        subjects.dedup();
+        subjects
+    }
+
+    /// Leaves out copies of a recording under another subject's name.
+    ///
+    /// `cote-allard` publishes one evaluation subject again as three pre-training subjects: kept
+    /// once, or the same person would be trained on and held out. The evaluation part, first in
+    /// path order, is what stays.
+    fn leave_out_repeats(&mut self) {
+        let mut seen: HashMap<Vec<Sample>, (String, PathBuf)> = HashMap::new();
+        let repeats = &mut self.repeats;
+        self.recordings.retain(|recording| {
+            if recording.data_set != DataSet::CoteAllard {
+                return true;
+            }
+            let first = seen
+                .entry(recording.samples.clone())
+                .or_insert_with(|| (recording.subject.clone(), recording.path.clone()));
+            let keep = first.0 == recording.subject;
+            if !keep {
+                repeats.push(Repeat {
+                    path: recording.path.clone(),
+                    kept: first.1.clone(),
+                });
+            }
+            keep
+        });
+    }
+}
+
+/// Files at or below a path, absolute so that folder names are known, in path order.
+fn files(path: &Path) -> Result<Vec<PathBuf>, LoadError> {
+    let refused = |source| LoadError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let root = path.canonicalize().map_err(refused)?;
+    let mut files = Vec::new();
+    for entry in walkdir::WalkDir::new(root)
+        .follow_links(true)
+        .sort_by_file_name()
+    {
+        let entry = entry.map_err(|error| refused(error.into()))?;
+        if entry.file_type().is_file() {
+            files.push(entry.into_path());
+        }
+    }
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_without_recordings_says_so() {
+        let folder = std::env::temp_dir().join(format!("myointent-empty-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("notes.txt"), "not a recording\n").unwrap();
+        let error = load(&folder, &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }));
+        let missing = load(&folder.join("nowhere"), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(missing, LoadError::Io { .. }));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_damaged_file_is_listed_or_stops_a_strict_load() {
+        let folder = std::env::temp_dir().join(format!("myointent-bad-{}", std::process::id()));
+        let sitting = folder.join("12345-1");
+        std::fs::create_dir_all(&sitting).unwrap();
+        let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
+        std::fs::write(sitting.join("0.txt"), &good).unwrap();
+        std::fs::write(sitting.join("7.txt"), format!("{good}1,2\n")).unwrap();
+        let library = load(&folder, &LoadOptions::default()).unwrap();
+        assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
+        let strict = LoadOptions {
+            strict: true,
+            ..LoadOptions::default()
+        };
+        for error in [&library.skipped[0], &load(&folder, &strict).unwrap_err()] {
+            let error = error.to_string();
+            assert!(error.contains("7.txt, line 31: expected 9"), "{error}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_recording_published_twice_is_kept_once() {
+        let folder = std::env::temp_dir().join(format!("myointent-twice-{}", std::process::id()));
+        let mut bytes = vec![0; 1600];
+        bytes[0] = 5;
+        for person in [
+            "EvaluationDataset/Female0/Test0",
+            "PreTrainingDataset/Female8/training0",
+        ] {
+            std::fs::create_dir_all(folder.join(person)).unwrap();
+            std::fs::write(folder.join(person).join("classe_0.dat"), &bytes).unwrap();
+        }
+        let library = load(&folder, &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), ["cote-allard/E-Female0"]);
+        assert!(
+            library.repeats[0]
+                .path
+                .ends_with("Female8/training0/classe_0.dat")
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

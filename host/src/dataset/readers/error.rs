@@ -1,0 +1,192 @@
+//! What can be wrong with a file of recordings, and where.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Place of a fault in its file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// Line of a text file, 1 first.
+    Line(usize),
+    /// Byte of a binary file, 0 first.
+    Byte(u64),
+    /// The file as a whole.
+    File,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::File => f.write_str("whole file"),
+        }
+    }
+}
+
+/// What is wrong with a file.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Fault {
+    /// A row with another number of fields.
+    #[error("expected {expected} comma-separated values, found {found}")]
+    Fields {
+        /// Values that this layout has in a row.
+        expected: usize,
+        /// Values in the row.
+        found: usize,
+    },
+    /// A field that is no number.
+    #[error("expected a number in field {field}, found {text:?}")]
+    Number {
+        /// Field of the row, 1 first.
+        field: usize,
+        /// Content of the field.
+        text: String,
+    },
+    /// A sample outside the armband's range.
+    #[error("expected a sample in -128..=127 in field {field}, found {value}")]
+    Range {
+        /// Field of the row, 1 first.
+        field: usize,
+        /// The value, in counts of the armband.
+        value: f64,
+    },
+    /// A label that the data set does not have.
+    #[error("expected a label of {expected}, found {found:?}")]
+    Label {
+        /// The labels of the set.
+        expected: &'static str,
+        /// The label found.
+        found: String,
+    },
+    /// An array of another shape or element type.
+    #[error("expected an array of {expected}, found {found}")]
+    Array {
+        /// Shape and type that this layout has.
+        expected: &'static str,
+        /// Shape and type of the file.
+        found: String,
+    },
+    /// Bytes that are no npy file.
+    #[error("expected an npy file (format 1 to 3), but {0}")]
+    Npy(String),
+    /// Fewer bytes than the layout or the header says.
+    #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
+    Length {
+        /// Bytes that should be there.
+        expected: u64,
+        /// Bytes that are there.
+        found: u64,
+    },
+    /// Labels and samples of different number.
+    #[error("expected one label per sample, found {labels} labels for {samples} samples")]
+    LabelCount {
+        /// Samples.
+        samples: usize,
+        /// Labels.
+        labels: usize,
+    },
+    /// The other file of a pair is not there.
+    #[error("expected {0} beside it, found no such file")]
+    Partner(String),
+    /// A path that does not name the person.
+    #[error("expected a path like {0}: the path names person and gesture")]
+    Path(&'static str),
+    /// Bytes that are no text.
+    #[error("expected an npy file or UTF-8 text, found neither")]
+    Text,
+    /// A csv without the column that is looked for.
+    #[error("expected a header with one of the columns {expected}, found {found:?}")]
+    Column {
+        /// Names that would do.
+        expected: String,
+        /// The first line.
+        found: String,
+    },
+    /// Nothing in the file.
+    #[error("expected one row per sample, found none")]
+    Empty,
+    /// Not the JSON that the set publishes.
+    #[error("expected the set's JSON: {0}")]
+    Json(String),
+}
+
+/// A fault and its place, before the file is known.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Damage {
+    pub place: Place,
+    pub fault: Fault,
+    /// The published copy has it too.
+    pub as_published: bool,
+}
+
+impl Damage {
+    pub const fn at(place: Place, fault: Fault) -> Self {
+        Self {
+            place,
+            fault,
+            as_published: false,
+        }
+    }
+
+    pub const fn at_line(line: usize, fault: Fault) -> Self {
+        Self::at(Place::Line(line), fault)
+    }
+
+    pub const fn at_byte(byte: u64, fault: Fault) -> Self {
+        Self::at(Place::Byte(byte), fault)
+    }
+
+    pub const fn of_file(fault: Fault) -> Self {
+        Self::at(Place::File, fault)
+    }
+
+    /// The error, now that the file is known.
+    pub fn in_file(self, path: &Path) -> LoadError {
+        LoadError::Damaged {
+            path: path.to_owned(),
+            place: self.place,
+            fault: self.fault,
+            as_published: self.as_published,
+        }
+    }
+}
+
+/// Why recordings could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file system refused.
+    #[error("cannot read {}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// No file in a format that is read here.
+    #[error(
+        "no recordings in {}: expected one of the published layouts (npy pairs, csv, txt, dat or \
+         json; see `myointent data inspect --help`)",
+        path.display()
+    )]
+    NoRecordings {
+        /// File or folder that was searched.
+        path: PathBuf,
+    },
+    /// A damaged file.
+    #[error(
+        "{}, {place}: {fault}{}",
+        path.display(),
+        if *as_published { " (damaged as published)" } else { "" }
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong there.
+        fault: Fault,
+        /// The published copy has the same damage: downloading it again does not help.
+        as_published: bool,
+    },
+}

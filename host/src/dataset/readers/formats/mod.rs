@@ -1,0 +1,9 @@
+//! One reader per published format: bytes or text of a file in, recordings or damage out.
+
+pub(crate) mod cote_allard;
+pub(crate) mod emg_epn;
+pub(crate) mod myo_readings;
+pub(crate) mod one_subject_myo;
+pub(crate) mod react_emg;
+pub(crate) mod roshambo;
+pub(crate) mod ss_stm;

@@ -1,0 +1,203 @@
+//! `myo-readings`: one text per minute and gesture, eight integers and the label in each line.
+//!
+//! Files of a motion outside the six classes (labels 3 to 6: radial and ulnar deviation, pronation,
+//! supination) are not read.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+use shared::units::Sample;
+
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
+
+/// People whose labels do not mark when the gesture happens, and why.
+const UNUSABLE: [(&str, &str); 4] = [
+    ("32185", "runs of 6 s, steadily 1.6 s late"),
+    ("35622", "the muscle drifts 4 s late within a file"),
+    (
+        "46666",
+        "1.5 to 1.9 s early at the end, runs of 1010 to 1455 lines",
+    ),
+    (
+        "60186",
+        "1.5 to 1.9 s early at the end, runs of 1010 to 1455 lines",
+    ),
+];
+/// People whose gestures hardly rise above rest.
+const WEAK: [&str; 7] = [
+    "10000", "45678", "48584", "45677", "14478", "78454", "45744",
+];
+/// Files with misplaced newlines in the published copy.
+const PUBLISHED_DAMAGE: [&str; 4] = [
+    "19999-2/2.txt",
+    "64917-1/2.txt",
+    "64917-2/1.txt",
+    "64917-3/7.txt",
+];
+/// Names and labels of files with a motion outside the six classes.
+const OUTSIDE: [(&str, f64); 4] = [("3", 3.0), ("4", 4.0), ("5", 5.0), ("6", 6.0)];
+/// Share of repeated rows from which a file was polled faster than the armband sends: at 250 Hz
+/// every fifth row repeats; a true repeat of eight values is rare outside silence.
+const POLLED_TOO_FAST: f64 = 0.15;
+
+/// Reads a recording; none if its motion is outside the six classes.
+pub(crate) fn read(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
+    recording(path, text).map_err(|damage| Damage {
+        as_published: PUBLISHED_DAMAGE.iter().any(|name| path.ends_with(name)),
+        ..damage
+    })
+}
+
+fn recording(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
+    const LAYOUT: &str = "12345-1/7.txt";
+    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
+    let name = stem(path).ok_or_else(misplaced)?;
+    let sitting = folder(path, 1).ok_or_else(misplaced)?;
+    let (person, sitting) = sitting.rsplit_once('-').ok_or_else(misplaced)?;
+
+    let mut samples = Vec::new();
+    let mut labels = Vec::new();
+    for (line, row) in table::rows(text) {
+        let values = table::numbers::<9>(line, row)?;
+        samples.push(table::sample(&values[..8], 1).map_err(|fault| Damage::at_line(line, fault))?);
+        if OUTSIDE.contains(&(name, values[8])) {
+            return Ok(None);
+        }
+        labels.push(intent(values[8]).map_err(|fault| Damage::at_line(line, fault))?);
+    }
+    let mut notes = Vec::new();
+    let dropped = drop_polling_repeats(&mut samples, &mut labels);
+    if dropped > 0 {
+        notes.push("polled at 250 Hz: exact repeats dropped".to_owned());
+    }
+    let gestures = labels.iter().any(|&label| label != Some(Intent::Relax));
+    if let Some((_, why)) = UNUSABLE.iter().find(|(id, _)| gestures && *id == person) {
+        labels.fill(None);
+        notes.push(format!("labels left out: {why}"));
+    }
+    if gestures && WEAK.contains(&person) {
+        notes.push("little muscle signal in the gestures".to_owned());
+    }
+    Ok(Some(Recording {
+        data_set: DataSet::MyoReadings,
+        subject: format!("myo-readings/{person}"),
+        name: format!("{sitting}/{name}"),
+        path: path.to_owned(),
+        samples,
+        labels,
+        notes,
+    }))
+}
+
+fn intent(label: f64) -> Result<Option<Intent>, Fault> {
+    // Labels are small whole numbers; anything else is a damaged line.
+    match label {
+        0.0 => Ok(Some(Intent::Relax)),
+        1.0 => Ok(Some(Intent::WaveIn)),
+        2.0 => Ok(Some(Intent::WaveOut)),
+        7.0 => Ok(Some(Intent::Close)),
+        _ => Err(Fault::Label {
+            expected: "0, 1, 2, 7",
+            found: label.to_string(),
+        }),
+    }
+}
+
+/// Drops rows equal to the one before where so many are that the polling made them.
+fn drop_polling_repeats(samples: &mut Vec<Sample>, labels: &mut Vec<Option<Intent>>) -> usize {
+    let repeats = samples.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    if (repeats as f64) < POLLED_TOO_FAST * samples.len() as f64 {
+        return 0;
+    }
+    let keep: Vec<bool> = std::iter::once(true)
+        .chain(samples.windows(2).map(|pair| pair[0] != pair[1]))
+        .collect();
+    let mut kept = keep.iter();
+    samples.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = keep.iter();
+    labels.retain(|_| *kept.next().unwrap_or(&true));
+    repeats
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::readers::error::Place;
+
+    #[test]
+    fn either_line_end_and_spaces_are_taken() {
+        let text = "-3, 1, -2, 4, 0, 2, 0, -2, 0\r\n1,2,3,4,5,6,7,-128,7";
+        let recording = read(Path::new("/d/12345-2/7.txt"), text).unwrap().unwrap();
+        assert_eq!(
+            recording.samples,
+            [[-3, 1, -2, 4, 0, 2, 0, -2], [1, 2, 3, 4, 5, 6, 7, -128]]
+        );
+        assert_eq!(recording.labels, [Some(Intent::Relax), Some(Intent::Close)]);
+        assert_eq!(
+            (recording.subject.as_str(), recording.name.as_str()),
+            ("myo-readings/12345", "2/7")
+        );
+    }
+
+    #[test]
+    fn a_lost_newline_names_its_line() {
+        let text = "0,0,0,0,0,0,0,0,0\n4,2,1,0,-1,0,0,0,00,3,2,0,1,1,-1,0,0\n";
+        let fault = Fault::Fields {
+            expected: 9,
+            found: 17,
+        };
+        let own = read(Path::new("/d/19999-2/12.txt"), text).unwrap_err();
+        assert_eq!(own, Damage::at_line(2, fault));
+        let published = read(Path::new("/d/19999-2/2.txt"), text).unwrap_err();
+        assert!(published.as_published);
+    }
+
+    #[test]
+    fn a_motion_outside_the_six_classes_is_not_read() {
+        let text = "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,4\n";
+        assert_eq!(read(Path::new("/d/12345-1/4.txt"), text), Ok(None));
+        let misplaced = read(Path::new("/d/12345-1/7.txt"), text).unwrap_err();
+        assert_eq!(misplaced.place, Place::Line(2));
+    }
+
+    #[test]
+    fn rows_doubled_by_fast_polling_are_dropped_with_their_labels() {
+        let text: String = (0..100)
+            .map(|row| {
+                format!(
+                    "{},0,0,0,0,0,0,0,{}\n",
+                    row - row / 5,
+                    if row < 50 { 0 } else { 1 }
+                )
+            })
+            .collect();
+        let recording = read(Path::new("/d/69069-1/1.txt"), &text).unwrap().unwrap();
+        let naive: Vec<i8> = (0..81).collect();
+        let first: Vec<i8> = recording.samples.iter().map(|s| s[0]).collect();
+        assert_eq!(first, naive[..first.len()]);
+        assert_eq!(recording.samples.len(), recording.labels.len());
+        assert_eq!(recording.notes.len(), 1);
+    }
+
+    #[test]
+    fn labels_known_to_drift_are_left_out_but_not_those_of_pure_rest() {
+        let gesture = read(
+            Path::new("/d/35622-1/1.txt"),
+            "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,1",
+        )
+        .unwrap()
+        .unwrap();
+        assert!(!gesture.has_labels());
+        assert_eq!(gesture.notes.len(), 1);
+        let rest = read(
+            Path::new("/d/35622-1/0.txt"),
+            "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,0",
+        )
+        .unwrap()
+        .unwrap();
+        assert!(rest.has_labels());
+    }
+}

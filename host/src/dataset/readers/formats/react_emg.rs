@@ -1,0 +1,213 @@
+//! ReactEMG's preprocessed layout (ROAM-EMG and what the reference converts): csv with columns
+//! `gt` and `emg_0`..`emg_7` (or `emg0`..`emg7`), or npy with the label first, then eight channels.
+//!
+//! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, except
+//! [`MUSCLE_COLUMN`], which marks synthetic recordings.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+use shared::units::{CHANNELS, Sample};
+
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::labels::from_number;
+use crate::dataset::readers::npy::{Array, Values};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
+
+/// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
+pub(crate) const MUSCLE_COLUMN: &str = "synthetic_muscle";
+
+/// Where the columns are.
+struct Columns {
+    label: usize,
+    channels: [usize; CHANNELS],
+    synthetic: bool,
+    count: usize,
+}
+
+impl Columns {
+    fn find(header: &str) -> Option<Self> {
+        let names: Vec<&str> = header.trim_end().split(',').map(str::trim).collect();
+        let position = |name: &str| names.iter().position(|n| *n == name);
+        let mut channels = [0; CHANNELS];
+        for (channel, column) in channels.iter_mut().enumerate() {
+            *column = position(&format!("emg_{channel}"))
+                .or_else(|| position(&format!("emg{channel}")))?;
+        }
+        Some(Self {
+            label: position("gt")?,
+            channels,
+            synthetic: position(MUSCLE_COLUMN).is_some(),
+            count: names.len(),
+        })
+    }
+}
+
+/// Whether a text starts with the layout's header.
+pub(crate) fn has_header(text: &str) -> bool {
+    text.lines()
+        .next()
+        .is_some_and(|header| Columns::find(header).is_some())
+}
+
+pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
+    let mut rows = table::rows(text);
+    let columns = rows.next().and_then(|(_, header)| Columns::find(header));
+    let columns = columns.ok_or_else(|| Damage::at_line(1, Fault::Empty))?;
+    let (mut samples, mut labels) = (Vec::new(), Vec::new());
+    for (line, row) in rows {
+        let fields: Vec<&str> = row.split(',').map(str::trim).collect();
+        if fields.len() != columns.count {
+            let fault = Fault::Fields {
+                expected: columns.count,
+                found: fields.len(),
+            };
+            return Err(Damage::at_line(line, fault));
+        }
+        let number = |column: usize| table::number(line, column + 1, fields[column]);
+        let mut counts = [0.0; CHANNELS];
+        for (count, &column) in counts.iter_mut().zip(&columns.channels) {
+            *count = number(column)?;
+        }
+        let at_line = |fault| Damage::at_line(line, fault);
+        samples.push(table::sample(&counts, columns.channels[0] + 1).map_err(at_line)?);
+        labels.push(from_number(number(columns.label)?).map_err(at_line)?);
+    }
+    let data_set = if columns.synthetic {
+        DataSet::Synthetic
+    } else {
+        DataSet::ReactEmg
+    };
+    recording(path, data_set, samples, labels)
+}
+
+/// Whether an array has the layout's shape: label and eight channels, or the channels alone.
+pub(crate) fn is_recording(array: &Array) -> bool {
+    matches!(array.values, Values::Numbers(_))
+        && matches!(array.shape[..], [_, columns] if columns == CHANNELS || columns == CHANNELS + 1)
+}
+
+/// Reads (n, 9): label and channels; or (n, 8): channels alone, unlabelled.
+pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> {
+    let expected = "numbers, (n, 9) or (n, 8)";
+    let (Values::Numbers(values), &[_, columns]) = (&array.values, &array.shape[..]) else {
+        return Err(Damage::of_file(Fault::Array {
+            expected,
+            found: array.describe(),
+        }));
+    };
+    let labelled = columns == CHANNELS + 1;
+    let (mut samples, mut labels) = (Vec::new(), Vec::new());
+    for (row, values) in values.chunks_exact(columns.max(1)).enumerate() {
+        let byte = array.byte_of_row(row);
+        let in_row = |fault| Damage::at_byte(byte, fault);
+        let counts = &values[usize::from(labelled)..];
+        samples.push(table::sample(counts, 1 + usize::from(labelled)).map_err(in_row)?);
+        labels.push(if labelled {
+            from_number(values[0]).map_err(in_row)?
+        } else {
+            None
+        });
+    }
+    recording(path, DataSet::ReactEmg, samples, labels)
+}
+
+fn recording(
+    path: &Path,
+    data_set: DataSet,
+    samples: Vec<Sample>,
+    labels: Vec<Option<Intent>>,
+) -> Result<Recording, Damage> {
+    if samples.is_empty() {
+        return Err(Damage::of_file(Fault::Empty));
+    }
+    let misplaced = || Damage::of_file(Fault::Path("s3/s3_grasp_1.csv"));
+    let name = stem(path).ok_or_else(misplaced)?;
+    // EMG-EPN-612, converted, has one folder a person and no person in the name.
+    let person = if name.starts_with("trainingSamples") || name.starts_with("testingSamples") {
+        folder(path, 1).ok_or_else(misplaced)?
+    } else {
+        name.split('_').next().unwrap_or(name)
+    };
+    let mut notes = Vec::new();
+    if data_set == DataSet::ReactEmg && name.contains("movement") {
+        notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
+    }
+    Ok(Recording {
+        data_set,
+        subject: format!("{}/{person}", data_set.name()),
+        name: name.to_owned(),
+        path: path.to_owned(),
+        samples,
+        labels,
+        notes,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::readers::error::Place;
+    use crate::dataset::readers::npy::Layout;
+
+    #[test]
+    fn columns_are_found_by_name_and_others_ignored() {
+        let text = "time,gt,emg0,emg1,emg2,emg3,emg4,emg5,emg6,emg7,task\n\
+                    0.1,2,1,2,3,4,5,6,7,-128,grasp\n0.2,-1,1,2,3,4,5,6,7,128.0,grasp\n";
+        let recording = read_csv(Path::new("/d/s4/s4_grasp_movement.csv"), text).unwrap();
+        assert_eq!(recording.labels, [Some(Intent::Close), None]);
+        assert_eq!(
+            recording.samples,
+            [[1, 2, 3, 4, 5, 6, 7, -128], [1, 2, 3, 4, 5, 6, 7, 127]]
+        );
+        assert_eq!(
+            (recording.subject.as_str(), recording.notes.len()),
+            ("react-emg/s4", 1)
+        );
+    }
+
+    #[test]
+    fn faults_name_the_line() {
+        let header = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
+        let read = |rows: &str| read_csv(Path::new("/d/s1_a.csv"), &format!("{header}{rows}"));
+        let label = read("0,0,0,0,0,0,0,0,0\n6,0,0,0,0,0,0,0,0\n").unwrap_err();
+        assert_eq!(label.place, Place::Line(3));
+        assert!(matches!(label.fault, Fault::Label { .. }));
+        let short = read("0,0,0\n").unwrap_err();
+        assert_eq!(
+            short,
+            Damage::at_line(
+                2,
+                Fault::Fields {
+                    expected: 9,
+                    found: 3
+                }
+            )
+        );
+        assert_eq!(read("").unwrap_err().fault, Fault::Empty);
+    }
+
+    #[test]
+    fn npy_has_the_label_in_front() {
+        let array = Array {
+            shape: vec![1, 9],
+            descr: "<f8".into(),
+            values: Values::Numbers(vec![1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -7.0]),
+            layout: Layout {
+                start: 128,
+                row_bytes: 72,
+            },
+        };
+        assert!(is_recording(&array));
+        let recording = read_npy(
+            Path::new("/d/trainingJSON_user3/trainingSamples_idx_1_open.npy"),
+            &array,
+        );
+        let recording = recording.unwrap();
+        assert_eq!(recording.labels, [Some(Intent::Open)]);
+        assert_eq!(recording.samples, [[0, 1, 2, 3, 4, 5, 6, -7]]);
+        assert_eq!(recording.subject, "react-emg/trainingJSON_user3");
+    }
+}

@@ -1,0 +1,121 @@
+//! `ss-stm`: one csv per trial, 1000 rows of eight decimals (byte / 128), gesture in the name.
+//!
+//! Times are nominal: rest 0-1 s, motion 1-3 s, rest 3-5 s. A motion outside the six classes is
+//! released at an unknown time, so nothing after its start is labelled.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+
+use crate::dataset::readers::error::{Damage, Fault};
+use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::table;
+use crate::dataset::recording::{DataSet, Recording};
+
+/// First sample of the motion, and of the rest after it.
+const MOTION: std::ops::Range<usize> = 200..600;
+/// Rows of every published file.
+const ROWS: usize = 1000;
+
+pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
+    const LAYOUT: &str = "sub7/M8T1.csv";
+    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
+    let name = stem(path).ok_or_else(misplaced)?;
+    let person = folder(path, 1).ok_or_else(misplaced)?;
+    let motion = motion_number(name).ok_or_else(misplaced)?;
+
+    let mut samples = Vec::with_capacity(ROWS);
+    for (line, row) in table::rows(text) {
+        let counts = table::numbers::<8>(line, row)?.map(|value| value * 128.0);
+        samples.push(table::sample(&counts, 1).map_err(|fault| Damage::at_line(line, fault))?);
+    }
+    let mut notes = Vec::new();
+    if samples.len() != ROWS {
+        notes.push(format!(
+            "{} rows where the published files have {ROWS}",
+            samples.len()
+        ));
+    }
+    Ok(Recording {
+        data_set: DataSet::SsStm,
+        subject: format!("ss-stm/{person}"),
+        name: name.to_owned(),
+        path: path.to_owned(),
+        labels: labels(motion, samples.len()),
+        samples,
+        notes,
+    })
+}
+
+/// `M` of a name `MxTy`, 1..=8.
+fn motion_number(name: &str) -> Option<usize> {
+    let (motion, trial) = name.strip_prefix('M')?.split_once('T')?;
+    trial.parse::<usize>().ok()?;
+    motion.parse().ok().filter(|m| (1..=8).contains(m))
+}
+
+fn labels(motion: usize, samples: usize) -> Vec<Option<Intent>> {
+    let gesture = match motion {
+        1 => return vec![Some(Intent::Relax); samples],
+        2 => Some(Intent::WaveIn),
+        3 => Some(Intent::WaveOut),
+        8 => Some(Intent::Close),
+        _ => None,
+    };
+    let after = gesture.and(Some(Intent::Relax));
+    (0..samples)
+        .map(|sample| match sample {
+            s if s < MOTION.start => Some(Intent::Relax),
+            s if s < MOTION.end => gesture,
+            _ => after,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(rows: usize) -> String {
+        "-0.015625,0.9921875,-1,0,0,0,0,0.0546875\n".repeat(rows)
+    }
+
+    #[test]
+    fn decimals_are_the_armbands_bytes_over_128() {
+        let recording = read(Path::new("/d/sub7/M8T1.csv"), &text(1000)).unwrap();
+        assert_eq!(recording.samples[999], [-2, 127, -128, 0, 0, 0, 0, 7]);
+        assert_eq!(recording.subject, "ss-stm/sub7");
+        assert!(recording.notes.is_empty());
+    }
+
+    #[test]
+    fn nothing_is_labelled_after_the_start_of_a_motion_outside_the_six() {
+        let close = labels(8, 1000);
+        assert_eq!(close[199], Some(Intent::Relax));
+        assert_eq!(
+            (close[200], close[599]),
+            (Some(Intent::Close), Some(Intent::Close))
+        );
+        assert_eq!(close[600], Some(Intent::Relax));
+        let pronation = labels(6, 1000);
+        assert_eq!(pronation[199], Some(Intent::Relax));
+        assert!(pronation[200..].iter().all(Option::is_none));
+        assert!(labels(1, 10).iter().all(|&l| l == Some(Intent::Relax)));
+    }
+
+    #[test]
+    fn a_value_off_the_grid_names_line_and_field() {
+        let broken = text(3) + "0,0,0.3,0,0,0,0,0\n";
+        let damage = read(Path::new("/d/sub7/M8T1.csv"), &broken).unwrap_err();
+        assert_eq!(
+            damage,
+            Damage::at_line(
+                4,
+                Fault::Range {
+                    field: 3,
+                    value: 38.4
+                }
+            )
+        );
+    }
+}

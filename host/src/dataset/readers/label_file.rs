@@ -1,0 +1,157 @@
+//! One label per sample from a file: what `myointent score` compares.
+//!
+//! npy: one axis of class numbers or names, or (n, 9) in ReactEMG's layout. Text: one label per
+//! line, or csv with a header that names the column. A label is a class number, a name
+//! (`wave-in`), or for no label -1, `none` or an empty field.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+
+use super::error::{Damage, Fault, LoadError};
+use super::labels::{from_number, from_text};
+use super::npy::{self, Values};
+use super::table;
+
+/// Columns of a csv that may hold the labels; the first of them that is found is read.
+const COLUMNS: [&str; 5] = ["label", "prediction", "predicted", "gt", "truth"];
+
+/// Reads the labels of a file.
+///
+/// # Errors
+/// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first label that is
+/// none.
+pub(crate) fn read(path: &Path) -> Result<Vec<Option<Intent>>, LoadError> {
+    let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(&bytes).map_err(|damage| damage.in_file(path))
+}
+
+fn parse(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
+    if npy::looks_like(bytes) {
+        return array(bytes);
+    }
+    let text = std::str::from_utf8(bytes)
+        .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
+    let mut rows = table::rows(text).peekable();
+    let header = rows.peek().map_or("", |(_, row)| *row);
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    let column = COLUMNS
+        .iter()
+        .find_map(|wanted| names.iter().position(|name| name == wanted));
+    if column.is_some() {
+        rows.next();
+    } else if names.len() > 1 {
+        let fault = Fault::Column {
+            expected: COLUMNS.join(", "),
+            found: header.to_owned(),
+        };
+        return Err(Damage::at_line(1, fault));
+    }
+    let (column, expected) = (column.unwrap_or(0), names.len());
+    let labels: Vec<_> = rows
+        .map(|(line, row)| {
+            let fields: Vec<&str> = row.split(',').map(str::trim).collect();
+            if fields.len() != expected {
+                let fault = Fault::Fields {
+                    expected,
+                    found: fields.len(),
+                };
+                return Err(Damage::at_line(line, fault));
+            }
+            from_text(fields[column]).map_err(|fault| Damage::at_line(line, fault))
+        })
+        .collect::<Result<_, _>>()?;
+    if labels.is_empty() {
+        Err(Damage::of_file(Fault::Empty))
+    } else {
+        Ok(labels)
+    }
+}
+
+fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
+    let array = npy::parse(bytes)?;
+    let columns = match array.shape[..] {
+        [_] => 1,
+        [_, columns @ (1 | 9)] => columns,
+        _ => {
+            let expected = "labels, (n) or (n, 9)";
+            return Err(Damage::of_file(Fault::Array {
+                expected,
+                found: array.describe(),
+            }));
+        }
+    };
+    let damage = |row: usize| {
+        let byte = array.byte_of_row(row);
+        move |fault| Damage::at_byte(byte, fault)
+    };
+    match &array.values {
+        Values::Numbers(values) => values
+            .iter()
+            .step_by(columns)
+            .enumerate()
+            .map(|(row, &value)| from_number(value).map_err(damage(row)))
+            .collect(),
+        Values::Text(names) => names
+            .iter()
+            .step_by(columns)
+            .enumerate()
+            .map(|(row, name)| from_text(name).map_err(damage(row)))
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::readers::error::Place;
+
+    const R: Option<Intent> = Some(Intent::Relax);
+    const W: Option<Intent> = Some(Intent::WaveIn);
+
+    #[test]
+    fn one_label_a_line_by_number_or_by_name() {
+        assert_eq!(
+            parse(b"0\n3\n-1\nwave-in\nnone\n"),
+            Ok(vec![R, W, None, W, None])
+        );
+        assert_eq!(parse(b"label\n0\n3.0\n"), Ok(vec![R, W]));
+    }
+
+    #[test]
+    fn a_csv_names_its_column() {
+        assert_eq!(
+            parse(b"sample,label,x\n0,relax,1\n1,,2\n"),
+            Ok(vec![R, None])
+        );
+        let damage = parse(b"a,b\n0,0\n").unwrap_err();
+        assert!(matches!(damage.fault, Fault::Column { .. }));
+        let damage = parse(b"sample,label\n0,relax\n1\n").unwrap_err();
+        assert_eq!(
+            damage,
+            Damage::at_line(
+                3,
+                Fault::Fields {
+                    expected: 2,
+                    found: 1
+                }
+            )
+        );
+    }
+
+    #[test]
+    fn a_wrong_label_names_its_line() {
+        for wrong in ["6", "fist", "0.5"] {
+            let damage = parse(format!("0\n{wrong}\n").as_bytes()).unwrap_err();
+            assert_eq!(damage.place, Place::Line(2), "{wrong}");
+        }
+        assert_eq!(parse(b"").unwrap_err().fault, Fault::Empty);
+        assert_eq!(
+            parse(b"0\n\xff\n").unwrap_err(),
+            Damage::at_byte(2, Fault::Text)
+        );
+    }
+}

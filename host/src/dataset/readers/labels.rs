@@ -1,0 +1,36 @@
+//! Labels in our own numbering (that of ReactEMG), as a number or as a name.
+
+use shared::intent::Intent;
+
+use super::error::Fault;
+
+/// A class number of the six, or -1 for none.
+pub(crate) fn from_number(value: f64) -> Result<Option<Intent>, Fault> {
+    let fault = || Fault::Label {
+        expected: "-1, 0, 1, 2, 3, 4, 5",
+        found: value.to_string(),
+    };
+    if value == -1.0 {
+        return Ok(None);
+    }
+    let class = (value.fract() == 0.0 && value >= 0.0).then_some(value as usize);
+    class
+        .and_then(Intent::from_class)
+        .map(Some)
+        .ok_or_else(fault)
+}
+
+/// An intent's name, a class number, or for none `none`, -1 or an empty field.
+pub(crate) fn from_text(text: &str) -> Result<Option<Intent>, Fault> {
+    if text.is_empty() || text == "none" {
+        return Ok(None);
+    }
+    if let Some(intent) = Intent::from_name(text) {
+        return Ok(Some(intent));
+    }
+    let fault = || Fault::Label {
+        expected: "-1 to 5, an intent's name, or none",
+        found: text.to_owned(),
+    };
+    from_number(text.parse().map_err(|_| fault())?).map_err(|_| fault())
+}

@@ -1,0 +1,93 @@
+//! The numbers that fix a model's tensor shapes, and their limits.
+
+use super::kernels;
+use crate::intent::Vocabulary;
+use crate::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
+
+/// Attention heads of every model.
+pub(crate) const HEADS: usize = 4;
+/// Largest width of the residual stream: 32 per head.
+pub(crate) const MAX_WIDTH: usize = 128;
+/// Smallest width of the residual stream.
+pub(crate) const MIN_WIDTH: usize = 16;
+/// Largest number of layers.
+pub(crate) const MAX_LAYERS: usize = 3;
+/// Longest attention span, in patches: the most terms that the attention kernels sum.
+pub(crate) const MAX_SPAN: usize = kernels::MAX_TERMS;
+/// Most cache slots of a model: layers x span, where the receptive field fits the window.
+pub(crate) const MAX_SLOTS: usize = max_slots();
+
+// Longest rows of weights: the patch, and the second matrix of the feed-forward.
+const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
+const _: () = assert!(2 * MAX_WIDTH <= kernels::MAX_COLUMNS);
+const _: () = assert!(MAX_WIDTH / HEADS <= kernels::MAX_TERMS);
+
+/// The numbers that fix every tensor's shape.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Dimensions {
+    /// Width d of the residual stream: a multiple of 8, 16 to 128.
+    pub width: usize,
+    /// Number of layers L, 1 to 3.
+    pub layers: usize,
+    /// Patches that attention sees, the newest included, 1 to 32.
+    pub span: usize,
+    /// The classes.
+    pub vocabulary: Vocabulary,
+}
+
+/// How a preprocessed sample, 0..=128, becomes the encoder's input, 0..=1.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Companding {
+    /// `x / 128`.
+    Linear,
+    /// `sqrt(x / 128)`: finer steps for weak contractions.
+    SquareRoot,
+}
+
+/// Patches that one patch's output depends on, itself included: `layers (span - 1) + 1`.
+#[must_use]
+pub(crate) const fn receptive_field(layers: usize, span: usize) -> usize {
+    layers * (span - 1) + 1
+}
+
+/// Patches that the rows of one step depend on, those of the look-back included.
+pub(crate) const fn patches_needed(layers: usize, span: usize) -> usize {
+    receptive_field(layers, span) + LOOK_BACK - 1
+}
+
+/// The usual span for a number of layers: 2.7 s of EMG, divided among the layers.
+#[must_use]
+pub const fn usual_span(layers: usize) -> usize {
+    540 / PATCH / layers
+}
+
+const fn max_slots() -> usize {
+    let mut most = 0;
+    let mut layers = 1;
+    while layers <= MAX_LAYERS {
+        let mut span = MAX_SPAN;
+        while patches_needed(layers, span) > WINDOW_PATCHES {
+            span -= 1;
+        }
+        if layers * span > most {
+            most = layers * span;
+        }
+        layers += 1;
+    }
+    most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_spans_fit_the_window_and_the_next_do_not() {
+        for (layers, span) in [(2, 28), (3, 19)] {
+            assert!(patches_needed(layers, span) <= WINDOW_PATCHES);
+            assert!(patches_needed(layers, span + 1) > WINDOW_PATCHES);
+        }
+        assert_eq!(MAX_SLOTS, 3 * 19);
+    }
+}

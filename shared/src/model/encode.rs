@@ -1,0 +1,42 @@
+//! What a pipeline asks of a model.
+
+use crate::intent::MAX_CLASSES;
+use crate::units::{LOOK_BACK, Patch};
+
+/// Logits of the six newest patches, newest first, not normalised.
+///
+/// Shape `[6][6]`: row `j` refers to the patch `j` before the newest. Only the first
+/// [`Encode::classes`] columns have a meaning.
+pub type LookBackLogits = [[f32; MAX_CLASSES]; LOOK_BACK];
+
+/// A streaming model: one patch in, one set of logits out. The weights never change; what changes
+/// from patch to patch is the state, which is kept apart.
+pub trait Encode {
+    /// What the model keeps of the patches so far.
+    type State;
+
+    /// Number of classes, 1 to 6.
+    fn classes(&self) -> usize;
+
+    /// The state before the first patch.
+    fn fresh(&self) -> Self::State;
+
+    /// Makes a state fresh in place: a device's stack has no room for a second one.
+    fn reset(&self, state: &mut Self::State);
+
+    /// Takes the next patch.
+    fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits;
+
+    /// Takes consecutive patches. Equal to as many calls of [`Encode::step`], bit for bit; an
+    /// implementation may compute several at once.
+    fn steps(
+        &self,
+        state: &mut Self::State,
+        patches: &[Patch],
+        mut output: impl FnMut(LookBackLogits),
+    ) {
+        for patch in patches {
+            output(self.step(state, patch));
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Quantized keys and values of the newest patches: a ring of `span` slots per layer.
+
+use crate::model::dimensions::{Dimensions, HEADS};
+use crate::model::kernels::Aligned;
+
+/// Keys and values of all layers, with room for `SLOTS` patches of width `WIDTH`.
+///
+/// A layer takes `span` consecutive slots, each as wide as the model: layer `l` begins with slot
+/// `l span`. Codes have one scale per patch and head.
+#[derive(Clone, Debug)]
+pub(super) struct KvCache<const WIDTH: usize, const SLOTS: usize> {
+    keys: Aligned<[[i16; WIDTH]; SLOTS]>,
+    key_scales: [[f32; SLOTS]; HEADS],
+    values: Aligned<[[i16; WIDTH]; SLOTS]>,
+    value_scales: [[f32; SLOTS]; HEADS],
+    /// Slot of the next patch, the same in every layer.
+    next: usize,
+    /// Slots in use, at most the span.
+    filled: usize,
+}
+
+impl<const WIDTH: usize, const SLOTS: usize> KvCache<WIDTH, SLOTS> {
+    /// No slot in use.
+    pub const EMPTY: Self = Self {
+        keys: Aligned([[0; WIDTH]; SLOTS]),
+        key_scales: [[0.0; SLOTS]; HEADS],
+        values: Aligned([[0; WIDTH]; SLOTS]),
+        value_scales: [[0.0; SLOTS]; HEADS],
+        next: 0,
+        filled: 0,
+    };
+
+    /// Frees all slots. What they hold is not read again.
+    pub const fn reset(&mut self) {
+        self.next = 0;
+        self.filled = 0;
+    }
+
+    /// Takes a slot for the next patch: an unused one, or else the oldest patch's.
+    #[inline]
+    pub fn advance(&mut self, span: usize) -> Slot {
+        let index = self.next;
+        self.next = if index + 1 < span { index + 1 } else { 0 };
+        self.filled = (self.filled + 1).min(span);
+        Slot {
+            index,
+            filled: self.filled,
+        }
+    }
+
+    /// The slots of one layer.
+    #[inline]
+    pub fn layer(&mut self, layer: usize, dimensions: &Dimensions) -> LayerCache<'_> {
+        let Dimensions { width, span, .. } = *dimensions;
+        let slots = layer * span..(layer + 1) * span;
+        let codes = slots.start * width..slots.end * width;
+        LayerCache {
+            keys: &mut self.keys.0.as_flattened_mut()[codes.clone()],
+            key_scales: self.key_scales.each_mut().map(|s| &mut s[slots.clone()]),
+            values: &mut self.values.0.as_flattened_mut()[codes],
+            value_scales: self.value_scales.each_mut().map(|s| &mut s[slots.clone()]),
+        }
+    }
+}
+
+/// The cache of one layer: `span` slots.
+#[derive(Debug)]
+pub(super) struct LayerCache<'c> {
+    /// `[span][width]`.
+    pub keys: &'c mut [i16],
+    /// `[heads][span]`.
+    pub key_scales: [&'c mut [f32]; HEADS],
+    /// `[span][width]`.
+    pub values: &'c mut [i16],
+    /// `[heads][span]`.
+    pub value_scales: [&'c mut [f32]; HEADS],
+}
+
+/// The slot of a patch.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Slot {
+    /// Its index within the layer.
+    pub index: usize,
+    /// Slots in use once the patch is stored.
+    pub filled: usize,
+}

@@ -1,0 +1,216 @@
+//! The header as a postcard message.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::ModelError;
+use super::header::{Header, List, Provenance, SmootherDefaults};
+use super::names::Excerpt;
+use crate::intent::Vocabulary;
+use crate::model::dimensions::{
+    Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
+};
+use crate::stream::preprocess::{DIVISOR, MEDIAN_WIDTH};
+use crate::stream::smoother::AggregationMode;
+use crate::units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
+
+/// The only value of the smoother's likelihood: it sums logits.
+const LIKELIHOOD_LOGITS: u8 = 0;
+
+/// The fields in the order of docs/model-file.md. Numbers are unchecked: each has its own error.
+#[derive(Serialize, Deserialize)]
+pub(super) struct WireHeader<'m> {
+    pub width: u16,
+    pub heads: u8,
+    pub layers: u8,
+    pub span: u8,
+    pub patch: u8,
+    pub look_back: u8,
+    pub classes: u8,
+    pub companding: u8,
+    #[serde(borrow)]
+    pub class_names: &'m [u8],
+    pub sample_rate_hz: u32,
+    pub median_width: u8,
+    pub divisor: u8,
+    pub aggregation: u8,
+    pub likelihood: u8,
+    pub look_ahead: u16,
+    pub hold: u16,
+    pub data_sets: &'m [u8],
+    pub subjects_left_out: &'m [u8],
+    pub git_revision: &'m str,
+    pub seed: u64,
+    pub metrics: &'m [u8],
+}
+
+#[cfg(any(test, feature = "write"))]
+impl<'m> WireHeader<'m> {
+    /// The header of a model; its lists are encoded already.
+    pub fn new(
+        dimensions: &Dimensions,
+        companding: Companding,
+        smoother: &SmootherDefaults,
+        class_names: &'m [u8],
+        [data_sets, subjects_left_out, metrics]: [&'m [u8]; 3],
+        (git_revision, seed): (&'m str, u64),
+    ) -> Self {
+        // A number too large for its field becomes the largest value, which the reader refuses.
+        let byte = |number: usize| u8::try_from(number).unwrap_or(u8::MAX);
+        let short = |number: usize| u16::try_from(number).unwrap_or(u16::MAX);
+        Self {
+            width: short(dimensions.width),
+            heads: HEADS as u8,
+            layers: byte(dimensions.layers),
+            span: byte(dimensions.span),
+            patch: PATCH as u8,
+            look_back: LOOK_BACK as u8,
+            classes: byte(dimensions.vocabulary.classes()),
+            companding: match companding {
+                Companding::Linear => 0,
+                Companding::SquareRoot => 1,
+            },
+            class_names,
+            sample_rate_hz: SAMPLE_RATE_HZ,
+            median_width: MEDIAN_WIDTH,
+            divisor: DIVISOR,
+            aggregation: match smoother.aggregation {
+                AggregationMode::AllRowsFrom => 0,
+                AggregationMode::SameInstant => 1,
+            },
+            likelihood: LIKELIHOOD_LOGITS,
+            look_ahead: short(smoother.look_ahead),
+            hold: short(smoother.hold),
+            data_sets,
+            subjects_left_out,
+            git_revision,
+            seed,
+            metrics,
+        }
+    }
+}
+
+impl<'m> WireHeader<'m> {
+    /// Checks every field and returns the header.
+    pub fn interpret(self) -> Result<Header<'m>, ModelError> {
+        let dimensions = self.dimensions()?;
+        let companding = match self.companding {
+            0 => Companding::Linear,
+            1 => Companding::SquareRoot,
+            found => return Err(ModelError::Companding { found }),
+        };
+        self.check_class_names(dimensions.vocabulary)?;
+        if self.sample_rate_hz != SAMPLE_RATE_HZ {
+            return Err(ModelError::SampleRate {
+                found: self.sample_rate_hz,
+            });
+        }
+        if self.median_width != MEDIAN_WIDTH {
+            return Err(ModelError::MedianWidth {
+                found: self.median_width,
+            });
+        }
+        if self.divisor != DIVISOR {
+            return Err(ModelError::Divisor {
+                found: self.divisor,
+            });
+        }
+        Ok(Header {
+            dimensions,
+            companding,
+            smoother: self.smoother()?,
+            provenance: Provenance {
+                data_sets: List::read(self.data_sets, "data_sets")?,
+                subjects_left_out: List::read(self.subjects_left_out, "subjects_left_out")?,
+                git_revision: self.git_revision,
+                seed: self.seed,
+                metrics: List::read(self.metrics, "metrics")?,
+            },
+        })
+    }
+
+    fn dimensions(&self) -> Result<Dimensions, ModelError> {
+        let [width, heads, layers] = [
+            usize::from(self.width),
+            self.heads.into(),
+            self.layers.into(),
+        ];
+        let [span, patch, look_back] = [self.span, self.patch, self.look_back].map(usize::from);
+        if !(MIN_WIDTH..=MAX_WIDTH).contains(&width) || !width.is_multiple_of(8) {
+            return Err(ModelError::Width { found: width });
+        }
+        if heads != HEADS {
+            return Err(ModelError::Heads { found: heads });
+        }
+        if layers == 0 || layers > MAX_LAYERS {
+            return Err(ModelError::Layers { found: layers });
+        }
+        if span == 0 || span > MAX_SPAN {
+            return Err(ModelError::Span { found: span });
+        }
+        let seen = patches_needed(layers, span);
+        if seen > WINDOW_PATCHES {
+            return Err(ModelError::ReceptiveField { found: seen });
+        }
+        if patch != PATCH {
+            return Err(ModelError::Patch { found: patch });
+        }
+        if look_back != LOOK_BACK {
+            return Err(ModelError::LookBack { found: look_back });
+        }
+        let classes = usize::from(self.classes);
+        let vocabulary =
+            Vocabulary::with_classes(classes).ok_or(ModelError::Classes { found: classes })?;
+        Ok(Dimensions {
+            width,
+            layers,
+            span,
+            vocabulary,
+        })
+    }
+
+    fn check_class_names(&self, vocabulary: Vocabulary) -> Result<(), ModelError> {
+        let names = List::<&str>::read(self.class_names, "class_names")?;
+        let [expected, found] = [vocabulary.classes(), names.iter().count()];
+        if expected != found {
+            return Err(ModelError::ClassCount { expected, found });
+        }
+        for (intent, found) in vocabulary.intents().iter().zip(names.iter()) {
+            if found != intent.name() {
+                return Err(ModelError::ClassName {
+                    class: intent.class(),
+                    expected: intent.name(),
+                    found: Excerpt::of(found),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn smoother(&self) -> Result<SmootherDefaults, ModelError> {
+        let aggregation = match self.aggregation {
+            0 => AggregationMode::AllRowsFrom,
+            1 => AggregationMode::SameInstant,
+            found => return Err(ModelError::AggregationMode { found }),
+        };
+        if self.likelihood != LIKELIHOOD_LOGITS {
+            return Err(ModelError::Likelihood {
+                found: self.likelihood,
+            });
+        }
+        let [look_ahead, hold] = [self.look_ahead, self.hold].map(usize::from);
+        if look_ahead > LOOK_AHEAD || !look_ahead.is_multiple_of(PATCH) {
+            return Err(ModelError::LookAhead {
+                most: LOOK_AHEAD,
+                found: look_ahead,
+            });
+        }
+        if hold == 0 || !hold.is_multiple_of(PATCH) {
+            return Err(ModelError::Hold { found: hold });
+        }
+        Ok(SmootherDefaults {
+            aggregation,
+            look_ahead,
+            hold,
+        })
+    }
+}

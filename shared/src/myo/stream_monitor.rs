@@ -1,0 +1,90 @@
+//! Timers of a running stream: keep-alive, silence and unanswered writes.
+
+use crate::units::Millis;
+
+/// Silence after which the mode is set again, and after which, once more, the connection is closed.
+const SILENCE_MS: u32 = 500;
+/// Period of the command never to sleep. The armband's own timer is about 30 s.
+const NEVER_SLEEP_MS: u32 = 10_000;
+/// Time-out of an operation.
+pub(super) const OPERATION_MS: u32 = 5_000;
+
+/// The times of a running stream.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct StreamMonitor {
+    /// When EMG last arrived.
+    emg: Millis,
+    /// When the armband was last commanded never to sleep.
+    never_sleep: Millis,
+    /// When the mode was set again during the present silence.
+    mode_set_again: Option<Millis>,
+    /// When the outstanding write was requested.
+    write: Option<Millis>,
+}
+
+/// What is due.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Due {
+    Nothing,
+    /// Command the armband never to sleep.
+    NeverSleep,
+    /// Set its mode again.
+    SetMode,
+    /// Close the connection: still silent after the mode was set again.
+    Stalled,
+    /// Close the connection: a write was not answered.
+    Unanswered,
+}
+
+impl StreamMonitor {
+    /// A stream that begins; `write` where the mode's confirmation is still to come.
+    pub(super) const fn new(now: Millis, write: Option<Millis>) -> Self {
+        Self {
+            emg: now,
+            never_sleep: now,
+            mode_set_again: None,
+            write,
+        }
+    }
+
+    /// EMG arrived.
+    pub(super) const fn emg(&mut self, now: Millis) {
+        self.emg = now;
+        self.mode_set_again = None;
+    }
+
+    /// The write was answered. A refused write does not end a running stream: if it mattered,
+    /// silence follows.
+    pub(super) const fn write_answered(&mut self) {
+        self.write = None;
+    }
+
+    /// What is due at `now`. A write that is due counts as requested.
+    pub(super) fn due(&mut self, now: Millis) -> Due {
+        if self
+            .write
+            .is_some_and(|at| now.elapsed_since(at) >= OPERATION_MS)
+        {
+            return Due::Unanswered;
+        }
+        match self.mode_set_again {
+            Some(at) if now.elapsed_since(at) >= SILENCE_MS => return Due::Stalled,
+            None if now.elapsed_since(self.emg) >= SILENCE_MS => {
+                // While another write is outstanding this one is skipped, not queued: a link that has
+                // not answered for so long will not answer this one either.
+                self.mode_set_again = Some(now);
+                if self.write.is_none() {
+                    self.write = Some(now);
+                    return Due::SetMode;
+                }
+            }
+            _ => {}
+        }
+        if self.write.is_none() && now.elapsed_since(self.never_sleep) >= NEVER_SLEEP_MS {
+            self.never_sleep = now;
+            self.write = Some(now);
+            return Due::NeverSleep;
+        }
+        Due::Nothing
+    }
+}

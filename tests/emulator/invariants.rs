@@ -1,0 +1,72 @@
+//! What must hold in every run, whatever happened in it.
+
+use anyhow::{Context as _, bail};
+use shared::intent::Intent;
+use shared::stream::safe_state::SILENCE_MS;
+use shared::uart_line::Kind;
+use xtask::{firmware::STACK_BUDGET, stack};
+
+use super::{Pins, Run};
+
+/// From the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
+const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
+
+impl Run {
+    /// What must hold in every run, whatever happened in it.
+    ///
+    /// # Errors
+    /// When a line is damaged, missing or a label while `valid` is low; when the board restarted
+    /// without an injected fault; when `valid` fell too late, or another pin than relax's was high
+    /// while it was low; when the inference was too slow, the stack over its budget, or an error in
+    /// the armband's log.
+    pub fn check(&self) -> anyhow::Result<()> {
+        stack::record(&self.image, self.stack())?;
+        let fault = self.bad_line()?.or_else(|| self.bad_pin());
+        let fault = fault.or_else(|| {
+            if self.comments().iter().any(|c| c.contains("too slow")) {
+                return Some("the inference dropped packets".to_owned());
+            }
+            if self.stack() > STACK_BUDGET {
+                return Some(format!("{} bytes of stack", self.stack()));
+            }
+            (self.event_count("error") > 0).then(|| "an error in the armband's log".to_owned())
+        });
+        match fault {
+            Some(fault) => bail!("{fault}\n{}", self.tails()),
+            None => Ok(()),
+        }
+    }
+
+    fn bad_line(&self) -> anyhow::Result<Option<String>> {
+        let starts = self.reports_by_start().with_context(|| self.tails())?;
+        if starts.len() > 1 && !self.may_restart {
+            return Ok(Some("the board restarted".to_owned()));
+        }
+        let placed = starts.iter().flat_map(|reports| reports.iter().enumerate());
+        for (place, report) in placed {
+            if report.sequence as usize != place {
+                return Ok(Some(format!(
+                    "line {place} is numbered {}",
+                    report.sequence
+                )));
+            }
+            if report.kind == Kind::Label && !report.status.valid() {
+                return Ok(Some(format!("a label while not valid: {report}")));
+            }
+        }
+        Ok(None)
+    }
+
+    fn bad_pin(&self) -> Option<String> {
+        let pins = self.pins();
+        let high = |pins: &&Pins| !pins.valid && pins.high != [Intent::Relax];
+        if let Some(high) = pins.iter().find(high) {
+            return Some(format!("not valid, and yet not relax: {high:?}"));
+        }
+        let late = |pair: &&[Pins]| {
+            pair[0].valid && !pair[1].valid && pair[1].since_last_byte_us() > SAFE_WITHIN_US
+        };
+        let late = pins.windows(2).find(late)?;
+        Some(format!("valid for too long after the last byte: {late:?}"))
+    }
+}

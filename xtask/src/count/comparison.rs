@@ -1,0 +1,98 @@
+//! The printed table: counts beside the committed ones and the budget.
+
+use std::fmt;
+
+use super::table::{PARTS, Table};
+
+/// Instructions of a whole patch, 50 ms of EMG.
+pub const BUDGET: u64 = 150_000;
+
+/// Percent by which a count is higher than another.
+pub fn change(now: u64, before: u64) -> f64 {
+    (now as f64 / before.max(1) as f64 - 1.0) * 100.0
+}
+
+/// A table, beside the committed one if there is one to compare with.
+pub struct Comparison<'a> {
+    /// What was counted.
+    pub table: &'a Table,
+    /// What it is compared with.
+    pub committed: Option<&'a Table>,
+}
+
+impl fmt::Display for Comparison<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { table, committed } = self;
+        writeln!(f, "instructions per patch, {} patches", table.patches)?;
+        writeln!(
+            f,
+            "{:<14}{:>9}{:>9}{:>11}{:>9}{:>14}",
+            "part", "mean", "largest", "committed", "change", "cycles, est."
+        )?;
+        for name in PARTS.map(|(name, _)| name).into_iter().chain(["total"]) {
+            let Some(part) = table.part(name) else {
+                continue;
+            };
+            write!(f, "{name:<14}{:>9}{:>9}", part.mean, part.largest)?;
+            match committed.and_then(|committed| committed.part(name)) {
+                Some(before) => {
+                    let change = change(part.mean, before.mean);
+                    write!(f, "{:>11}{change:>+7.1} %", before.mean)?;
+                }
+                None => write!(f, "{:>20}", "")?,
+            }
+            writeln!(f, "{:>14.0}", table.cycles(name))?;
+        }
+        if let Some(encoder) = table.part("encoder") {
+            let mean = encoder.mean;
+            writeln!(f, "embed to head without a probe between them: {mean}")?;
+        }
+        if let [Some(recompute), Some(slice)] = ["recompute", "slice"].map(|name| table.part(name))
+        {
+            writeln!(
+                f,
+                "full recompute: {} a patch; longest slice {}, about {:.1} ms",
+                recompute.mean,
+                slice.largest,
+                table.slice_ms(),
+            )?;
+        }
+        writeln!(f, "state of the encoder: {} bytes", table.state)?;
+        let total = table.part("total").map_or(0, |total| total.mean);
+        let judgement = if total > BUDGET { "over" } else { "within" };
+        let share = 100.0 * total as f64 / BUDGET as f64;
+        let milliseconds = table.cycles("total") / 64e3;
+        write!(
+            f,
+            "budget {BUDGET}: {judgement}, {share:.1} % of it; about {milliseconds:.1} ms at 64 MHz"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::tests::output;
+    use super::*;
+
+    #[test]
+    fn the_table_shows_changes_cycles_and_the_budget() {
+        let [table, committed] =
+            [10_200, 10_000].map(|mean| Table::parse(&output("", mean)).unwrap());
+        let committed = Some(&committed);
+        let table = &table;
+        let text = Comparison { table, committed }.to_string();
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("embed "))
+            .unwrap();
+        let words: Vec<_> = line.split_whitespace().collect();
+        assert_eq!(
+            words,
+            ["embed", "10200", "160000", "10000", "+2.0", "%", "14280"]
+        );
+        assert!(
+            text.contains("budget 150000: within, 6.8 % of it"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,127 @@
+//! Executed instructions per patch on the Cortex-M4F, part by part.
+
+mod comparison;
+mod signal;
+mod table;
+
+use std::{
+    fs, iter,
+    path::{Path, PathBuf},
+    process, thread,
+    time::Duration,
+};
+
+use anyhow::{Context as _, Result, ensure};
+
+pub use signal::synthetic;
+pub use table::Table;
+
+use crate::device::{self, Clock, Image};
+use crate::{qemu, toolchain};
+use comparison::{BUDGET, Comparison, change};
+
+/// Emulating some hundred patches takes seconds.
+const TIMEOUT: Duration = Duration::from_secs(120);
+/// Most milliseconds that a slice of a full recompute may keep the radio's tasks waiting.
+const MAX_SLICE_MS: f64 = 10.0;
+/// Percent by which the total may rise without `--accept`.
+const TOLERANCE: f64 = 2.0;
+/// The counts of the last commit, in the form that the image prints.
+const COMMITTED: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../tests/device/instructions.txt"
+);
+
+/// What to count with.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A recording to run over, as an npy file of bytes, shape (n, 8). Otherwise a synthetic signal.
+    #[arg(long, value_name = "FILE.npy")]
+    recording: Option<PathBuf>,
+    /// A model to run. Otherwise the one in models/, which is compared with its budget.
+    #[arg(long, value_name = "FILE.intent")]
+    model: Option<PathBuf>,
+    /// Take these counts as the committed ones. Say in the commit why they are worse, if they are.
+    #[arg(long, conflicts_with_all = ["recording", "model"])]
+    accept: bool,
+}
+
+/// Builds, counts and prints the table beside the committed one.
+///
+/// # Errors
+/// Also when the total is over its budget, or more than 2 % worse than committed.
+pub fn print(arguments: &Arguments) -> Result<()> {
+    let samples = match &arguments.recording {
+        Some(path) => signal::read_npy(path)?,
+        None => synthetic(),
+    };
+    let toolchain = toolchain::find(false)?;
+    qemu::find()?;
+    let image = device::build(&toolchain, Image::Count)?;
+    let table = count(&image, &samples, arguments.model.as_deref())?;
+    if arguments.recording.is_some() || arguments.model.is_some() {
+        let committed = None;
+        let table = &table;
+        println!("{}", Comparison { table, committed });
+        return Ok(());
+    }
+    if arguments.accept {
+        fs::write(COMMITTED, table.text())?;
+    }
+    let committed = fs::read_to_string(COMMITTED)
+        .with_context(|| format!("{COMMITTED}: none; `cargo xtask count --accept` writes it"))?;
+    compare(&table, &Table::parse(&committed)?)
+}
+
+fn compare(table: &Table, committed: &Table) -> Result<()> {
+    let comparison = Comparison {
+        table,
+        committed: Some(committed),
+    };
+    println!("{comparison}");
+    let [now, before] =
+        [table, committed].map(|table| table.part("total").map_or(0, |total| total.mean));
+    let worse = change(now, before);
+    ensure!(
+        worse <= TOLERANCE,
+        "{worse:.1} % worse than {COMMITTED}: fix it, or run `cargo xtask count --accept` and say why in the commit"
+    );
+    ensure!(
+        now <= BUDGET,
+        "{now} instructions, over the budget of {BUDGET}"
+    );
+    let slice = table.slice_ms();
+    ensure!(
+        slice <= MAX_SLICE_MS,
+        "a slice of the full recompute takes about {slice:.1} ms, over the {MAX_SLICE_MS} ms that the radio may wait"
+    );
+    Ok(())
+}
+
+/// Runs the image over samples of 8 bytes each, with a model's file or the one in models/.
+///
+/// # Errors
+/// When the image fails, or prints no counts.
+pub fn count(image: &Path, samples: &[u8], model: Option<&Path>) -> Result<Table> {
+    // One file per process and thread: tests count side by side.
+    let name = format!("samples-{}-{:?}", process::id(), thread::current().id());
+    let file = image.with_file_name(name);
+    fs::write(&file, samples).with_context(|| format!("{} cannot be written", file.display()))?;
+    let files: Vec<&Path> = iter::once(file.as_path()).chain(model).collect();
+    let outcome = device::run(image, &files, Clock::Instructions, TIMEOUT);
+    fs::remove_file(&file)?;
+    let outcome = outcome?;
+    ensure!(outcome.success, "the image failed: {}", outcome.output);
+    Table::parse(&outcome.output)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_counts_are_within_the_budget() {
+        let committed = Table::parse(&fs::read_to_string(COMMITTED).unwrap()).unwrap();
+        assert!(committed.part("total").unwrap().mean <= BUDGET);
+    }
+}

@@ -1,0 +1,134 @@
+//! The counts of one run, as the image prints them.
+
+use anyhow::{Context as _, Result, bail, ensure};
+
+/// The parts of the pipeline, in its order, and the cycles that an instruction of each takes: estimated
+/// once, from a trace of every executed block and the timing tables of the Cortex-M4 (docs/budgets.md).
+pub const PARTS: [(&str, f64); 8] = [
+    ("preprocess", 1.03),
+    ("ring", 1.3),
+    ("embed", 1.4),
+    ("attention", 1.5),
+    ("feed-forward", 1.52),
+    ("head", 1.62),
+    ("smoother", 1.4),
+    ("rest", 1.4),
+];
+/// What is counted besides: the whole pipeline; the encoder without a probe between its parts; and of a
+/// full recompute from the ring a patch's share and one slice.
+pub const MORE: [&str; 4] = ["total", "encoder", "recompute", "slice"];
+
+/// Instructions of a part, per patch.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// Mean over the patches.
+    pub mean: u64,
+    /// Largest of the patches.
+    pub largest: u64,
+}
+
+/// The instruction count of a run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Table {
+    /// Patches counted.
+    pub patches: u64,
+    /// Bytes of the encoder's state.
+    pub state: u64,
+    parts: Vec<Part>,
+}
+
+impl Table {
+    /// The counts of a part, by its name.
+    pub fn part(&self, name: &str) -> Option<&Part> {
+        self.parts.iter().find(|part| part.name == name)
+    }
+
+    /// Parses what the image printed.
+    ///
+    /// # Errors
+    /// When a part is missing or no number.
+    pub fn parse(output: &str) -> Result<Self> {
+        let mut lines = output.lines();
+        let mut number = |name: &str| -> Result<u64> {
+            let number = lines.next().and_then(|line| line.strip_prefix(name));
+            Ok(number
+                .with_context(|| format!("no {name}in: {output}"))?
+                .parse()?)
+        };
+        let (patches, state) = (number("patches ")?, number("state ")?);
+        let part = |line: &str| {
+            let [name, mean, largest] = line.split(' ').collect::<Vec<_>>()[..] else {
+                bail!("no part: {line}");
+            };
+            Ok(Part {
+                name: name.into(),
+                mean: mean.parse()?,
+                largest: largest.parse()?,
+            })
+        };
+        let table = Self {
+            patches,
+            state,
+            parts: lines.map(part).collect::<Result<_>>()?,
+        };
+        for name in PARTS.map(|(name, _)| name).iter().chain(&MORE) {
+            ensure!(table.part(name).is_some(), "no part {name} in: {output}");
+        }
+        Ok(table)
+    }
+
+    /// As the image prints it.
+    pub fn text(&self) -> String {
+        let part = |part: &Part| format!("{} {} {}\n", part.name, part.mean, part.largest);
+        let parts: String = self.parts.iter().map(part).collect();
+        format!("patches {}\nstate {}\n{parts}", self.patches, self.state)
+    }
+
+    /// Milliseconds of the longest slice at 64 MHz, by the cycles an instruction of the largest parts.
+    pub fn slice_ms(&self) -> f64 {
+        self.part("slice")
+            .map_or(0.0, |slice| slice.largest as f64 * 1.52 / 64e3)
+    }
+
+    /// Estimated cycles of a part's mean; of the total, the sum over all parts.
+    pub fn cycles(&self, name: &str) -> f64 {
+        let of = |(name, ratio): &(&str, f64)| {
+            self.part(name).map_or(0.0, |part| part.mean as f64 * ratio)
+        };
+        PARTS
+            .iter()
+            .filter(|part| name == "total" || part.0 == name)
+            .map(of)
+            .sum()
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// What an image prints that counts the same for every part.
+    pub fn output(without: &str, mean: u64) -> String {
+        let names = PARTS.map(|(name, _)| name);
+        let names = names.iter().chain(&MORE);
+        let parts = names.filter(|name| **name != without);
+        let lines: Vec<_> = parts
+            .map(|name| format!("{name} {mean} 160000\n"))
+            .collect();
+        format!("patches 5\nstate 7\n{}", lines.concat())
+    }
+
+    #[test]
+    fn every_part_is_read_and_a_missing_one_is_an_error() {
+        let table = Table::parse(&output("", 10)).unwrap();
+        let total = table.part("total").unwrap();
+        assert_eq!((table.patches, total.mean, total.largest), (5, 10, 160_000));
+        assert_eq!(table.text(), output("", 10));
+        for (name, _) in PARTS {
+            assert!(Table::parse(&output(name, 10)).is_err(), "{name}");
+        }
+        assert!(Table::parse("hard fault at 0x0").is_err());
+    }
+}

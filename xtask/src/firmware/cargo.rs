@@ -1,0 +1,72 @@
+//! Cargo, called so that it builds or lints one image.
+
+use std::{fs, path::PathBuf, process::Command};
+
+use anyhow::{Context as _, Result, ensure};
+
+use super::image::Image;
+use crate::toolchain::{TARGET, Toolchain};
+use crate::{clang, cross_target, vectors};
+
+const PACKAGE: &str = "myointent-firmware";
+const PROFILE: &str = "firmware";
+
+/// Builds an image; gives its ELF file.
+///
+/// # Errors
+/// When it does not build, or an interrupt that it needs has no handler.
+pub fn build_image(
+    toolchain: &Toolchain,
+    image: Image,
+    install: bool,
+    locked: bool,
+) -> Result<PathBuf> {
+    let status = command(toolchain, "build", image, install, locked)?
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(status.success(), "the image {image} did not build");
+
+    // Cargo gives every image the same name: keep a copy of each under its own.
+    let built = cross_target().join(TARGET).join(PROFILE).join(PACKAGE);
+    let kept = elf_file(image);
+    let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
+    vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
+    fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
+    Ok(kept)
+}
+
+/// A cargo command for an image.
+///
+/// # Errors
+/// When the image needs libclang, and there is none.
+pub fn command(
+    toolchain: &Toolchain,
+    subcommand: &str,
+    image: Image,
+    install: bool,
+    locked: bool,
+) -> Result<Command> {
+    let mut cargo = toolchain.cargo(subcommand);
+    // --package keeps the host's crates, and their features, out of the build.
+    cargo
+        .args(["--profile", PROFILE, "--package", PACKAGE])
+        .args(["--no-default-features", "--features", image.features()])
+        .env("CARGO_TARGET_DIR", cross_target());
+    if image == Image::Nrf52840Sdc
+        && let Some(folder) = clang::find(install)?
+    {
+        cargo.env(clang::VARIABLE, folder);
+    }
+    if image.has_lto() {
+        cargo.env("CARGO_PROFILE_FIRMWARE_LTO", "fat");
+    }
+    if locked {
+        cargo.arg("--locked");
+    }
+    Ok(cargo)
+}
+
+/// The file of an image, whether it was built already or not.
+pub fn elf_file(image: Image) -> PathBuf {
+    cross_target().join(image.name()).with_extension("elf")
+}

@@ -1,0 +1,81 @@
+//! The images: one per supported pair of board and radio.
+
+use std::fmt;
+
+/// A program for one board with one radio.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Image {
+    /// nRF52840 under the SoftDevice S140.
+    Nrf52840S140,
+    /// nRF52840 with the Bluetooth controller linked in.
+    Nrf52840Sdc,
+    /// nRF52832 under the SoftDevice S132.
+    Nrf52832S132,
+    /// QEMU's `mps2-an386`.
+    Emulator,
+}
+
+impl Image {
+    /// Every image.
+    pub const ALL: [Self; 4] = [
+        Self::Nrf52840S140,
+        Self::Nrf52840Sdc,
+        Self::Nrf52832S132,
+        Self::Emulator,
+    ];
+
+    /// Its name, and its file's.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nrf52840S140 => "nrf52840-s140",
+            Self::Nrf52840Sdc => "nrf52840-sdc",
+            Self::Nrf52832S132 => "nrf52832-s132",
+            Self::Emulator => "emulator",
+        }
+    }
+
+    /// The features of the firmware that select it.
+    pub(super) const fn features(self) -> &'static str {
+        match self {
+            Self::Nrf52840S140 => "nrf52840,radio-softdevice",
+            Self::Nrf52840Sdc => "nrf52840,radio-trouble",
+            Self::Nrf52832S132 => "nrf52832,radio-softdevice",
+            Self::Emulator => "emulator",
+        }
+    }
+
+    /// Interrupts that must have a handler, by number: UART, time, GPIO and the radio's.
+    pub(super) const fn interrupts(self) -> &'static [usize] {
+        match self {
+            // UARTE0, GPIOTE, RTC1, SWI2.
+            Self::Nrf52840S140 | Self::Nrf52832S132 => &[2, 6, 17, 22],
+            // CLOCK and POWER, RADIO, UARTE0, GPIOTE, TIMER0, RTC0, RTC1, SWI0.
+            Self::Nrf52840Sdc => &[0, 1, 2, 6, 8, 11, 17, 20],
+            // UART1 receiver, TIMER1.
+            Self::Emulator => &[2, 9],
+        }
+    }
+
+    /// Whether it is built with link-time optimisation. Images under a SoftDevice cannot be (see
+    /// firmware/build.rs); the others contain a Bluetooth host and need it to fit.
+    pub(super) const fn has_lto(self) -> bool {
+        matches!(self, Self::Nrf52840Sdc | Self::Emulator)
+    }
+
+    /// Bytes of RAM that `memory.x` gives it.
+    pub(super) const fn ram(self) -> u64 {
+        match self {
+            Self::Nrf52840S140 => (256 - 16) * 1024,
+            Self::Nrf52840Sdc => 256 * 1024,
+            Self::Nrf52832S132 => (64 - 16) * 1024,
+            Self::Emulator => 64 * 1024,
+        }
+    }
+}
+
+impl fmt::Display for Image {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}

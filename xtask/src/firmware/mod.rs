@@ -1,0 +1,98 @@
+//! Builds and lints the images of the boards, and checks their sizes.
+
+mod budget;
+mod cargo;
+mod image;
+
+use std::{fs, path::Path};
+
+use anyhow::{Context as _, Result, ensure};
+
+pub use budget::STACK_BUDGET;
+pub use cargo::build_image;
+pub use image::Image;
+
+use crate::size::{self, Size};
+use crate::{stack, toolchain};
+use budget::Table;
+
+/// How to build.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Installs a missing cross compiler or libclang, as root, with apt-get.
+    #[arg(long)]
+    install: bool,
+    /// Refuses to change Cargo.lock.
+    #[arg(long)]
+    locked: bool,
+    /// Builds this one only.
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Image::ALL.map(Image::name)))]
+    image: Option<String>,
+}
+
+/// How to lint.
+#[derive(clap::Args)]
+pub struct LintArguments {
+    /// Installs a missing compiler, linter or libclang, as root, with apt-get.
+    #[arg(long)]
+    install: bool,
+    /// Refuses to change Cargo.lock.
+    #[arg(long)]
+    locked: bool,
+}
+
+/// Builds, prints a table of sizes, and fails where an image is over a budget.
+///
+/// # Errors
+/// When there is no toolchain, an image does not build, or is too large.
+pub fn build(arguments: &Arguments) -> Result<()> {
+    let toolchain = toolchain::find(arguments.install)?;
+    println!("{toolchain}");
+    let selected = arguments.image.as_deref();
+    let mut rows = Vec::new();
+    for image in Image::ALL {
+        if selected.is_none_or(|name| name == image.name()) {
+            let file = build_image(&toolchain, image, arguments.install, arguments.locked)?;
+            println!("{}", file.display());
+            rows.push((image, measure(&file)?));
+        }
+    }
+    let emulator = cargo::elf_file(Image::Emulator);
+    let stack = if emulator.is_file() {
+        stack::measured(&emulator)?
+    } else {
+        None
+    };
+    println!("\n{}", Table { rows: &rows, stack });
+    rows.iter()
+        .try_for_each(|&(image, size)| budget::check(image, size))
+}
+
+/// Lints the program as each board and each radio compiles it.
+///
+/// # Errors
+/// When there is no toolchain, or a lint to fix.
+pub fn lint(arguments: &LintArguments) -> Result<()> {
+    let toolchain = toolchain::find(arguments.install)?;
+    // The nRF52832 differs by numbers alone.
+    for image in [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Emulator] {
+        println!("{image}");
+        let status = cargo::command(
+            &toolchain,
+            "clippy",
+            image,
+            arguments.install,
+            arguments.locked,
+        )?
+        .args(["--", "-D", "warnings"])
+        .status()
+        .context("clippy cannot be run")?;
+        ensure!(status.success(), "the image {image} has lints to fix");
+    }
+    Ok(())
+}
+
+fn measure(file: &Path) -> Result<Size> {
+    let bytes = fs::read(file).with_context(|| format!("{} cannot be read", file.display()))?;
+    size::measure(&bytes).with_context(|| format!("{} cannot be measured", file.display()))
+}
