@@ -113,7 +113,7 @@ impl TransitionScore {
 
 /// Checks every change of the truth.
 ///
-/// Each labelled stretch of the truth is scored as a recording of its own ([`stretches`]).
+/// Each labelled stretch of the truth is scored as a recording of its own.
 ///
 /// # Errors
 /// [`MetricError::Length`] if the sequences differ in length; [`MetricError::NarrowBuffer`] below
