@@ -1,4 +1,4 @@
-//! The device's encoder on the host, for every model that a file can hold.
+//! Inference of the integer student: the device's encoder on the host.
 
 use shared::model::encoder::HostEncoder;
 use shared::model::file::{Model, ModelError};
@@ -7,13 +7,8 @@ use shared::units::{CleanSample, PATCH, Patch, WINDOW_PATCHES};
 
 use crate::dataset::lead_in::padded;
 
-/// The logits of the six newest patches after every patch, newest first: one stream from its
-/// beginning.
-///
-/// # Errors
-///
-/// If the encoder refuses the model.
-pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
+/// Logits after each of the patches of a stream, from its beginning.
+fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
     let encoder = HostEncoder::new(model)?;
     let mut outputs = Vec::with_capacity(patches.len());
     let mut state = encoder.fresh();
@@ -21,11 +16,11 @@ pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogit
     Ok(outputs)
 }
 
-/// An integer student's logits at every whole patch of a recording, as the device computes them, a
-/// lead-in of one window in front.
+/// Logits of an integer student at every whole patch of a recording, as the device computes them, after a
+/// lead-in of one window.
 ///
 /// # Errors
-/// If the encoder refuses the model.
+/// When the encoder refuses the model.
 pub fn integer_logits(
     model: &Model<'_>,
     emg: &[CleanSample],

@@ -4,7 +4,7 @@
 //! that patch and of the five before it ([`LookBackLogits`](shared::model::LookBackLogits), newest
 //! first, unused classes 0). The code that smooths and scores them is the same for all models.
 
-pub mod device;
+mod device;
 mod student;
 mod teacher;
 

@@ -40,10 +40,10 @@ pub enum StepError {
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// The model format does not allow the student's dimensions.
-    #[error("this student cannot become a model file: {0}")]
+    #[error("this student cannot become a model file")]
     Student(#[source] ModelError),
     /// The model file is invalid.
-    #[error("the model file is refused: {0}")]
+    #[error("the model file is refused")]
     Model(#[from] ModelError),
     /// The models cannot be evaluated.
     #[error(transparent)]

@@ -8,9 +8,8 @@ use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
 use burn::tensor::activation::{sigmoid, softmax};
 use burn::tensor::{Device, Int, Tensor, TensorData};
 use serde::{Deserialize, Serialize};
+use shared::model::dimensions::Companding;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
-
-use crate::training::augmentation::Companding;
 
 /// Dimensions of a student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

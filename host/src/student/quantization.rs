@@ -4,13 +4,12 @@ use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
 use burn::tensor::Tensor;
 use shared::intent::Vocabulary;
-use shared::model::dimensions::{self, Dimensions};
+use shared::model::dimensions::Dimensions;
 use shared::model::file::{
     LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts, SmootherDefaults,
 };
 
 use super::model::{Student, StudentConfig};
-use crate::training::augmentation::Companding;
 use crate::training::tensor::read_back;
 
 /// Bytes of the model file: weights rounded to i8 with one scale per output row, everything else in f32.
@@ -38,10 +37,7 @@ pub(crate) fn quantize(
             span,
             vocabulary,
         },
-        companding: match companding {
-            Companding::Linear => dimensions::Companding::Linear,
-            Companding::SquareRoot => dimensions::Companding::SquareRoot,
-        },
+        companding,
         smoother,
         provenance,
         embed: linear(&student.embed),

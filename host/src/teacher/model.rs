@@ -8,12 +8,12 @@ use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use shared::model::dimensions::Companding;
 use shared::units::CHANNELS;
 
 use super::attention::attend;
 use super::feed_forward::activate;
 use super::window::WindowShape;
-use crate::training::augmentation::Companding;
 use crate::training::dropout::Dropout;
 
 /// Dimensions of a teacher.

@@ -1,19 +1,9 @@
-//! Data augmentation for training, and the companding in front of a network.
+//! Data augmentation for training, and samples as a model's input.
 
 use rand::RngExt;
 use rand_distr::{Distribution, LogNormal};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, CleanSample};
-
-/// Compression of the EMG amplitude in front of the patch embedding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Companding {
-    /// x
-    Linear,
-    /// sqrt(x): expands low amplitudes, so that weak gestures differ from rest about as much as strong ones do.
-    SquareRoot,
-}
 
 /// Random variation of training examples: gain (how tightly the armband sits) and electrode rotation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

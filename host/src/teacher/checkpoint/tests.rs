@@ -1,11 +1,11 @@
 use std::path::PathBuf;
 
 use burn::tensor::Device;
+use shared::model::dimensions::Companding;
 use tempfile::{TempDir, tempdir};
 
 use super::*;
 use crate::teacher::model::TeacherConfig;
-use crate::training::augmentation::Companding;
 
 const CLASSES: usize = 3;
 
