@@ -316,7 +316,7 @@ fn every_other_header_field_has_its_refusal() {
             }
         );
     }
-    for hold in [0, 15] {
+    for hold in [0, 15, 210, 65_530] {
         assert_eq!(
             header_refusal(|header| header.hold = hold),
             ModelError::Hold { found: hold.into() }
@@ -368,6 +368,26 @@ fn malformed_lists_and_texts_are_named() {
         Model::parse(&cut).unwrap_err(),
         ModelError::Header { field: "header" }
     );
+}
+
+#[test]
+fn a_metric_that_is_no_number_is_refused() {
+    for value in [f32::NAN, f32::INFINITY] {
+        let refused = refusal(|parts| parts.provenance.metrics[0].1 = value).to_string();
+        assert!(refused.starts_with("a metric is"), "{refused}");
+    }
+}
+
+/// With a number of this size in every scale of the head, logits overflow to infinity, and a difference of two of
+/// them is NaN.
+#[test]
+fn numbers_that_could_overflow_an_output_are_refused() {
+    for value in [1e30, 3e38, 101.0] {
+        let refused = refusal(|parts| parts.head.scales.fill(value)).to_string();
+        assert!(refused.starts_with("head.scales holds"), "{refused}");
+    }
+    let refused = refusal(|parts| parts.final_norm.bias[1] = -1e9).to_string();
+    assert!(refused.starts_with("final_norm.bias holds"), "{refused}");
 }
 
 #[test]
