@@ -18,6 +18,8 @@ pub const LOOK_BACK: usize = 1 + LOOK_AHEAD / PATCH;
 pub const LOOK_AHEAD: usize = 50;
 /// Default hold of the smoother, in samples (paper: 0.1 s).
 pub const HOLD: usize = 20;
+/// Longest hold of the smoother, in samples: a label that outlives a change of mind by a second helps nobody.
+pub const MAX_HOLD: usize = 200;
 
 const _: () = assert!(WINDOW.is_multiple_of(PATCH));
 const _: () = assert!(LOOK_AHEAD.is_multiple_of(PATCH) && HOLD.is_multiple_of(PATCH));

@@ -1,9 +1,9 @@
 //! Why a model is refused: one cause per variant.
 
 use super::names::{Excerpt, TensorName};
-use super::{ALIGNMENT, FORMAT_VERSION, MAGIC};
+use super::{ALIGNMENT, FORMAT_VERSION, LARGEST, MAGIC};
 use crate::model::dimensions::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH};
-use crate::units::{LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
+use crate::units::{LOOK_BACK, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
 /// Why bytes are not a model for this program.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
@@ -179,10 +179,18 @@ pub enum ModelError {
         found: usize,
     },
     /// Unsupported hold.
-    #[error("hold {found} samples, expected whole patches, at least one: export with one")]
+    #[error(
+        "hold {found} samples, expected whole patches, 10 to {MAX_HOLD} samples: export with one"
+    )]
     Hold {
         /// The file's hold.
         found: usize,
+    },
+    /// A metric that is infinite or NaN.
+    #[error("a metric is {found}, expected a finite number: evaluate and export the model again")]
+    Metric {
+        /// The value.
+        found: f32,
     },
     /// A tensor's length does not match the dimensions.
     #[error("{tensor} has {found} bytes, expected {expected}: export the model again")]
@@ -218,9 +226,11 @@ pub enum ModelError {
         /// The number.
         found: f32,
     },
-    /// Infinity or NaN.
-    #[error("{tensor} holds {found} at {index}, expected a finite number: train the model again")]
-    NotFinite {
+    /// Infinity, NaN, or a number so large that a sum could overflow.
+    #[error(
+        "{tensor} holds {found} at {index}, expected a number from -{LARGEST} to {LARGEST}: train the model again"
+    )]
+    Number {
         /// Which tensor.
         tensor: TensorName,
         /// Position in it.

@@ -16,7 +16,7 @@ pub struct SmootherDefaults {
     pub aggregation: AggregationMode,
     /// Samples of look-ahead: whole patches, at most 50.
     pub look_ahead: usize,
-    /// Samples that a label is held: whole patches, at least one.
+    /// Samples that a label is held: whole patches, at least one, at most [`MAX_HOLD`](crate::units::MAX_HOLD).
     pub hold: usize,
 }
 
@@ -38,6 +38,9 @@ impl SmootherDefaults {
 pub struct Provenance<'m> {
     /// Names of the data sets.
     pub data_sets: List<'m, &'m str>,
+    /// Subjects whom this model, or any model that its training started from, was trained on or validated with, as
+    /// `data set/subject`.
+    pub subjects_seen: List<'m, &'m str>,
     /// Subjects left out of the training, as `data set/subject`.
     pub subjects_left_out: List<'m, &'m str>,
     /// Revision of the training program.

@@ -56,6 +56,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
         },
         provenance: ProvenanceParts {
             data_sets: ["noise".into(), "more noise".into()].into(),
+            subjects_seen: ["noise/1".into(), "noise/2".into()].into(),
             subjects_left_out: ["noise/3".into()].into(),
             git_revision: "0123abc".into(),
             seed,

@@ -1,7 +1,7 @@
 //! From bytes to a model with every length and number checked.
 
 use super::{
-    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES,
+    ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, LARGEST, MAGIC, PREFIX_BYTES,
     error::ModelError,
     header::Header,
     layout::{LayerWeights, LinearWeights, NormWeights, Weights},
@@ -182,10 +182,10 @@ impl<'m> Tensors<'m> {
         match floats
             .iter()
             .enumerate()
-            .find(|(_, number)| !number.is_finite())
+            .find(|(_, number)| !(-LARGEST..=LARGEST).contains(*number))
         {
             None => Ok(floats),
-            Some((index, &found)) => Err(ModelError::NotFinite {
+            Some((index, &found)) => Err(ModelError::Number {
                 tensor,
                 index,
                 found,

@@ -79,6 +79,10 @@ fn everything_written_is_read_back() {
         ["noise", "more noise"]
     );
     assert_eq!(
+        provenance.subjects_seen.iter().collect::<Vec<_>>(),
+        ["noise/1", "noise/2"]
+    );
+    assert_eq!(
         provenance.subjects_left_out.iter().collect::<Vec<_>>(),
         ["noise/3"]
     );
@@ -198,12 +202,12 @@ fn every_single_bit_and_byte_flip_is_refused() {
 #[test]
 fn another_format_is_named() {
     let mut bytes = small().to_bytes().unwrap();
-    bytes[8] = 3;
+    bytes[8] = 2;
     let refused = Model::parse(&bytes).unwrap_err();
-    assert_eq!(refused, ModelError::Version { found: 3 });
+    assert_eq!(refused, ModelError::Version { found: 2 });
     assert_eq!(
         refused.to_string(),
-        "model format 3, this build reads 2: export the model again"
+        "model format 2, this build reads 3: export the model again"
     );
 }
 
@@ -350,11 +354,18 @@ fn class_names_must_be_the_vocabulary_in_order() {
 #[test]
 fn malformed_lists_and_texts_are_named() {
     // A text of five bytes of which one is there.
-    for field in ["class_names", "data_sets", "subjects_left_out", "metrics"] {
+    for field in [
+        "class_names",
+        "data_sets",
+        "subjects_seen",
+        "subjects_left_out",
+        "metrics",
+    ] {
         let refused = header_refusal(|header| {
             let place = match field {
                 "class_names" => &mut header.class_names,
                 "data_sets" => &mut header.data_sets,
+                "subjects_seen" => &mut header.subjects_seen,
                 "subjects_left_out" => &mut header.subjects_left_out,
                 _ => &mut header.metrics,
             };
@@ -464,7 +475,7 @@ fn numbers_that_would_break_the_arithmetic_are_refused() {
     );
     assert_eq!(
         refusal(|parts| parts.embed.scales[1] = f32::INFINITY),
-        ModelError::NotFinite {
+        ModelError::Number {
             tensor: tensor(None, "embed", "scales"),
             index: 1,
             found: f32::INFINITY
@@ -472,11 +483,11 @@ fn numbers_that_would_break_the_arithmetic_are_refused() {
     );
     assert_eq!(
         refusal(|parts| parts.layers[0].relative_bias[3] = f32::NAN).to_string(),
-        "layers[0].relative_bias holds NaN at 3, expected a finite number: train the model again"
+        "layers[0].relative_bias holds NaN at 3, expected a number from -100 to 100: train the model again"
     );
     assert_eq!(
         refusal(|parts| parts.layers[0].norm2.gain[0] = f32::NEG_INFINITY),
-        ModelError::NotFinite {
+        ModelError::Number {
             tensor: tensor(Some(0), "norm2", "gain"),
             index: 0,
             found: f32::NEG_INFINITY

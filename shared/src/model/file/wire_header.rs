@@ -11,7 +11,7 @@ use crate::model::dimensions::{
 };
 use crate::stream::preprocess::{DIVISOR, MEDIAN_WIDTH};
 use crate::stream::smoother::AggregationMode;
-use crate::units::{LOOK_AHEAD, LOOK_BACK, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
+use crate::units::{LOOK_AHEAD, LOOK_BACK, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
 /// The only value of the smoother's likelihood: it sums logits.
 const LIKELIHOOD_LOGITS: u8 = 0;
@@ -37,6 +37,7 @@ pub(super) struct WireHeader<'m> {
     pub look_ahead: u16,
     pub hold: u16,
     pub data_sets: &'m [u8],
+    pub subjects_seen: &'m [u8],
     pub subjects_left_out: &'m [u8],
     pub git_revision: &'m str,
     pub seed: u64,
@@ -51,7 +52,7 @@ impl<'m> WireHeader<'m> {
         companding: Companding,
         smoother: &SmootherDefaults,
         class_names: &'m [u8],
-        [data_sets, subjects_left_out, metrics]: [&'m [u8]; 3],
+        [data_sets, subjects_seen, subjects_left_out, metrics]: [&'m [u8]; 4],
         (git_revision, seed): (&'m str, u64),
     ) -> Self {
         // A number too large for its field becomes the largest value, which the reader refuses.
@@ -81,6 +82,7 @@ impl<'m> WireHeader<'m> {
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
             data_sets,
+            subjects_seen,
             subjects_left_out,
             git_revision,
             seed,
@@ -120,12 +122,21 @@ impl<'m> WireHeader<'m> {
             smoother: self.smoother()?,
             provenance: Provenance {
                 data_sets: List::read(self.data_sets, "data_sets")?,
+                subjects_seen: List::read(self.subjects_seen, "subjects_seen")?,
                 subjects_left_out: List::read(self.subjects_left_out, "subjects_left_out")?,
                 git_revision: self.git_revision,
                 seed: self.seed,
-                metrics: List::read(self.metrics, "metrics")?,
+                metrics: self.metrics()?,
             },
         })
+    }
+
+    fn metrics(&self) -> Result<List<'m, (&'m str, f32)>, ModelError> {
+        let metrics = List::<(&str, f32)>::read(self.metrics, "metrics")?;
+        match metrics.iter().find(|(_, value)| !value.is_finite()) {
+            None => Ok(metrics),
+            Some((_, found)) => Err(ModelError::Metric { found }),
+        }
     }
 
     fn dimensions(&self) -> Result<Dimensions, ModelError> {
@@ -204,7 +215,7 @@ impl<'m> WireHeader<'m> {
                 found: look_ahead,
             });
         }
-        if hold == 0 || !hold.is_multiple_of(PATCH) {
+        if hold == 0 || hold > MAX_HOLD || !hold.is_multiple_of(PATCH) {
             return Err(ModelError::Hold { found: hold });
         }
         Ok(SmootherDefaults {

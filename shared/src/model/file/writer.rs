@@ -69,6 +69,8 @@ pub struct LayerParts {
 pub struct ProvenanceParts {
     /// Names of the data sets.
     pub data_sets: Vec<String>,
+    /// Subjects trained on or validated with, ancestors' included, as `data set/subject`.
+    pub subjects_seen: Vec<String>,
     /// Subjects left out of the training, as `data set/subject`.
     pub subjects_left_out: Vec<String>,
     /// Revision of the training program.
@@ -123,6 +125,7 @@ impl ModelParts {
                 .map(|intent| intent.name()),
         );
         let data_sets = list(&provenance.data_sets);
+        let subjects_seen = list(&provenance.subjects_seen);
         let subjects_left_out = list(&provenance.subjects_left_out);
         let metrics = list(&provenance.metrics);
         let header = WireHeader::new(
@@ -130,7 +133,7 @@ impl ModelParts {
             self.companding,
             &self.smoother,
             &names,
-            [&data_sets, &subjects_left_out, &metrics],
+            [&data_sets, &subjects_seen, &subjects_left_out, &metrics],
             (&provenance.git_revision, provenance.seed),
         );
         let mut file = prefix();
