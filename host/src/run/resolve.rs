@@ -283,3 +283,6 @@ fn git_revision() -> Option<String> {
     let revision = String::from_utf8(output.stdout).ok()?;
     output.status.success().then(|| revision.trim().to_owned())
 }
+
+#[cfg(test)]
+mod tests;

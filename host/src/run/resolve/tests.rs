@@ -1,0 +1,90 @@
+use std::path::PathBuf;
+
+use shared::intent::Intent;
+
+use super::*;
+
+/// People 1, 2, 3... of a data set, one labelled recording each.
+fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
+    (1..=count)
+        .map(|person| Recording {
+            data_set,
+            subject: format!("{}/p{person}", data_set.name()),
+            name: "r".into(),
+            path: PathBuf::new(),
+            samples: vec![[0; 8]; 20],
+            labels: vec![Some(Intent::Relax); 20],
+            notes: Vec::new(),
+        })
+        .collect()
+}
+
+/// Two data sets of the user's own.
+fn library() -> Library {
+    Library {
+        recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
+        ..Library::default()
+    }
+}
+
+fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
+    let mut preset = Preset::find("quickstart").unwrap();
+    preset.data.data_sets.clear();
+    let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    preset.data.held_out = owned(held_out);
+    preset.data.validation = owned(validation);
+    preset
+}
+
+fn resolve(held_out: &[&str], validation: &[&str]) -> Result<ResolvedConfig, ConfigError> {
+    ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
+}
+
+/// A run folder with this configuration.
+fn run_folder(config: &ResolvedConfig) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    config
+        .save(&RunFolder::open(folder.path()).unwrap())
+        .unwrap();
+    folder
+}
+
+#[test]
+fn a_misspelt_name_is_refused_with_the_nearest_known_one() {
+    let error = resolve(&["react-emg/p55"], &[]).unwrap_err().to_string();
+    assert!(error.contains("\"react-emg/p55\""), "{error}");
+    assert!(error.contains("react-emg/p5"), "{error}");
+    let error = resolve(&[], &["react_emg/p1"]).unwrap_err().to_string();
+    assert!(error.contains("react-emg/p1"), "{error}");
+}
+
+#[test]
+fn everybody_that_an_ancestor_saw_is_remembered() {
+    let first = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
+    let a = run_folder(&first);
+    // p4 was trained on in the first run and is neither trained on nor validated with in the second one.
+    let mut second = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
+    second.split.training.retain(|name| name != "react-emg/p4");
+    second.start_from(a.path()).unwrap();
+    let b = run_folder(&second);
+    let mut third = resolve(&["react-emg/p1", "react-emg/p4"], &["react-emg/p3"]).unwrap();
+    let error = third.start_from(b.path()).unwrap_err().to_string();
+    assert!(error.contains("react-emg/p4"), "{error}");
+    assert!(!error.contains("react-emg/p1"), "{error}");
+}
+
+#[test]
+fn a_whole_data_set_may_be_held_out() {
+    let everybody = ["p1", "p2", "p3", "p4"].map(|name| format!("synthetic/{name}"));
+    let config = resolve(&everybody.each_ref().map(String::as_str), &[]).unwrap();
+    for subject in &everybody {
+        assert_eq!(config.split.role(subject), Some(Role::HeldOut));
+    }
+    assert!(
+        config
+            .split
+            .validation
+            .iter()
+            .all(|name| name.starts_with("react-emg/"))
+    );
+}
