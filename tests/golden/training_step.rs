@@ -35,7 +35,7 @@ impl ModuleMapper for InPlace<'_> {
 fn by_name(teacher: &Teacher) -> Tensors {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("teacher.safetensors");
-    save(&path, teacher).unwrap();
+    save(&path, teacher, &[]).unwrap();
     tensors(&path)
 }
 

@@ -28,6 +28,9 @@ pub struct ResolvedConfig {
     pub preset: Preset,
     /// What training starts from: a run folder or a checkpoint; none for random weights.
     pub start: Option<PathBuf>,
+    /// Everybody whom the weights that training starts from, and their ancestors, were trained on or validated with.
+    #[serde(default)]
+    pub seen_before: Vec<String>,
     /// Folder of the recordings; none for synthetic ones.
     pub data: Option<PathBuf>,
     /// Whether damaged files are refused; otherwise they are left out.

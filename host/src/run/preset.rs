@@ -60,14 +60,14 @@ pub struct FineTuning {
 pub struct DataSelection {
     /// Data sets to use, if recordings of any of them are found; all if empty.
     pub data_sets: Vec<DataSet>,
-    /// Held-out subjects, for evaluation alone, as `data-set/subject`; those without recordings are
-    /// ignored.
+    /// Held-out subjects, for evaluation alone, as `data-set/subject`, or whole data sets. Where a set has none, the
+    /// committed circles of people (`host/people.toml`) say who is held out.
     pub held_out: Vec<String>,
-    /// Fraction of a data set's subjects that is held out at random, where none of them is listed.
+    /// Fraction of a data set's subjects that is held out at random, where neither says who.
     pub held_out_share: f64,
-    /// Validation subjects, which select the checkpoint, as `data-set/subject`.
+    /// Validation subjects, which select the checkpoint, as [`held_out`](Self::held_out).
     pub validation: Vec<String>,
-    /// Fraction of a data set's subjects that validates, drawn at random, where none of them is listed.
+    /// Fraction of a data set's subjects that validates, drawn at random, where neither says who.
     pub validation_share: f64,
     /// How labels are compensated for their lag.
     pub label_lag: LabelLag,

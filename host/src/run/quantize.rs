@@ -58,8 +58,8 @@ pub(super) fn model_bytes(
     };
     let provenance = ProvenanceParts {
         data_sets: data_sets(&split.training),
-        subjects_seen: split.training.iter().chain(&split.validation).cloned().collect(),
-        subjects_left_out: split.held_out.clone(),
+        subjects_seen: context.config.subjects_seen(),
+        subjects_left_out: [&split.held_out[..], &split.test].concat(),
         git_revision: context.config.git_revision.clone().unwrap_or_default(),
         seed: preset.seed,
         metrics: figures

@@ -12,9 +12,10 @@ use super::config::{Fold, Lag, ResolvedConfig};
 use super::preset::{LabelLag, Preset};
 use crate::dataset::folds::{self, Protocol};
 use crate::dataset::labels::lag;
-use crate::dataset::split::{Choice, Role, Split, SplitError, SplitOptions};
+use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
 use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::run_folder::{RunError, RunFolder};
+use crate::teacher::checkpoint::{self, CheckpointError};
 
 /// A fold of a cross-validation, before the number of folds is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,9 +52,9 @@ pub enum ConfigError {
         /// Number of folds.
         of: usize,
     },
-    /// The weights to start from were trained or validated with held-out subjects.
+    /// The weights to start from, or their ancestors, were trained or validated with subjects that are left out.
     #[error(
-        "{start} was trained or validated with {subjects}, whom this run holds out: start from a run that held them out too"
+        "{start}, or what it started from, was trained on or validated with {subjects}, whom this run leaves out: start from a run that left them out too"
     )]
     HeldOutSeen {
         /// What training starts from.
@@ -61,6 +62,9 @@ pub enum ConfigError {
         /// These subjects, separated by commas.
         subjects: String,
     },
+    /// The checkpoint to start from cannot be read.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// The run's folder cannot be used.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -70,7 +74,8 @@ impl ResolvedConfig {
     /// Assigns the subjects to their roles, and measures the lag of the labels on training subjects alone.
     ///
     /// With a fold, the fold says who is held out, and the validation subjects are drawn at random from the
-    /// others; the preset's own lists are for a run without a fold.
+    /// others; the preset's own lists and the committed circles of development are for a run without a fold. Test
+    /// people are in no fold.
     ///
     /// # Errors
     /// When there are too few subjects or no labels.
@@ -84,23 +89,23 @@ impl ResolvedConfig {
         let labelled = Self::labelled(&preset, library)?;
         let fold = fold.map(|choice| Fold {
             number: choice.number,
-            of: choice.protocol.folds(labelled.iter().copied()),
+            of: choice.protocol.folds(developers(&labelled)),
         });
+        let mut group = None;
         if let Some(Fold { number, of }) = fold {
             if of < 2 || !(1..=of).contains(&number) {
                 return Err(ConfigError::Fold { number, of });
             }
-            let mut groups = folds::folds(labelled.iter().copied(), of, preset.seed);
-            preset.data.held_out = groups.swap_remove(number - 1);
-            preset.data.held_out_share = 0.0;
-            preset.data.validation.clear();
+            let mut groups = folds::folds(developers(&labelled), of, preset.seed);
+            group = Some(groups.swap_remove(number - 1));
         }
-        let split = split(&preset, &labelled)?;
+        let split = split(&mut preset, &labelled, group)?;
         let lags = lags(&preset, &labelled, &split);
         Ok(Self {
             variant: preset.name.clone(),
             fold,
             start: None,
+            seen_before: Vec::new(),
             preset,
             data: data.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
             strict,
@@ -139,94 +144,78 @@ impl ResolvedConfig {
         })
     }
 
+    /// Everybody whom this run's models, or any model that they started from, were trained on or validated with.
+    #[must_use]
+    pub fn subjects_seen(&self) -> Vec<String> {
+        let split = &self.split;
+        let mut seen: Vec<String> =
+            [&split.training[..], &split.validation, &self.seen_before].concat();
+        seen.sort_unstable();
+        seen.dedup();
+        seen
+    }
+
     /// Starts training from the weights of another run, or from a checkpoint.
     ///
+    /// Whom these weights have seen is remembered and goes on to whatever starts from this run.
+    ///
     /// # Errors
-    /// When subjects that are held out here were trained on or validated with in that run. A checkpoint alone
-    /// does not say who was.
+    /// When somebody who is held out here, or a test person, was trained on or validated with there or before, or the
+    /// checkpoint cannot be read. A checkpoint of the reference does not say who was.
     pub fn start_from(&mut self, start: &Path) -> Result<(), ConfigError> {
-        if let Ok(origin) = RunFolder::existing(start).and_then(|run| Self::load(&run)) {
-            let seen = |subject: &&String| {
-                matches!(
-                    origin.split.role(subject),
-                    Some(Role::Training | Role::Validation)
-                )
-            };
-            let subjects: Vec<String> = self.split.held_out.iter().filter(seen).cloned().collect();
-            if !subjects.is_empty() {
-                return Err(ConfigError::HeldOutSeen {
-                    start: start.to_owned(),
-                    subjects: subjects.join(", "),
-                });
-            }
+        let seen = match RunFolder::existing(start).and_then(|run| Self::load(&run)) {
+            Ok(origin) => origin.subjects_seen(),
+            Err(_) => checkpoint::subjects_seen(start)?.unwrap_or_default(),
+        };
+        let left_out = self.split.held_out.iter().chain(&self.split.test);
+        let subjects: Vec<&str> = left_out
+            .filter(|subject| seen.contains(subject))
+            .map(String::as_str)
+            .collect();
+        if !subjects.is_empty() {
+            return Err(ConfigError::HeldOutSeen {
+                start: start.to_owned(),
+                subjects: subjects.join(", "),
+            });
         }
+        self.seen_before = seen;
         self.start = Some(std::path::absolute(start).unwrap_or_else(|_| start.to_owned()));
         Ok(())
     }
 }
 
-/// Roles of the subjects: as listed, and at random in data sets without a listed subject.
-fn split(preset: &Preset, recordings: &[&Recording]) -> Result<Split, SplitError> {
-    let subjects = folds::subjects(recordings.iter().copied());
-    let data = &preset.data;
-    let listed = |list: &[String], share: f64| {
-        let mut chosen = Vec::new();
-        let mut counts = BTreeMap::new();
-        for (&data_set, known) in &subjects {
-            let own: Vec<String> = list
-                .iter()
-                .filter(|s| known.contains(&s.as_str()))
-                .cloned()
-                .collect();
-            if own.is_empty() && known.len() > 2 {
-                let wanted = (share * known.len() as f64)
-                    .round()
-                    .max(f64::from(u8::from(share > 0.0)));
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a fraction of a count"
-                )]
-                counts.insert(data_set, wanted as usize);
-            }
-            chosen.extend(own);
-        }
-        (chosen, counts)
-    };
-    let (mut held_out, held_out_counts) = listed(&data.held_out, data.held_out_share);
-    let (mut validation, validation_counts) = listed(&data.validation, data.validation_share);
-    // One draw for both roles, among subjects without a role, so that nobody is drawn twice.
-    let listed = |subject: &String| held_out.contains(subject) || validation.contains(subject);
-    let rest = recordings
+/// Recordings of everybody but the test people.
+fn developers<'r>(recordings: &[&'r Recording]) -> impl Iterator<Item = &'r Recording> {
+    recordings
         .iter()
         .copied()
-        .filter(|recording| !listed(&recording.subject));
-    let drawn = Split::new(
-        rest,
-        &SplitOptions {
-            seed: preset.seed,
-            held_out: Choice::PerDataSet(held_out_counts),
-            validation: Choice::PerDataSet(validation_counts),
-        },
-    )?;
-    held_out.extend(drawn.held_out);
-    validation.extend(
-        drawn
-            .validation
-            .into_iter()
-            .filter(|subject| !held_out.contains(subject)),
-    );
-    let mut split = Split::new(
-        recordings.iter().copied(),
-        &SplitOptions {
-            seed: preset.seed,
-            held_out: Choice::Subjects(held_out),
-            validation: Choice::Subjects(validation),
-        },
-    )?;
+        .filter(|recording| !circles::is_test(&recording.subject))
+}
+
+/// Roles of the subjects. With a fold, the preset's lists become the fold's, so that they are saved with the run.
+fn split(
+    preset: &mut Preset,
+    recordings: &[&Recording],
+    fold: Option<Vec<String>>,
+) -> Result<Split, SplitError> {
+    let data = &mut preset.data;
+    if let Some(fold) = &fold {
+        data.held_out.clone_from(fold);
+        data.held_out_share = 0.0;
+        data.validation.clear();
+    }
+    let assignment = Assignment {
+        seed: preset.seed,
+        held_out: &data.held_out,
+        held_out_share: data.held_out_share,
+        validation: &data.validation,
+        validation_share: data.validation_share,
+        fold: fold.as_deref(),
+    };
+    let mut split = split::assign(recordings.iter().copied(), &assignment)?;
     if data.most_subjects > 0 {
         let mut kept = Vec::new();
-        for known in subjects.values() {
+        for known in folds::subjects(recordings.iter().copied()).values() {
             let mut own: Vec<String> = split
                 .training
                 .iter()

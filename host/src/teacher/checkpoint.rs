@@ -14,6 +14,7 @@ use burn::store::{
     SafetensorsStore, bridge, burn_pack,
 };
 use burn::tensor::{DType, TensorData};
+use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 
 use super::model::Teacher;
@@ -86,11 +87,45 @@ pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointErro
     }
 }
 
-/// Writes a teacher's weights as safetensors, under the reference's names and in its shapes.
+/// Key of a safetensors file's metadata under which [`save`] keeps everybody whom the teacher has seen, as JSON.
+const SUBJECTS_SEEN: &str = "myointent.subjects_seen";
+
+/// Everybody whom the teacher of a checkpoint was trained on or validated with, as `data-set/subject`; none if the file
+/// does not say, as those of the reference do not.
+///
+/// # Errors
+/// When the file cannot be read or is no safetensors file although its name says so.
+pub fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError> {
+    if path
+        .extension()
+        .is_none_or(|extension| extension != "safetensors")
+    {
+        return Ok(None);
+    }
+    let unreadable = |reason: String| CheckpointError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    };
+    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    let (_, metadata) =
+        SafeTensors::read_metadata(&bytes).map_err(|error| unreadable(error.to_string()))?;
+    metadata
+        .metadata()
+        .as_ref()
+        .and_then(|entries| entries.get(SUBJECTS_SEEN))
+        .map(|json| serde_json::from_str(json).map_err(|error| unreadable(error.to_string())))
+        .transpose()
+}
+
+/// Writes a teacher's weights as safetensors, under the reference's names and in its shapes, and whom it has seen.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn save(path: &Path, teacher: &Teacher) -> Result<(), CheckpointError> {
+pub fn save(
+    path: &Path,
+    teacher: &Teacher,
+    subjects_seen: &[String],
+) -> Result<(), CheckpointError> {
     let unwritable = |reason: String| CheckpointError::Unwritable {
         path: path.to_owned(),
         reason,
@@ -113,7 +148,12 @@ pub fn save(path: &Path, teacher: &Teacher) -> Result<(), CheckpointError> {
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| unwritable(error.to_string()))?;
     // Hugging Face's readers expect the name of the framework that wrote the tensors.
-    let metadata = HashMap::from([("format".to_owned(), "pt".to_owned())]);
+    let seen =
+        serde_json::to_string(subjects_seen).map_err(|error| unwritable(error.to_string()))?;
+    let metadata = HashMap::from([
+        ("format".to_owned(), "pt".to_owned()),
+        (SUBJECTS_SEEN.to_owned(), seen),
+    ]);
     let bytes = safetensors::serialize(views, Some(metadata))
         .map_err(|error| unwritable(error.to_string()))?;
     write_whole(path, &bytes).map_err(|error| match error {

@@ -34,7 +34,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .out
         .clone()
         .unwrap_or_else(|| context.folder.file("teacher.safetensors"));
-    checkpoint::save(&out, &context.teacher()?)?;
+    checkpoint::save(&out, &context.teacher()?, &context.config.subjects_seen())?;
     println!("{}", out.display());
     Ok(())
 }

@@ -3,27 +3,26 @@
 /// Why there is no such split.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SplitError {
-    /// A subject without a recording.
-    #[error("expected a subject of the recordings ({known}), found {subject:?}")]
-    UnknownSubject {
-        /// The subject requested.
-        subject: String,
-        /// Names that resemble it, or how many there are.
-        known: String,
+    /// A name that no recording bears.
+    #[error(
+        "data.{list} names {name:?}, which is no subject and no data set of these recordings; nearest: {nearest}"
+    )]
+    Unknown {
+        /// The list, `held_out` or `validation`.
+        list: &'static str,
+        /// The name.
+        name: String,
+        /// Known names that resemble it most.
+        nearest: String,
     },
     /// One subject in two lists.
-    #[error("{0} is both held out and for validation: take it from one list")]
+    #[error("{0} is listed in data.held_out and in data.validation: take it from one list")]
     TwoRoles(String),
-    /// More subjects requested than there are.
-    #[error("expected at most {available} subjects of {data_set}, found a request for {wanted}")]
-    TooFew {
-        /// The data set.
-        data_set: &'static str,
-        /// Subjects that may still be chosen.
-        available: usize,
-        /// Subjects requested.
-        wanted: usize,
-    },
+    /// A test person who shall choose the checkpoint.
+    #[error(
+        "{0} is a test person (host/people.toml) and cannot validate: name another in data.validation"
+    )]
+    TestPerson(String),
     /// No subject left to train on.
     #[error("no training subject is left: hold out or validate on fewer, or add recordings")]
     NothingToTrainOn,

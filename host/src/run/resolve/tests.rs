@@ -74,12 +74,32 @@ fn everybody_that_an_ancestor_saw_is_remembered() {
 }
 
 #[test]
+fn an_exported_teacher_remembers_whom_it_saw() {
+    let config = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("teacher.safetensors");
+    let teacher = config
+        .preset
+        .teacher
+        .init(3, &burn::tensor::Device::default());
+    checkpoint::save(&file, &teacher, &config.subjects_seen()).unwrap();
+    let mut other = resolve(&["react-emg/p2"], &["react-emg/p3"]).unwrap();
+    let error = other.start_from(&file).unwrap_err().to_string();
+    assert!(error.contains("react-emg/p2"), "{error}");
+    let mut same = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
+    same.start_from(&file).unwrap();
+    assert!(same.seen_before.contains(&"react-emg/p2".to_owned()));
+}
+
+#[test]
 fn a_whole_data_set_may_be_held_out() {
     let everybody = ["p1", "p2", "p3", "p4"].map(|name| format!("synthetic/{name}"));
     let config = resolve(&everybody.each_ref().map(String::as_str), &[]).unwrap();
     for subject in &everybody {
         assert_eq!(config.split.role(subject), Some(Role::HeldOut));
     }
+    let by_name = resolve(&["synthetic"], &[]).unwrap();
+    assert_eq!(by_name.split, config.split);
     assert!(
         config
             .split

@@ -31,7 +31,7 @@ fn teacher(config: &TeacherConfig) -> Teacher {
 fn changed(change: impl Fn(&mut BTreeMap<String, (Vec<usize>, Vec<f32>)>)) -> (TempDir, PathBuf) {
     let folder = tempdir().unwrap();
     let path = folder.path().join("teacher.safetensors");
-    save(&path, &teacher(&config())).unwrap();
+    save(&path, &teacher(&config()), &[]).unwrap();
     let mut tensors = read(&path)
         .unwrap()
         .into_iter()
@@ -71,7 +71,7 @@ fn saved_weights_are_loaded() {
         let path = folder.path().join("teacher.safetensors");
         let (one, other) = (teacher(&config), teacher(&config));
         assert_ne!(weights(&one), weights(&other));
-        save(&path, &one).unwrap();
+        save(&path, &one, &[]).unwrap();
         let loaded = load(&path, other).unwrap();
         assert_eq!(weights(&loaded), weights(&one));
     }

@@ -1,0 +1,74 @@
+//! The three circles of people: training, development, test. Named once, in `host/people.toml`, for every preset.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+use crate::dataset::recording::DataSet;
+
+/// The people of one data set outside training, as the data set names them.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Circles {
+    /// Development: choose the checkpoint and the aggregation mode.
+    #[serde(default)]
+    pub checkpoint: Vec<String>,
+    /// Development: settings are chosen by their scores.
+    #[serde(default)]
+    pub settings: Vec<String>,
+    /// Looked at once a release.
+    #[serde(default)]
+    pub test: Vec<String>,
+}
+
+static COMMITTED: LazyLock<BTreeMap<String, Circles>> = LazyLock::new(|| {
+    toml::from_str(include_str!("../../../people.toml")).expect("a test reads the file")
+});
+
+impl Circles {
+    /// The committed circles of a data set; none for sets that the file does not name.
+    #[must_use]
+    pub fn of(data_set: DataSet) -> Option<&'static Self> {
+        COMMITTED.get(data_set.name())
+    }
+
+    /// The committed circles of all data sets, by the sets' names.
+    #[must_use]
+    pub fn all() -> &'static BTreeMap<String, Self> {
+        &COMMITTED
+    }
+}
+
+/// Whether a subject (`data-set/subject`) belongs to the test circle.
+#[must_use]
+pub fn is_test(subject: &str) -> bool {
+    let (set, person) = subject.split_once('/').unwrap_or_default();
+    COMMITTED
+        .get(set)
+        .is_some_and(|circles| circles.test.iter().any(|name| name == person))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_in_two_circles() {
+        for (set, circles) in Circles::all() {
+            let mut people = [&circles.checkpoint[..], &circles.settings, &circles.test].concat();
+            let all = people.len();
+            assert!(all > 0, "{set}");
+            people.sort_unstable();
+            people.dedup();
+            assert_eq!(people.len(), all, "{set}");
+        }
+    }
+
+    #[test]
+    fn test_people_are_known_by_their_full_name() {
+        assert!(is_test("roshambo/06"));
+        assert!(!is_test("roshambo/03"));
+        assert!(!is_test("06"));
+    }
+}
