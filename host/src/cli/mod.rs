@@ -52,7 +52,8 @@ enum Command {
     Distill(distill::Arguments),
     /// Quantize the student and write the model file.
     Quantize(quantize::Arguments),
-    /// Write the teacher's weights as safetensors, with the names of the reference's code.
+    /// Write the teacher's weights as safetensors, with the names of ReactEMG's code; the model file for a board is
+    /// written by `quantize`.
     Export(export::Arguments),
     /// Evaluate teacher, float student and integer student on the held-out subjects.
     Evaluate(evaluate::Arguments),

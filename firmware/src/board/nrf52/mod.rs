@@ -112,8 +112,9 @@ struct Outputs {
 pub struct Pins(());
 
 impl Pins {
-    /// Sets every level, within a few microseconds. `valid` falls before the label changes and rises
-    /// after it.
+    /// Sets every level, within a few microseconds. A driver may act on two pins at once (both halves of a bridge), so
+    /// the old label's pin falls before the new one's rises. `valid` falls before them and rises after them; between two
+    /// valid labels it stays high.
     pub fn set(&mut self, state: PinState) {
         set_outputs(state);
     }
@@ -131,8 +132,14 @@ fn set_outputs(state: PinState) {
         if !valid {
             outputs.valid.set_low();
         }
+        let label = state.status.label();
         for (intent, pin) in Intent::ALL.into_iter().zip(&mut outputs.intents) {
-            pin.set_level(Level::from(intent == state.status.label()));
+            if intent != label {
+                pin.set_low();
+            }
+        }
+        if let Some(pin) = outputs.intents.get_mut(label.class()) {
+            pin.set_high();
         }
         if valid {
             outputs.valid.set_high();
