@@ -147,7 +147,7 @@ fn in_circle(circle: &[String], subject: &str) -> bool {
     circle.iter().any(|name| name == person)
 }
 
-/// The subjects that a list names, by themselves or by their data set.
+/// The subjects that a list names: by themselves, or all of a data set but its test people.
 fn expand<'s>(
     list: &'static str,
     names: &[String],
@@ -157,7 +157,7 @@ fn expand<'s>(
     for name in names {
         let whole_set = subjects.iter().find(|(set, _)| set.name() == name);
         if let Some((_, people)) = whole_set {
-            found.extend(people);
+            found.extend(people.iter().filter(|subject| !is_test(subject)));
             continue;
         }
         let subject = subjects.values().flatten().find(|subject| *subject == name);

@@ -150,3 +150,24 @@ fn every_subject_has_exactly_one_role() {
         assert_eq!(roles, known);
     }
 }
+
+#[test]
+fn a_data_set_named_as_a_whole_does_not_name_its_test_people() {
+    let all = [
+        people(DataSet::Roshambo, &ROSHAMBO),
+        people(DataSet::ReactEmg, &OWN),
+    ]
+    .concat();
+    let set = ["roshambo".to_owned()];
+    let whole = Assignment {
+        held_out: &set,
+        ..shares(1)
+    };
+    let split = assign(&all, &whole).unwrap();
+    assert_eq!(split.test, ["roshambo/06"]);
+    let own = split
+        .held_out
+        .iter()
+        .filter(|name| name.starts_with("roshambo"));
+    assert_eq!(own.count(), 7);
+}
