@@ -144,6 +144,30 @@ mod tests {
     }
 
     #[test]
+    fn a_window_does_not_change_with_later_samples() {
+        let original = corpus().streams[0].raw.clone();
+        let padded = |raw: &[Sample]| {
+            let stream = Stream::new(raw.to_vec(), Vec::new());
+            PaddedStream::new(raw, &stream.emg, &[])
+        };
+        let whole = padded(&original);
+        for end in [10, 20, 50, 90, 100, 200, 350] {
+            // The median of a sample needs the next one.
+            let mut changed = original.clone();
+            changed.iter_mut().skip(end + 1).for_each(|s| *s = [-7; 8]);
+            let changed = padded(&changed);
+            for length in [100, 600, 625] {
+                let (one, other) = (whole.window(end, length), changed.window(end, length));
+                assert_eq!(
+                    (one.raw, one.emg),
+                    (other.raw, other.emg),
+                    "{end}, {length}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn windows_without_a_target_are_left_out() {
         let corpus = corpus();
         let ends = |baseline| {
