@@ -196,3 +196,61 @@ pub(crate) fn confusion(
     }
     Ok(confusion)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::DataSet;
+
+    /// A recording of relax and close in turn, and a model that follows each change after so many patches.
+    fn followed(changes_after: &[usize]) -> (Trial, Candidate) {
+        let (run, classes) = (400, [0, 2]);
+        let truth: Vec<Option<Intent>> = (0..run * (changes_after.len() + 1))
+            .map(|at| Intent::from_class(classes[at / run % 2]))
+            .collect();
+        let mut logits = vec![LookBackLogits::default(); truth.len() / 10];
+        for (patch, rows) in logits.iter_mut().enumerate() {
+            for (back, row) in rows.iter_mut().enumerate() {
+                let of = patch.saturating_sub(back);
+                let changes = changes_after.iter().enumerate();
+                let changes = changes.filter(|(at, late)| of >= (at + 1) * run / 10 + **late);
+                row[classes[changes.count() % 2]] = 1.0;
+            }
+        }
+        let trial = Trial {
+            data_set: DataSet::Synthetic,
+            subject: "synthetic/1".to_owned(),
+            name: "r".to_owned(),
+            raw: vec![[0; 8]; truth.len()],
+            emg: vec![[0; 8]; truth.len()],
+            published: None,
+            lag_compensated: truth,
+        };
+        let candidate = Candidate {
+            name: "m".to_owned(),
+            looks_back: true,
+            logits: vec![logits],
+        };
+        (trial, candidate)
+    }
+
+    #[test]
+    fn no_label_is_emitted_before_the_time_that_it_is_for() {
+        // Half a second of buffer: the second change is inside it at its reference time and outside when emitted.
+        let (trial, candidate) = followed(&[2, 8, 2]);
+        let scores = score(
+            &candidate,
+            &[trial],
+            Vocabulary::Three,
+            LookAhead::SameInstant,
+            Truth::LagCompensated,
+        )
+        .unwrap();
+        let mean = |summary: &Summary| summary.offset.unwrap().signed.mean;
+        let delay = mean(&scores[0].emitted) - mean(scores[0].widest());
+        assert!(
+            delay >= 250.0,
+            "emitted {delay} ms after the reference time"
+        );
+    }
+}
