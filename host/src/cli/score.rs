@@ -59,6 +59,13 @@ pub struct Arguments {
 /// # Errors
 /// If a file cannot be read or the two do not fit.
 pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
+    let report = report(&args)?;
+    std::io::stdout().write_all(report.as_bytes())?;
+    Ok(())
+}
+
+/// The scores as text or JSON.
+fn report(args: &Arguments) -> anyhow::Result<String> {
     let truth = label_file::read(&args.truth)?;
     let prediction = label_file::read(&args.prediction)?;
     let rule = Rule {
@@ -72,13 +79,11 @@ pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
-    let report = if args.json {
+    Ok(if args.json {
         json(&score, &rule, &confusion)?
     } else {
         tables(&score, truth.len() - scored, &confusion)
-    };
-    std::io::stdout().write_all(report.as_bytes())?;
-    Ok(())
+    })
 }
 
 fn json(score: &RecordingScore, rule: &Rule, confusion: &Confusion) -> serde_json::Result<String> {
@@ -192,5 +197,23 @@ mod tests {
             serde_json::from_str(&json(&score, &Rule::default(), &confusion).unwrap()).unwrap();
         assert_eq!(report["changes"][1]["status"], "no_change_in_buffer");
         assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
+    }
+
+    #[test]
+    fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.csv");
+        let rows = "relax,relax\n".repeat(30) + &"close,relax\n".repeat(10);
+        std::fs::write(&path, format!("gt,prediction\n{rows}")).unwrap();
+        let arguments = Arguments {
+            truth: path.clone(),
+            prediction: path,
+            buffer: 200,
+            strict: false,
+            allow_relax: false,
+            json: true,
+        };
+        let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
+        assert_eq!(report["raw_accuracy"], 0.75);
     }
 }
