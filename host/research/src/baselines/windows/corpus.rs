@@ -7,8 +7,8 @@ use super::frame_layout::FrameLayout;
 use myointent::dataset::corpus::Corpus;
 use myointent::dataset::lead_in::lead_in;
 
-/// Samples in front of a stream. A multiple of the lead-in's 100 samples, so that the newest 600 are
-/// those that every other model gets, and enough for ED-TCN's 625.
+/// Samples in front of a stream. A multiple of the lead-in's patch, so that the newest 600 are those
+/// that every other model gets, and enough for ED-TCN's 625.
 const LEAD: usize = 700;
 
 /// A stream with its lead-in, which has no labels.
