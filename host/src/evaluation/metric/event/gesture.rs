@@ -3,15 +3,16 @@
 //! A gesture is a run of one active label A (any but relax) in the truth, `onset..end`, whose onset is in the
 //! recording: the sample before it is labelled. It owns the samples from `tolerance` before its onset until
 //! `tolerance` after its end, or until `tolerance` before the onset of the next one, or until the truth becomes unknown.
-//! A gesture that the end of the labels cuts to less than twice the tolerance is not counted.
+//! A gesture that the end of the labels cuts to less than four times the tolerance is not counted.
 //!
 //! It is recognised if among its samples
-//! * a run of emitted labels A begins, lasts beyond the onset and for at least `hold` samples (or to the end of the
-//!   recording), and
+//! * a run of emitted labels A begins and is held: without an interruption it covers, from the onset on and within the
+//!   gesture's own samples, at least half as many samples as the gesture lasts; and
 //! * no run of another active label begins.
 //!
 //! A label that was there before and stays is no recognition: nothing tells the user that the gesture was seen.
-//! Latency = first sample of that run - onset; negative within the tolerance before the onset.
+//! Nor is a label that comes by chance somewhere in a long gesture.
+//! Latency = first sample of the run that is held - onset; negative within the tolerance before the onset.
 
 use std::ops::Range;
 
@@ -81,7 +82,7 @@ pub(super) fn owners(truth: &[Option<Intent>], rule: &EventRule) -> Vec<Owner> {
             let Some(label) = active(label) else { continue };
             let span = stretch.start + run.start..stretch.start + run.end;
             let from = span.start.saturating_sub(rule.tolerance);
-            let cut = span.end == stretch.end && span.len() < 2 * rule.tolerance;
+            let cut = span.end == stretch.end && span.len() < 4 * rule.tolerance;
             if let Some(before) = owners[first..].last_mut() {
                 before.samples.end = before.samples.end.min(from.max(before.samples.start));
             }
@@ -111,24 +112,26 @@ pub(super) fn gestures(
     owners(truth, rule)
         .into_iter()
         .filter(|owner| owner.counted)
-        .map(|owner| judge(owner, &emitted_runs, emitted.len(), rule))
+        .map(|owner| judge(owner, &emitted_runs))
         .collect()
 }
 
-fn judge(
-    owner: Owner,
-    emitted: &[(Intent, Range<usize>)],
-    samples: usize,
-    rule: &EventRule,
-) -> Gesture {
-    let Owner { label, span, .. } = owner;
+fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)]) -> Gesture {
+    let Owner {
+        label,
+        span,
+        samples,
+        ..
+    } = owner;
     let begun = || {
         emitted
             .iter()
-            .filter(|(_, run)| owner.samples.contains(&run.start))
+            .filter(|(_, run)| samples.contains(&run.start))
     };
-    let held =
-        |run: &Range<usize>| run.end > span.start && (run.len() >= rule.hold || run.end == samples);
+    let held = |run: &Range<usize>| {
+        let covered = run.end.min(samples.end);
+        2 * covered.saturating_sub(run.start.max(span.start)) >= span.len()
+    };
     let first = begun().find(|(own, run)| *own == label && held(run));
     let verdict = if begun().any(|(other, _)| *other != label) {
         Verdict::OtherLabel

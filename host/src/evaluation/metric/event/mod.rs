@@ -21,19 +21,13 @@ use gesture::{Gesture, Verdict};
 pub struct EventRule {
     /// How much before a gesture's onset, and after its end, a label still belongs to the gesture.
     pub tolerance: usize,
-    /// How long a label has to stay for a gesture to be recognised.
-    pub hold: usize,
 }
 
 impl Default for EventRule {
-    /// 0.25 s each. The tolerance is the look-ahead: a label that is emitted so much before the onset refers to half
-    /// a second before it, the other side of the paper's transition buffer. The hold is longer than the delay
-    /// that a user accepts anyway, so that a blip is no recognition.
+    /// 0.25 s, the look-ahead: a label that is emitted so much before the onset refers to half a second before it,
+    /// the other side of the paper's transition buffer.
     fn default() -> Self {
-        Self {
-            tolerance: 50,
-            hold: 50,
-        }
+        Self { tolerance: 50 }
     }
 }
 
