@@ -50,10 +50,31 @@ fn quickstart_leaves_a_model_a_table_and_a_page() {
         .collect();
     assert_eq!(
         models.into_iter().collect::<Vec<_>>(),
-        ["float student", "integer student", "teacher"]
+        [
+            "constant relax",
+            "energy detector",
+            "float student",
+            "integer student",
+            "teacher"
+        ]
     );
+    // A constant has the recall of one class of the three, and sees no gesture.
+    let constant = results["published"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|line| line["model"] == "constant relax")
+        .unwrap();
+    let subject = &constant["reference"][2]["subjects"][0];
+    assert!((subject["balanced_accuracy"].as_f64().unwrap() - 1.0 / 3.0).abs() < 1e-9);
+    let events = &constant["events"]["subjects"][0];
+    assert!(events["gestures"].as_u64().unwrap() > 0);
+    assert_eq!(events["recognised"], 0);
+    assert_eq!(events["latency"]["median"], "missed");
+    assert_eq!(events["rest"]["count"], 0);
     let page = fs::read_to_string(run.join("report.html")).unwrap();
     assert!(page.contains("</svg>") && page.contains("integer student"));
+    assert!(page.contains("balanced") && page.contains("energy detector"));
 }
 
 #[test]

@@ -83,6 +83,8 @@ fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
             "student without teacher",
             "LDA",
             "TraHGR",
+            "constant relax",
+            "energy detector",
         ] {
             assert!(models.contains(model), "{model} is not among {models:?}");
         }
@@ -114,7 +116,7 @@ fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
     // All folds are summarized as one evaluation.
     let main = study.join("main");
     assert!(research(&["summary", main.to_str().unwrap()]));
-    let all = &json(&main.join("summary.json"))["results"]["published"][0]["emitted"];
+    let all = &json(&main.join("summary.json"))["results"]["published"][0]["events"];
     let subjects: Vec<&str> = all["subjects"]
         .as_array()
         .unwrap()
@@ -127,6 +129,15 @@ fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
     assert!(write());
     let page = |name: &str| fs::read_to_string(tables.join(name)).unwrap();
     assert!(page("tables.md").contains("2 of 2 folds"));
+    let main_table = page("main-lag-compensated.csv");
+    assert!(
+        main_table.contains("\nconstant relax,0,0.333,"),
+        "{main_table}"
+    );
+    let events = page("events-lag-compensated.csv");
+    assert!(events.contains("synthetic,0,constant relax,0.000,0.00,0.00,0.00,missed,missed,"));
+    let differences = page("differences-lag-compensated.csv");
+    assert!(differences.contains("integer student - constant relax"));
     let window = page("window-lag-compensated.csv");
     assert!(window.contains("\n100,0,") && window.contains("\n600,0,"));
 

@@ -1,4 +1,7 @@
-//! Statistics of small samples: mean and deviation, median.
+//! Statistics of small samples: mean and deviation, median, interval of a mean.
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 
 /// Mean and sample standard deviation.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
@@ -24,6 +27,54 @@ impl MeanSd {
     }
 }
 
+/// Resamples of a bootstrap.
+const RESAMPLES: usize = 10_000;
+/// Seed of all bootstraps: an interval is a function of its values.
+const SEED: u64 = 42;
+
+/// A 95 % interval of a mean.
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Interval {
+    /// The interval of the mean of the values, one for each person: percentile bootstrap over persons.
+    ///
+    /// 10 000 times as many persons are drawn with replacement as there are; the interval reaches from the 2.5 % to
+    /// the 97.5 % quantile of the means (nearest rank). None with fewer than two values. With fewer than about
+    /// ten it is too narrow.
+    ///
+    /// Source: Efron, Tibshirani, *An Introduction to the Bootstrap*, 1993, section 13.3.
+    #[must_use]
+    pub fn of_mean(values: &[f64]) -> Option<Self> {
+        if values.len() < 2 {
+            return None;
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let mut means: Vec<f64> = (0..RESAMPLES)
+            .map(|_| {
+                let drawn = (0..values.len()).map(|_| values[rng.random_range(0..values.len())]);
+                drawn.sum::<f64>() / values.len() as f64
+            })
+            .collect();
+        means.sort_unstable_by(f64::total_cmp);
+        Some(Self {
+            low: means[RESAMPLES * 25 / 1000 - 1],
+            high: means[RESAMPLES * 975 / 1000 - 1],
+        })
+    }
+
+    /// Whether a value lies in it, its ends included.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
 /// The median: the middle value, or the mean of the two middle ones; none without a value.
 #[must_use]
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
@@ -43,6 +94,38 @@ mod tests {
         let both = MeanSd::of(&[1.0, 3.0]).unwrap();
         assert_eq!((both.mean, both.sd), (2.0, Some(2.0_f64.sqrt())));
         assert_eq!(MeanSd::of(&[1.0]).unwrap().sd, None);
+    }
+
+    #[test]
+    fn the_interval_is_that_of_all_resamples() {
+        // Naive: every one of the 4^4 equally likely resamples.
+        let values = [0.1, 0.4, 0.5, 0.9];
+        let mut means = Vec::new();
+        for draw in 0..256_usize {
+            let places = [draw, draw / 4, draw / 16, draw / 64];
+            means.push(places.map(|place| values[place % 4]).iter().sum::<f64>() / 4.0);
+        }
+        means.sort_unstable_by(f64::total_cmp);
+        let interval = Interval::of_mean(&values).unwrap();
+        // 2.5 % of 256 is rank 6.4, 97.5 % rank 249.6: equal means lie around both.
+        let between = |value: f64, low: usize, high: usize| {
+            (means[low] - 1e-9..=means[high] + 1e-9).contains(&value)
+        };
+        assert!(between(interval.low, 4, 8), "{interval:?}");
+        assert!(between(interval.high, 247, 251), "{interval:?}");
+        assert_eq!(Interval::of_mean(&values), Some(interval));
+        assert_eq!(Interval::of_mean(&[1.0]), None);
+    }
+
+    #[test]
+    fn the_interval_of_many_values_is_that_of_the_normal_law() {
+        let values: Vec<f64> = (0..400).map(|at| f64::from(at % 20)).collect();
+        let MeanSd { mean, sd } = MeanSd::of(&values).unwrap();
+        let error = sd.unwrap() / 20.0;
+        let interval = Interval::of_mean(&values).unwrap();
+        assert!((interval.low - (mean - 1.96 * error)).abs() < 0.1 * error);
+        assert!((interval.high - (mean + 1.96 * error)).abs() < 0.1 * error);
+        assert!(interval.contains(mean) && !interval.contains(mean + 3.0 * error));
     }
 
     #[test]

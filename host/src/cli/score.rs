@@ -1,15 +1,21 @@
-//! `myointent score`: any predicted label sequence against the true one, by the paper's rule.
+//! `myointent score`: any predicted label sequence against the true one.
 
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
+use shared::intent::Intent;
 use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 use crate::dataset::labels::vocabulary;
-use crate::dataset::readers::label_file;
+use crate::dataset::readers::label_file::{self, Purpose};
 use crate::evaluation::metric::confusion::Confusion;
+use crate::evaluation::metric::event::activation::Rate;
+use crate::evaluation::metric::event::gesture::Gesture;
+use crate::evaluation::metric::event::latency::{Latency, LatencySummary};
+use crate::evaluation::metric::event::summary::SubjectEvents;
+use crate::evaluation::metric::event::{EventRule, RecordingEvents};
 use crate::evaluation::metric::offset;
 use crate::evaluation::metric::predicted_length;
 use crate::evaluation::metric::summary::RecordingScore;
@@ -20,18 +26,25 @@ use crate::report::Table;
 #[derive(clap::Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
-    after_help = "Scores one recording's predicted labels against the true ones: raw accuracy, \
-        transition accuracy with the reason of every failure, signed offsets.\n\n\
+    after_help = "Scores one recording's predicted labels against the true ones: balanced and raw accuracy, \
+        transition accuracy with the reason of every failure, signed offsets, and events: gestures recognised with \
+        their latency, false activations, flicker. docs/metrics.md has the definitions.\n\n\
         Files: npy (one axis of class numbers or names, or ReactEMG's n x 9), or text with one \
-        label per line, or csv with a column label, prediction, predicted, gt or truth. Labels \
+        label per line, or csv with a header. Of a csv, --truth reads the column gt, truth or label, and --prediction \
+        reads prediction, predicted or label, the first of them that there is. Labels \
         are class numbers (0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch) or names; \
         -1 or none: no label. Both files have one label per sample at 200 Hz.\n\n\
         A transition of the truth is followed if the prediction changes the same way within the \
         buffer around it, without a third label there, and then holds the new label until the \
-        next buffer. Unlabelled samples divide the truth into parts that are scored \
-        separately; samples after the last prediction are not scored.\n\nExamples:\n  \
-        myointent score --truth s1_grasp.csv --prediction labels.npy\n  \
-        myointent score --truth truth.npy --prediction labels.csv --buffer 120 --json"
+        next buffer. Where transitions are near each other, buffers do not overlap: a buffer starts where the one before it \
+        ends at the earliest, and ends one sample before the last sample of its label, if the next transition comes so early. Then \
+        there is nothing to hold. A true label of a single sample has no buffer and is refused. Unlabelled samples \
+        divide the truth into parts that are scored separately; samples after the last prediction are not scored.\n\n\
+        Events take a label at the sample where it stands, as the time at which it is emitted. Files of `predict` have \
+        labels at the times that they are for: give --delay 51, the look-ahead of 0.25 s and the sample that the median \
+        waits for.\n\nExamples:\n  \
+        myointent score --truth s1_grasp.csv --prediction labels.csv --delay 51\n  \
+        myointent score --truth truth.npy --prediction labels.npy --buffer 120 --json"
 )]
 pub struct Arguments {
     /// True labels
@@ -49,6 +62,9 @@ pub struct Arguments {
     /// Allow relax in the buffer and while the new label is held
     #[arg(long)]
     allow_relax: bool,
+    /// Samples from the place of a predicted label to its emission, for the events
+    #[arg(long, value_name = "SAMPLES", default_value_t = 0)]
+    delay: usize,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -59,8 +75,15 @@ pub struct Arguments {
 /// # Errors
 /// If a file cannot be read or the two do not fit.
 pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
-    let truth = label_file::read(&args.truth)?;
-    let prediction = label_file::read(&args.prediction)?;
+    let report = report(&args)?;
+    std::io::stdout().write_all(report.as_bytes())?;
+    Ok(())
+}
+
+/// The scores as text or JSON.
+fn report(args: &Arguments) -> anyhow::Result<String> {
+    let truth = label_file::read(&args.truth, Purpose::Truth)?;
+    let prediction = label_file::read(&args.prediction, Purpose::Prediction)?;
     let rule = Rule {
         buffer: args.buffer,
         strict: args.strict,
@@ -72,19 +95,46 @@ pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
     let scored = predicted_length(&prediction);
     confusion.add(&truth[..scored], &prediction[..scored])?;
-    let report = if args.json {
-        json(&score, &rule, &confusion)?
+    let emitted = delayed(&prediction[..scored], args.delay);
+    let events = RecordingEvents::new(&truth[..scored], &emitted, &[], &EventRule::default())?;
+    Ok(if args.json {
+        json(&score, &events, &rule, &confusion)?
     } else {
-        tables(&score, truth.len() - scored, &confusion)
-    };
-    std::io::stdout().write_all(report.as_bytes())?;
-    Ok(())
+        tables(&score, &events, truth.len() - scored, &confusion)
+    })
 }
 
-fn json(score: &RecordingScore, rule: &Rule, confusion: &Confusion) -> serde_json::Result<String> {
+/// The labels so many samples later.
+fn delayed(labels: &[Option<Intent>], samples: usize) -> Vec<Option<Intent>> {
+    let kept = labels.len().saturating_sub(samples);
+    let before = std::iter::repeat_n(None, labels.len() - kept);
+    before.chain(labels[..kept].iter().copied()).collect()
+}
+
+fn json(
+    score: &RecordingScore,
+    events: &RecordingEvents,
+    rule: &Rule,
+    confusion: &Confusion,
+) -> serde_json::Result<String> {
+    let own = SubjectEvents::new("", [events]);
+    let per_minute = |rate: Rate| serde_json::json!({"count": rate.count, "seconds": rate.seconds, "per_minute": rate.per_minute()});
+    let recalls: BTreeMap<&str, f64> = Intent::ALL
+        .into_iter()
+        .filter_map(|intent| Some((intent.name(), score.recalls.recall(intent)?)))
+        .collect();
     let offsets: Vec<i32> = score.transitions.offsets().collect();
     let report = serde_json::json!({
         "rule": rule,
+        "event_rule": EventRule::default(),
+        "balanced_accuracy": score.recalls.balanced_accuracy(),
+        "recalls": recalls,
+        "gestures_recognised": own.recognised,
+        "recognition": own.recognition,
+        "latency": own.latency,
+        "false_activations": per_minute(own.rest),
+        "flicker": per_minute(own.flicker),
+        "gestures": events.gestures,
         "raw_accuracy": score.raw_accuracy,
         "transition_accuracy": score.transitions.accuracy(),
         "correct": score.transitions.correct(),
@@ -97,16 +147,47 @@ fn json(score: &RecordingScore, rule: &Rule, confusion: &Confusion) -> serde_jso
     Ok(serde_json::to_string_pretty(&report)? + "\n")
 }
 
-fn tables(score: &RecordingScore, unscored: usize, confusion: &Confusion) -> String {
+fn tables(
+    score: &RecordingScore,
+    events: &RecordingEvents,
+    unscored: usize,
+    confusion: &Confusion,
+) -> String {
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
     let transitions = &score.transitions;
+    let own = SubjectEvents::new("", [events]);
+    let per_minute = |rate: Rate| {
+        let value = rate.per_minute();
+        let value = value.map_or("-".to_owned(), |value| format!("{value:.1}"));
+        format!("{value} a minute ({} in {:.1} s)", rate.count, rate.seconds)
+    };
     let mut text = format!(
-        "raw accuracy         {}\ntransition accuracy  {} ({} of {})\n",
-        share(score.raw_accuracy),
+        "balanced accuracy    {}\ntransition accuracy  {} ({} of {})\n",
+        share(score.recalls.balanced_accuracy()),
         share(transitions.accuracy()),
         transitions.correct(),
         transitions.events()
     );
+    text += &format!(
+        "gestures recognised  {} ({} of {})\n",
+        share(own.recognition),
+        own.recognised,
+        own.gestures
+    );
+    if let Some(LatencySummary { median, p90 }) = own.latency {
+        let of = |latency| match latency {
+            Latency::Ms(ms) => format!("{ms:.0} ms"),
+            Latency::Missed => "missed".to_owned(),
+        };
+        text += &format!(
+            "latency              median {}, 90 % {}\n",
+            of(median),
+            of(p90)
+        );
+    }
+    text += &format!("false activations    {} of rest\n", per_minute(own.rest));
+    text += &format!("flicker              {}\n", per_minute(own.flicker));
+    text += &format!("raw accuracy         {}\n", share(score.raw_accuracy));
     let offsets: Vec<i32> = transitions.offsets().collect();
     if let Some(offset) = offset::summary(&offsets) {
         text += &format!(
@@ -132,6 +213,9 @@ fn tables(score: &RecordingScore, unscored: usize, confusion: &Confusion) -> Str
     for (status, count) in reasons {
         text += &format!("{count} x {}: {}\n", status.code(), status.reason());
     }
+    if !events.gestures.is_empty() {
+        text += &format!("\n{}", gestures(&events.gestures).plain());
+    }
     text + "\n" + &matrix(confusion).plain()
 }
 
@@ -152,6 +236,24 @@ fn changes(changes: &[Change]) -> Table {
     table
 }
 
+fn gestures(gestures: &[Gesture]) -> Table {
+    let mut table = Table::new("", ["onset", "at s", "gesture", "verdict", "latency ms"]);
+    for gesture in gestures {
+        let latency = gesture.latency.map_or_else(String::new, |samples| {
+            format!("{:+}", i64::from(samples) * i64::from(SAMPLE_PERIOD_MS))
+        });
+        let onset = gesture.span.start;
+        table.push([
+            onset.to_string(),
+            format!("{:.2}", onset as f64 / f64::from(SAMPLE_RATE_HZ)),
+            gesture.label.name().to_owned(),
+            gesture.verdict.reason().to_owned(),
+            latency,
+        ]);
+    }
+    table
+}
+
 fn matrix(confusion: &Confusion) -> Table {
     let columns = [&["truth"], &confusion.intents[..], &["none"]].concat();
     let caption = "Samples by true (row) and predicted (column) label:";
@@ -165,8 +267,6 @@ fn matrix(confusion: &Confusion) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use shared::intent::Intent;
-
     use super::*;
 
     #[test]
@@ -177,10 +277,16 @@ mod tests {
         let score = RecordingScore::new("", "", &truth, &prediction, &Rule::default()).unwrap();
         let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
         confusion.add(&truth[..850], &prediction[..850]).unwrap();
-        let text = tables(&score, 50, &confusion);
+        let events = RecordingEvents::new(&truth, &prediction, &[], &EventRule::default()).unwrap();
+        let text = tables(&score, &events, 50, &confusion);
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in [
+            "balanced accuracy 0.756",
             "transition accuracy 0.500 (1 of 2)",
+            "gestures recognised 1.000 (1 of 1)",
+            "latency median 50 ms, 90 % 50 ms",
+            "false activations 0.0 a minute (0 in 2.5 s) of rest",
+            "300 1.50 open recognised +50",
             "mean +50 ms",
             "the last 50 samples",
             "1 x no_change_in_buffer: no change from the old label to the new one",
@@ -189,8 +295,39 @@ mod tests {
             assert!(text.contains(part), "{part:?} is missing in\n{text}");
         }
         let report: serde_json::Value =
-            serde_json::from_str(&json(&score, &Rule::default(), &confusion).unwrap()).unwrap();
+            serde_json::from_str(&json(&score, &events, &Rule::default(), &confusion).unwrap())
+                .unwrap();
         assert_eq!(report["changes"][1]["status"], "no_change_in_buffer");
         assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
+    }
+
+    #[test]
+    fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.csv");
+        let rows = "relax,relax\n".repeat(30) + &"close,relax\n".repeat(10);
+        std::fs::write(&path, format!("gt,prediction\n{rows}")).unwrap();
+        let arguments = Arguments {
+            truth: path.clone(),
+            prediction: path,
+            buffer: 200,
+            strict: false,
+            allow_relax: false,
+            delay: 0,
+            json: true,
+        };
+        let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
+        assert_eq!(report["raw_accuracy"], 0.75);
+    }
+
+    #[test]
+    fn a_delay_is_part_of_the_latency_alone() {
+        let (r, c) = (Some(Intent::Relax), Some(Intent::Close));
+        let labels = [vec![r; 300], vec![c; 300], vec![r; 300]].concat();
+        let emitted = delayed(&labels, 51);
+        assert_eq!(emitted[..51], [None; 51]);
+        let events = RecordingEvents::new(&labels, &emitted, &[], &EventRule::default()).unwrap();
+        assert_eq!(events.gestures[0].latency, Some(51));
+        assert_eq!(delayed(&labels[..3], 51), [None; 3]);
     }
 }

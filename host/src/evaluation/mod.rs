@@ -2,6 +2,9 @@
 
 mod candidate;
 mod condition;
+mod difference;
+mod floor;
+mod measure;
 pub mod metric;
 mod score;
 mod smoothing;
@@ -9,7 +12,10 @@ mod trial;
 
 pub use candidate::Candidate;
 pub use condition::{LookAhead, Truth};
-pub use score::{ALL, BUFFERS, EvaluationError, Score};
-pub(crate) use score::{confusion, offsets, score};
+pub use difference::Difference;
+pub use floor::{CONSTANT, ENERGY, EnergyDetector, constant};
+pub use measure::Measure;
+pub use score::{ALL, BUFFERS, EvaluationError, Score, score, score_all};
+pub(crate) use score::{confusion, gestures};
 pub(crate) use smoothing::smooth;
 pub use trial::Trial;

@@ -1,5 +1,7 @@
 //! Scores of a model on subjects that it was not trained on, under every condition.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, Vocabulary};
@@ -11,6 +13,9 @@ use super::candidate::Candidate;
 use super::condition::{LookAhead, Truth};
 use super::metric::MetricError;
 use super::metric::confusion::Confusion;
+use super::metric::event::gesture::Gesture;
+use super::metric::event::summary::{EventSummary, SubjectEvents};
+use super::metric::event::{EventRule, RecordingEvents};
 use super::metric::summary::{RecordingScore, Summary, summary};
 use super::metric::transition::Rule;
 use super::smoothing::{SmoothedLabels, smooth};
@@ -35,8 +40,8 @@ pub struct Score {
     pub truth: Truth,
     /// Scores with each buffer of [`BUFFERS`], each label at its reference time.
     pub reference: [Summary; BUFFERS.len()],
-    /// Scores with the widest buffer, each label at its emission time.
-    pub emitted: Summary,
+    /// Events, each label at its emission time.
+    pub events: EventSummary,
 }
 
 impl Score {
@@ -58,12 +63,37 @@ pub enum EvaluationError {
     Smoother(#[from] SettingsError),
 }
 
+/// Scores every candidate under each condition that it allows, against each truth: one row for each data set among the
+/// trials, and one over all of them if there are several.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub fn score_all(
+    candidates: &[Candidate],
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    truths: &[Truth],
+) -> Result<Vec<Score>, EvaluationError> {
+    let mut scores = Vec::new();
+    if trials.is_empty() {
+        return Ok(scores);
+    }
+    for &truth in truths {
+        for candidate in candidates {
+            for look_ahead in candidate.conditions() {
+                scores.extend(score(candidate, trials, vocabulary, look_ahead, truth)?);
+            }
+        }
+    }
+    Ok(scores)
+}
+
 /// Scores a candidate under one condition: a row for each data set among the trials, and one over all of them if
 /// there are several.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
-pub(crate) fn score(
+pub fn score(
     candidate: &Candidate,
     trials: &[Trial],
     vocabulary: Vocabulary,
@@ -80,97 +110,111 @@ pub(crate) fn score(
             };
             Some(
                 score_trial(trial, logits, labels, vocabulary, look_ahead.settings())
-                    .map(|scores| (trial.data_set.name(), scores)),
+                    .map(|scores| (trial, scores)),
             )
         })
         .collect::<Result<_, _>>()?;
-    let mut sets: Vec<&str> = scored.iter().map(|(set, _)| *set).collect();
+    let mut sets: Vec<&str> = scored
+        .iter()
+        .map(|(trial, _)| trial.data_set.name())
+        .collect();
     sets.sort_unstable();
     sets.dedup();
     if sets.len() != 1 {
         sets.push(ALL);
     }
     let row = |set: &str| {
-        let own = || {
-            scored
-                .iter()
-                .filter(move |(own, _)| set == ALL || *own == set)
-        };
+        let own: Vec<_> = scored
+            .iter()
+            .filter(|(trial, _)| set == ALL || trial.data_set.name() == set)
+            .collect();
         let summary_of = |index: usize| {
-            summary(
-                &own()
-                    .map(|(_, scores)| scores[index].clone())
-                    .collect::<Vec<_>>(),
-            )
+            let scores = own
+                .iter()
+                .map(|(_, scores)| scores.reference[index].clone());
+            summary(&scores.collect::<Vec<_>>())
         };
+        let mut by_subject: BTreeMap<&str, Vec<&RecordingEvents>> = BTreeMap::new();
+        for (trial, scores) in &own {
+            let events = by_subject.entry(&trial.subject).or_default();
+            events.push(&scores.events);
+        }
+        let subjects = by_subject
+            .into_iter()
+            .map(|(subject, events)| SubjectEvents::new(subject, events));
         Score {
             model: candidate.name.clone(),
             data_set: set.to_owned(),
             look_ahead,
             truth,
             reference: std::array::from_fn(summary_of),
-            emitted: summary_of(BUFFERS.len()),
+            events: EventSummary::of_subjects(subjects.collect()),
         }
     };
     Ok(sets.into_iter().map(row).collect())
 }
 
-/// Scores of one trial: at reference times with each buffer, then at emission times with the widest.
+/// Scores of one trial.
+struct TrialScore {
+    /// At reference times, with each buffer.
+    reference: [RecordingScore; BUFFERS.len()],
+    /// At emission times.
+    events: RecordingEvents,
+}
+
 fn score_trial(
     trial: &Trial,
     logits: &[LookBackLogits],
     truth: &[Option<Intent>],
     vocabulary: Vocabulary,
     settings: Settings,
-) -> Result<Vec<RecordingScore>, EvaluationError> {
+) -> Result<TrialScore, EvaluationError> {
     let SmoothedLabels { reference, emitted } =
         smooth(logits, trial.emg.len(), vocabulary.classes(), settings)?;
     // Samples before the first label are not scored, as the reference does with those after the last one.
     let first = reference.iter().position(Option::is_some).unwrap_or(0);
-    let score = |prediction: &[Option<Intent>], buffer| {
+    let with_buffer = |buffer| {
         let rule = Rule {
             buffer,
             ..Rule::default()
         };
-        RecordingScore::new(
-            &trial.subject,
-            &trial.name,
-            &truth[first..],
-            &prediction[first..],
-            &rule,
-        )
+        let (subject, name) = (&trial.subject, &trial.name);
+        RecordingScore::new(subject, name, &truth[first..], &reference[first..], &rule)
     };
-    let mut scores = Vec::with_capacity(BUFFERS.len() + 1);
-    for buffer in BUFFERS {
-        scores.push(score(&reference, buffer)?);
-    }
-    scores.push(score(&emitted, BUFFERS[BUFFERS.len() - 1])?);
-    Ok(scores)
+    let [narrow, middle, wide] = BUFFERS;
+    let events = RecordingEvents::new(
+        truth,
+        &emitted,
+        &trial.other_movement,
+        &EventRule::default(),
+    )?;
+    Ok(TrialScore {
+        reference: [
+            with_buffer(narrow)?,
+            with_buffer(middle)?,
+            with_buffer(wide)?,
+        ],
+        events,
+    })
 }
 
-/// Offsets, in samples, of the transitions that a candidate follows: widest buffer, lag-compensated labels, each
-/// predicted label at its reference time.
+/// The gestures of all trials, judged by the labels that a candidate emits: lag-compensated labels.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
-pub(crate) fn offsets(
+pub(crate) fn gestures(
     candidate: &Candidate,
     trials: &[Trial],
     vocabulary: Vocabulary,
     look_ahead: LookAhead,
-) -> Result<Vec<i32>, EvaluationError> {
-    let mut offsets = Vec::new();
+) -> Result<Vec<Gesture>, EvaluationError> {
+    let mut gestures = Vec::new();
     for (trial, logits) in trials.iter().zip(&candidate.logits) {
-        let scores = score_trial(
-            trial,
-            logits,
-            &trial.lag_compensated,
-            vocabulary,
-            look_ahead.settings(),
-        )?;
-        offsets.extend(scores[BUFFERS.len() - 1].transitions.offsets());
+        let truth = &trial.lag_compensated;
+        let scores = score_trial(trial, logits, truth, vocabulary, look_ahead.settings())?;
+        gestures.extend(scores.events.gestures);
     }
-    Ok(offsets)
+    Ok(gestures)
 }
 
 /// Confusion matrix of a candidate over all trials: lag-compensated labels, each predicted label at its reference
@@ -195,4 +239,64 @@ pub(crate) fn confusion(
         confusion.add(&trial.lag_compensated, &labels.reference)?;
     }
     Ok(confusion)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::DataSet;
+
+    /// A recording of relax and close in turn, and a model that follows each change after so many patches.
+    fn followed(changes_after: &[usize]) -> (Trial, Candidate) {
+        let (run, classes) = (400, [0, 2]);
+        let truth: Vec<Option<Intent>> = (0..run * (changes_after.len() + 1))
+            .map(|at| Intent::from_class(classes[at / run % 2]))
+            .collect();
+        let mut logits = vec![LookBackLogits::default(); truth.len() / 10];
+        for (patch, rows) in logits.iter_mut().enumerate() {
+            for (back, row) in rows.iter_mut().enumerate() {
+                let of = patch.saturating_sub(back);
+                let changes = changes_after.iter().enumerate();
+                let changes = changes.filter(|(at, late)| of >= (at + 1) * run / 10 + **late);
+                row[classes[changes.count() % 2]] = 1.0;
+            }
+        }
+        let trial = Trial {
+            data_set: DataSet::Synthetic,
+            subject: "synthetic/1".to_owned(),
+            name: "r".to_owned(),
+            raw: vec![[0; 8]; truth.len()],
+            emg: vec![[0; 8]; truth.len()],
+            published: None,
+            lag_compensated: truth,
+            other_movement: Vec::new(),
+        };
+        let candidate = Candidate {
+            name: "m".to_owned(),
+            looks_back: true,
+            logits: vec![logits],
+        };
+        (trial, candidate)
+    }
+
+    #[test]
+    fn no_label_is_emitted_before_the_time_that_it_is_for() {
+        // Half a second of buffer: the second change is inside it at its reference time and outside when emitted.
+        let (trial, candidate) = followed(&[2, 8, 2]);
+        let scores = score(
+            &candidate,
+            &[trial],
+            Vocabulary::Three,
+            LookAhead::SameInstant,
+            Truth::LagCompensated,
+        )
+        .unwrap();
+        let reference: Vec<i32> = scores[0].widest().subjects[0].offsets.clone();
+        let latencies = &scores[0].events.subjects[0].latencies;
+        // Three changes are followed, of which two begin a gesture; none is left out for being emitted late.
+        assert_eq!((reference.len(), latencies.len()), (3, 2));
+        for (latency, offset) in latencies.iter().zip([reference[0], reference[2]]) {
+            assert_eq!(latency - offset, 51);
+        }
+    }
 }

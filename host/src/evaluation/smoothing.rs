@@ -12,9 +12,13 @@ use shared::units::{LOOK_BACK, PATCH, SampleIndex};
 pub(crate) struct SmoothedLabels {
     /// Each label from its reference time on: the paper's evaluation, in which the look-ahead adds no delay.
     pub reference: Vec<Option<Intent>>,
-    /// Each label from its emission time on: what a user of the device gets.
+    /// Each label from its emission time on: what a user of the device gets. The median before the model waits for
+    /// one sample after the newest patch.
     pub emitted: Vec<Option<Intent>>,
 }
+
+/// Samples that the median needs after the one that it cleans.
+const MEDIAN_LAG: usize = 1;
 
 /// Smooths the logits of a recording's patches to the labels of its samples.
 ///
@@ -44,7 +48,8 @@ pub(crate) fn smooth(
             let instant = decision.instant.0 as usize;
             held_until = (instant + settings.hold * PATCH).min(samples);
             reference[instant.min(samples)..].fill(label);
-            emitted[(decision.window_end.0 as usize).min(samples)..].fill(label);
+            let emission = decision.window_end.0 as usize + MEDIAN_LAG;
+            emitted[emission.min(samples)..].fill(label);
         }
     }
     reference[held_until..].fill(None);
@@ -78,7 +83,8 @@ mod tests {
             first(&labels.reference).unwrap(),
             first(&labels.emitted).unwrap(),
         );
-        assert_eq!(emitted - reference, 50);
+        // As in the lines of `replay`.
+        assert_eq!(emitted - reference, 51);
         assert_eq!(labels.emitted.last(), Some(&Some(Intent::Close)));
         assert_eq!(labels.reference.last(), Some(&None));
     }

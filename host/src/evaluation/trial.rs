@@ -22,4 +22,6 @@ pub struct Trial {
     pub published: Option<Vec<Option<Intent>>>,
     /// Lag-compensated labels.
     pub lag_compensated: Vec<Option<Intent>>,
+    /// Samples of movements outside the vocabulary, in which every gesture's label is wrong; empty if none are known.
+    pub other_movement: Vec<bool>,
 }

@@ -11,3 +11,6 @@ mod teacher;
 pub use device::integer_logits;
 pub(crate) use student::student_logits;
 pub(crate) use teacher::teacher_logits;
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,8 @@
 //! Format of numbers in tables, the same in every table.
 
-use crate::statistics::MeanSd;
+use crate::evaluation::Difference;
+use crate::evaluation::metric::event::latency::{Latency, LatencySummary};
+use crate::statistics::{Interval, MeanSd};
 
 /// In place of a missing number.
 const NONE: &str = "-";
@@ -23,8 +25,12 @@ pub const ONE: Parts = &[""];
 pub const MEAN_SD: Parts = &["mean", "sd"];
 /// Number of subjects and of transitions behind a score.
 pub const SUPPORT: Parts = &["subjects", "transitions"];
-/// A mean of paired differences.
-pub const PAIRED: Parts = &["mean", "sd", "subjects"];
+/// Mean, sample deviation and 95 % interval of the mean.
+pub const ESTIMATE: Parts = &["mean", "sd", "low", "high"];
+/// A mean of paired differences, its 95 % interval, and whether that excludes zero.
+pub const PAIRED: Parts = &["mean", "sd", "low", "high", "subjects", "shown"];
+/// Median and 90th percentile of a latency.
+pub const LATENCY: Parts = &["median", "p90"];
 
 /// A name.
 #[must_use]
@@ -83,16 +89,98 @@ pub fn support(subjects: usize, transitions: usize) -> Cell {
     }
 }
 
-/// Mean and deviation of a difference of shares over a number of subjects: `+0.012 (0.034) n 8`.
+/// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
 #[must_use]
-pub fn difference(value: Option<MeanSd>, subjects: usize) -> Cell {
-    let mean = |mean: f64| format!("{:+.3}", unsigned_zero(mean, 1000.0));
-    let mut cell = spread(value, mean, |sd| format!("{sd:.3}"));
-    if value.is_some() {
-        cell.shown += &format!(" n {subjects}");
-        cell.fields.push(subjects.to_string());
+pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
+    let Some(value) = mean else { return none() };
+    let mean = format!("{:.3}", value.mean);
+    let sd = value.sd.map(|sd| format!("{sd:.2}"));
+    let [low, high] = ends(interval, |end| format!("{end:.2}"));
+    let shown = match interval {
+        Some(_) => format!("{mean} [{low}, {high}]"),
+        None => mean.clone(),
+    };
+    Cell {
+        shown,
+        fields: vec![mean, sd.unwrap_or_default(), low, high],
     }
-    cell
+}
+
+/// The same in 14 columns: `0.76 (.70-.81)`.
+#[must_use]
+pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
+    let Some(value) = mean else { return none() };
+    let end = |value: f64| match format!("{value:.2}").strip_prefix('0') {
+        Some(decimals) => decimals.to_owned(),
+        None => format!("{value:.1}"),
+    };
+    let interval = interval.map(|ends| format!(" ({}-{})", end(ends.low), end(ends.high)));
+    text(format!("{:.2}{}", value.mean, interval.unwrap_or_default()))
+}
+
+/// Events a minute, mean over subjects.
+#[must_use]
+pub fn rate(value: Option<MeanSd>) -> Cell {
+    spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
+}
+
+/// Median and 90th percentile of a latency in ms, `285 / 610`, or that they fall on missed gestures.
+#[must_use]
+pub fn latency(value: Option<LatencySummary>) -> Cell {
+    let Some(LatencySummary { median, p90 }) = value else {
+        return none();
+    };
+    let fields = [median, p90].map(quantile);
+    Cell {
+        shown: fields.join(" / "),
+        fields: fields.to_vec(),
+    }
+}
+
+/// A quantile of a latency in ms.
+pub(crate) fn quantile(value: Latency) -> String {
+    match value {
+        Latency::Ms(milliseconds) => whole(milliseconds),
+        Latency::Missed => "missed".to_owned(),
+    }
+}
+
+/// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if the interval contains zero.
+#[must_use]
+pub fn difference(value: Option<Difference>) -> Cell {
+    let Some(value) = value else { return none() };
+    let signed = |value: f64| format!("{:+.3}", unsigned_zero(value, 1000.0));
+    let mean = signed(value.mean.mean);
+    let sd = value.mean.sd.map(|sd| format!("{sd:.3}"));
+    let [low, high] = ends(value.interval, signed);
+    let interval = match value.interval {
+        Some(_) => format!(" [{low}, {high}]"),
+        None => String::new(),
+    };
+    let (words, flag) = if value.is_shown() {
+        ("", "yes")
+    } else {
+        (", no difference shown", "no")
+    };
+    let people = value.people.to_string();
+    Cell {
+        shown: format!("{mean}{interval} n {people}{words}"),
+        fields: vec![
+            mean,
+            sd.unwrap_or_default(),
+            low,
+            high,
+            people,
+            flag.to_owned(),
+        ],
+    }
+}
+
+/// Both ends of an interval, empty without one.
+fn ends(interval: Option<Interval>, format: impl Fn(f64) -> String) -> [String; 2] {
+    interval.map_or_else(Default::default, |Interval { low, high }| {
+        [low, high].map(format)
+    })
 }
 
 fn spread(
@@ -137,18 +225,75 @@ mod tests {
         assert_eq!(share(Some(one)).fields, ["0.912", ""]);
         assert_eq!(share(None), none());
         assert_eq!(support(8, 357).shown, "8 / 357");
-        assert_eq!(difference(Some(both), 8).shown, "+0.912 (0.044) n 8");
-        assert_eq!(difference(Some(both), 8).fields, ["+0.912", "0.044", "8"]);
+        let interval = Some(Interval {
+            low: 0.8811,
+            high: 0.94,
+        });
+        assert_eq!(estimate(Some(both), interval).shown, "0.912 [0.88, 0.94]");
+        assert_eq!(
+            estimate(Some(both), interval).fields,
+            ["0.912", "0.04", "0.88", "0.94"]
+        );
+        assert_eq!(estimate(Some(one), None).shown, "0.912");
+        let whole = Some(Interval {
+            low: 0.0,
+            high: 1.0,
+        });
+        assert_eq!(narrow_estimate(Some(both), whole).shown, "0.91 (.00-1.0)");
+        assert_eq!(
+            narrow_estimate(Some(both), interval).shown,
+            "0.91 (.88-.94)"
+        );
+        let missed = LatencySummary {
+            median: Latency::Ms(285.0),
+            p90: Latency::Missed,
+        };
+        assert_eq!(latency(Some(missed)).shown, "285 / missed");
+    }
+
+    #[test]
+    fn a_difference_whose_interval_contains_zero_is_not_shown() {
+        let of = |low, high| Difference {
+            mean: MeanSd {
+                mean: 0.0116,
+                sd: Some(0.044),
+            },
+            interval: Some(Interval { low, high }),
+            people: 8,
+        };
+        let clear = difference(Some(of(0.003, 0.02)));
+        assert_eq!(clear.shown, "+0.012 [+0.003, +0.020] n 8");
+        let unclear = difference(Some(of(-0.003, 0.02)));
+        assert_eq!(
+            unclear.shown,
+            "+0.012 [-0.003, +0.020] n 8, no difference shown"
+        );
+        let fields = ["+0.012", "0.044", "-0.003", "+0.020", "8", "no"];
+        assert_eq!(unclear.fields, fields);
+        let alone = Difference {
+            interval: None,
+            people: 1,
+            ..of(0.0, 0.0)
+        };
+        assert!(
+            difference(Some(alone))
+                .shown
+                .ends_with("n 1, no difference shown")
+        );
     }
 
     #[test]
     fn what_rounds_to_zero_has_no_minus() {
         assert_eq!(milliseconds(-0.3), "+0");
         assert_eq!(milliseconds(-160.4), "-160");
-        let tiny = MeanSd {
-            mean: -0.0004,
-            sd: None,
+        let tiny = Difference {
+            mean: MeanSd {
+                mean: -0.0004,
+                sd: None,
+            },
+            interval: None,
+            people: 1,
         };
-        assert_eq!(difference(Some(tiny), 2).shown, "+0.000 n 2");
+        assert!(difference(Some(tiny)).shown.starts_with("+0.000 n 1"));
     }
 }

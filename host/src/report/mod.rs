@@ -7,7 +7,7 @@ mod canvas;
 pub mod cell;
 mod confusion;
 mod curves;
-mod offsets;
+mod latencies;
 mod page;
 pub mod run_report;
 pub mod scores;
@@ -40,8 +40,8 @@ struct ReportData {
     panels: Vec<Panel>,
     /// True against emitted labels, in samples.
     confusion: Option<Confusion>,
-    /// Offset of every transition that was followed, in milliseconds: positive is late.
-    offsets_ms: Vec<f64>,
+    /// Latency of every gesture in samples; none for those that were missed.
+    latencies: Vec<Option<i32>>,
     /// Limits of the numbers; one paragraph each.
     notes: Vec<String>,
 }

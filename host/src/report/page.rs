@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{
     ReportData, ReportError,
     canvas::{STYLE, escape},
-    confusion, curves, offsets, timeline,
+    confusion, curves, latencies, timeline,
 };
 
 /// Style of the page; that of the pictures comes from `canvas`.
@@ -67,15 +67,16 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
     if let Some(matrix) = &data.confusion {
         errors.push(confusion::svg(matrix)?);
     }
-    if !data.offsets_ms.is_empty() {
-        errors.push(offsets::svg(&data.offsets_ms)?);
+    if !data.latencies.is_empty() {
+        errors.push(latencies::svg(&data.latencies)?);
     }
     if !errors.is_empty() {
         heading(
             &mut page,
             "Errors",
-            "Left: confusion matrix; each row is one true label and adds up to 100 % of its samples. Right: offsets \
-             of emitted transitions from true ones; right of zero is late, the orange line is the median.",
+            "Left: confusion matrix; each row is one true label and adds up to 100 % of its samples. Right: latency of \
+             the gestures that were recognised, from the onset to the emitted label; the orange line is the median over all \
+             gestures, missed ones included.",
         );
         pair(&mut page, &errors);
     }

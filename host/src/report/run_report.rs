@@ -8,7 +8,9 @@ use super::curves::{Curve, Panel};
 use super::scores::tables;
 use super::timeline::{Timeline, timeline_svg};
 use super::{ReportData, ReportError};
-use crate::evaluation::{Candidate, EvaluationError, LookAhead, Trial, confusion, offsets, smooth};
+use crate::evaluation::{
+    Candidate, EvaluationError, LookAhead, Trial, confusion, gestures, smooth,
+};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
@@ -59,9 +61,9 @@ pub fn write(
             data.timelines.push(timeline.section(0..SHOWN));
         }
         data.confusion = Some(confusion(candidate, trials, vocabulary, look_ahead)?);
-        data.offsets_ms = offsets(candidate, trials, vocabulary, look_ahead)?
+        data.latencies = gestures(candidate, trials, vocabulary, look_ahead)?
             .into_iter()
-            .map(|samples| f64::from(samples) * f64::from(SAMPLE_PERIOD_MS))
+            .map(|gesture| gesture.latency)
             .collect();
     }
     super::write_html(&data, page)?;
@@ -106,8 +108,12 @@ fn notes() -> Vec<String> {
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
          both labels as published and lag-compensated labels, shifted by one constant per data set that is estimated \
          on training subjects.",
-        "Every recording is preceded by its own first half second, repeated six times, so that short recordings are \
+        "Every recording is preceded by its own first 50 ms, repeated to 3 s, so that short recordings are \
          evaluated from their first sample; the device emits no label until it has 3 s of contiguous EMG.",
+        "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
+         emitted, look-ahead included; a missed gesture counts as infinitely late. Balanced, raw and transition \
+         accuracy put each label at the time that it is for, as the paper does. Intervals over fewer than about \
+         ten people are too narrow.",
     ]
     .map(str::to_owned)
     .to_vec()

@@ -1,128 +1,235 @@
 //! Tables of an evaluation.
 
-use super::cell::{one_ms, share};
+use super::cell::{
+    Cell, difference, estimate, latency, narrow_estimate, none, one_ms, quantile, rate, share,
+};
 use super::table::Table;
+use crate::evaluation::metric::offset::OffsetSummary;
 use crate::evaluation::metric::summary::Summary;
-use crate::evaluation::{LookAhead, Score, Truth};
-use crate::run::evaluate::Results;
+use crate::evaluation::{ALL, CONSTANT, Difference, ENERGY, LookAhead, Measure, Score, Truth};
+use crate::run::evaluate::{INTEGER, Results};
 
-/// Tables of an evaluation: lag-compensated labels, labels as published, spliced recordings.
+/// Measures whose differences are shown.
+const COMPARED: [Measure; 3] = [
+    Measure::BalancedAccuracy,
+    Measure::TransitionAccuracy,
+    Measure::Recognition,
+];
+
+/// Tables of an evaluation: lag-compensated labels and the differences to the floors; labels as published; spliced
+/// recordings; then the paper's measures.
 #[must_use]
 pub fn tables(results: &Results) -> Vec<Table> {
-    let published = |truth: Truth| {
-        let lines = results
-            .published
-            .iter()
-            .filter(move |score| score.truth == truth);
-        lines.collect::<Vec<_>>()
+    let with = |truth: Truth| {
+        let lines = results.published.iter();
+        shown(
+            lines.filter(move |score| score.truth == truth),
+            results.aggregation,
+        )
     };
-    let aggregation = results.aggregation;
-    [
-        (
+    let (compensated, published) = (with(Truth::LagCompensated), with(Truth::Published));
+    let spliced = shown(results.spliced.iter(), results.aggregation);
+    let mut tables = vec![
+        table(
             "Lag-compensated labels: shifted by each data set's lag, to the onset of muscle activity",
-            published(Truth::LagCompensated),
+            &compensated,
         ),
-        (
+        differences(&compensated),
+        table(
             "Labels as published: the times of the cues, as in the paper's evaluation",
-            published(Truth::Published),
+            &published,
         ),
-        (
+        table(
             "Spliced recordings of the same subjects, in random order and rhythm; lag-compensated labels",
-            results.spliced.iter().collect(),
+            &spliced,
         ),
-    ]
-    .into_iter()
-    .filter(|(_, scores)| !scores.is_empty())
-    .map(|(caption, scores)| table(caption, &scores, aggregation))
-    .collect()
+        paper(
+            "The paper's measures: buffers, and offsets of the transitions followed; lag-compensated labels",
+            &compensated,
+        ),
+        paper("The same with labels as published", &published),
+    ];
+    tables.retain(|table| !table.rows.is_empty());
+    tables
 }
 
-/// The scores of one model in 80 columns, a row a data set: lag-compensated labels, the paper's buffer, the
-/// model file's aggregation mode.
+/// Without look-ahead, and with that of the model file; data set by data set.
+fn shown<'a>(scores: impl Iterator<Item = &'a Score>, aggregation: LookAhead) -> Vec<&'a Score> {
+    let mut shown: Vec<&Score> = scores
+        .filter(|score| score.look_ahead == LookAhead::None || score.look_ahead == aggregation)
+        .collect();
+    shown.sort_by_key(|score| score.data_set.as_str());
+    shown
+}
+
+/// The scores of one model in 80 columns, a row a data set, and of the floors over all of them: lag-compensated labels,
+/// the model file's aggregation mode.
 pub(crate) fn summary(results: &Results, model: &str) -> Table {
     let mut table = Table::new(
         "",
         [
             "recordings",
-            "raw acc.",
-            "transition acc.",
-            "offset ms",
-            "emitted ms",
-            "subjects",
+            "balanced",
+            "transition",
+            "events",
+            "latency",
+            "false/min",
+            "n",
         ],
     );
-    for score in &results.published {
-        if score.model == model
-            && score.truth == Truth::LagCompensated
-            && score.look_ahead == results.aggregation
-        {
-            let widest = score.widest();
-            table.push([
-                score.data_set.clone(),
-                share(widest.raw_accuracy).shown,
-                share(widest.transition_accuracy).shown,
-                mean_offset(widest),
-                mean_offset(&score.emitted),
-                widest.subjects.len().to_string(),
-            ]);
+    let compensated = || {
+        let scores = results.published.iter();
+        scores.filter(|score| score.truth == Truth::LagCompensated)
+    };
+    let own: Vec<&Score> = compensated()
+        .filter(|score| score.model == model && score.look_ahead == results.aggregation)
+        .collect();
+    for score in &own {
+        table.push(narrow(score.data_set.clone(), score));
+    }
+    // The floors of the last row, which is over all recordings.
+    let last = own.last().map_or(ALL, |score| score.data_set.as_str());
+    for (floor, name) in [(CONSTANT, "relax"), (ENERGY, "energy")] {
+        let row = compensated().find(|score| score.model == floor && score.data_set == last);
+        if let Some(score) = row {
+            table.push(narrow(format!("{last}: {name}"), score));
         }
     }
     table
 }
 
-fn table(caption: &str, scores: &[&Score], aggregation: LookAhead) -> Table {
-    let mut table = Table::new(
-        caption,
-        [
-            "recordings",
-            "model",
-            "look-ahead",
-            "raw",
-            "TA 60",
-            "TA 120",
-            "TA 200",
-            "offset ms",
-            "median",
-            "emitted ms",
-            "subjects",
-            "transitions",
-        ],
-    );
-    let mut sets: Vec<&str> = scores.iter().map(|score| score.data_set.as_str()).collect();
-    sets.sort_unstable();
-    sets.dedup();
-    for set in sets {
-        let shown = scores
-            .iter()
-            .filter(|score| score.data_set == set)
-            .filter(|score| score.look_ahead == LookAhead::None || score.look_ahead == aggregation);
-        for score in shown {
-            table.push(row(score));
-        }
-    }
-    table
+fn narrow(name: String, score: &Score) -> [String; 7] {
+    let narrow =
+        |measure: Measure| narrow_estimate(measure.mean(score), measure.interval(score)).shown;
+    let two = |measure: Measure| narrow_estimate(measure.mean(score), None).shown;
+    let median = score.events.latency.map(|latency| quantile(latency.median));
+    [
+        name,
+        narrow(Measure::BalancedAccuracy),
+        narrow(Measure::TransitionAccuracy),
+        two(Measure::Recognition),
+        median.unwrap_or_else(|| none().shown),
+        rate_alone(score),
+        score.widest().subjects.len().to_string(),
+    ]
 }
 
-fn row(score: &Score) -> Vec<String> {
-    let widest = score.widest();
-    let accuracy = |summary: &Summary| share(summary.transition_accuracy).shown;
-    let mut cells = vec![
-        score.data_set.clone(),
-        score.model.clone(),
-        score.look_ahead.name().to_owned(),
-        share(widest.raw_accuracy).shown,
+fn rate_alone(score: &Score) -> String {
+    let mean = Measure::FalseActivations.mean(score);
+    mean.map_or_else(|| none().shown, |mean| format!("{:.1}", mean.mean))
+}
+
+fn table(caption: &str, scores: &[&Score]) -> Table {
+    // Few data sets mark movements outside the vocabulary.
+    let other = scores.iter().any(|s| s.events.other_activations.is_some());
+    let mut header = vec![
+        "recordings",
+        "model",
+        "look-ahead",
+        "balanced",
+        "TA",
+        "recognised",
+        "latency ms",
+        "false/min",
     ];
-    cells.extend(score.reference.iter().map(accuracy));
-    cells.extend([
-        mean_offset(widest),
-        one_ms(widest.offset.map(|offset| offset.signed_median)).shown,
-        mean_offset(&score.emitted),
-        widest.subjects.len().to_string(),
-        widest.events.to_string(),
-    ]);
-    cells
+    header.extend(other.then_some("other/min"));
+    header.extend(["flicker/min", "raw", "subjects", "transitions", "gestures"]);
+    let mut table = Table::new(caption, header);
+    for score in scores {
+        let of = |measure: Measure| estimate(measure.mean(score), measure.interval(score));
+        let (widest, events) = (score.widest(), &score.events);
+        let mut cells = heading(score);
+        cells.extend(
+            [
+                of(Measure::BalancedAccuracy),
+                of(Measure::TransitionAccuracy),
+                of(Measure::Recognition),
+                latency(events.latency),
+                rate(events.false_activations),
+            ]
+            .map(shown_text),
+        );
+        cells.extend(other.then(|| rate(events.other_activations).shown));
+        cells.extend([
+            rate(events.flicker).shown,
+            share(widest.raw_accuracy).shown,
+            widest.subjects.len().to_string(),
+            widest.events.to_string(),
+            events.gestures.to_string(),
+        ]);
+        table.push(cells);
+    }
+    table
 }
 
-fn mean_offset(summary: &Summary) -> String {
-    one_ms(summary.offset.map(|offset| offset.signed.mean)).shown
+/// The model file against the floors, person by person; of a run without one, every model.
+fn differences(scores: &[&Score]) -> Table {
+    let header = ["recordings", "difference", "look-ahead"];
+    let measures = COMPARED.map(Measure::name);
+    let caption =
+        "Differences to the floors, paired over subjects; mean [95 % interval] over n subjects";
+    let mut table = Table::new(caption, header.into_iter().chain(measures));
+    let is_floor = |score: &Score| [CONSTANT, ENERGY].contains(&score.model.as_str());
+    let device = scores.iter().any(|score| score.model == INTEGER);
+    let models = scores
+        .iter()
+        .filter(|score| !is_floor(score) && (score.model == INTEGER || !device));
+    for score in models {
+        let floors = scores
+            .iter()
+            .filter(|floor| is_floor(floor) && floor.data_set == score.data_set);
+        for floor in floors {
+            let [data_set, model, look_ahead] = heading_of(score);
+            let difference = |measure| difference(Difference::of(measure, score, floor)).shown;
+            let cells = [data_set, format!("{model} - {}", floor.model), look_ahead];
+            table.push(cells.into_iter().chain(COMPARED.map(difference)));
+        }
+    }
+    table
+}
+
+fn paper(caption: &str, scores: &[&Score]) -> Table {
+    let header = [
+        "recordings",
+        "model",
+        "look-ahead",
+        "TA 60",
+        "TA 120",
+        "TA 200",
+        "offset ms",
+        "median",
+        "raw",
+        "subjects",
+        "transitions",
+    ];
+    let mut table = Table::new(caption, header);
+    for score in scores {
+        let widest = score.widest();
+        let accuracy = |summary: &Summary| share(summary.transition_accuracy).shown;
+        let offset = |of: fn(OffsetSummary) -> f64| one_ms(widest.offset.map(of)).shown;
+        let mut cells = heading(score);
+        cells.extend(score.reference.iter().map(accuracy));
+        cells.extend([
+            offset(|offset| offset.signed.mean),
+            offset(|offset| offset.signed_median),
+            share(widest.raw_accuracy).shown,
+            widest.subjects.len().to_string(),
+            widest.events.to_string(),
+        ]);
+        table.push(cells);
+    }
+    table
+}
+
+fn heading(score: &Score) -> Vec<String> {
+    heading_of(score).to_vec()
+}
+
+fn heading_of(score: &Score) -> [String; 3] {
+    let look_ahead = score.look_ahead.name().to_owned();
+    [score.data_set.clone(), score.model.clone(), look_ahead]
+}
+
+fn shown_text(cell: Cell) -> String {
+    cell.shown
 }

@@ -110,10 +110,10 @@ fn synthetic_report() -> ReportData {
             ],
         },
     ];
-    let offsets_ms = (0..240)
-        .map(|_| {
+    let latencies = (0..240)
+        .map(|at| {
             let spread: f64 = (0..4).map(|_| random.random::<f64>() - 0.5).sum();
-            5.0 * (30.0 + 60.0 * spread).round()
+            (at % 7 > 0).then_some((60.0 + 60.0 * spread).round() as i32)
         })
         .collect();
     ReportData {
@@ -137,7 +137,7 @@ fn synthetic_report() -> ReportData {
             ],
             ..Confusion::new(Vocabulary::Three)
         }),
-        offsets_ms,
+        latencies,
         notes: vec!["Every number on this page is synthetic.".into()],
     }
 }

@@ -8,7 +8,10 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{FIGURES, Figure, model_bytes};
 use super::trials;
-use crate::evaluation::{Candidate, LookAhead, Score, Trial, Truth, score};
+use crate::evaluation::{
+    Candidate, EnergyDetector, LookAhead, Measure, Score, Trial, Truth, constant, score_all,
+};
+use crate::execution::progress;
 use crate::student::distillation;
 use crate::teacher;
 
@@ -61,7 +64,7 @@ pub(crate) fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
 }
 
 /// Evaluates the models of the run on the held-out subjects, as far as there are: teacher, `more`, float student, the
-/// integer student of the model file `model`, and the students trained on the labels alone.
+/// integer student of the model file `model`, and the students trained on the labels alone; then the floors.
 ///
 /// # Errors
 /// When there is no model or no recording to evaluate on, or a model is damaged.
@@ -76,21 +79,34 @@ pub fn evaluate(
         return Err(StepError::NoTrials);
     }
     let aggregation = aggregation(context)?;
-    let published = candidates(context, &trials, model, more)?;
+    let mut published = candidates(context, &trials, model, more)?;
     if published.is_empty() {
         return Err(StepError::NoModel);
     }
-    let on_spliced = candidates(context, &spliced, model, more)?;
+    let mut on_spliced = candidates(context, &spliced, model, more)?;
+    let detector = EnergyDetector::fit(&trials::training(&context.config, &context.library));
+    if let Some(detector) = &detector {
+        progress::log(&format!(
+            "energy detector: {} from {:.1} counts on",
+            detector.active.name(),
+            detector.threshold
+        ));
+    }
+    for (candidates, trials) in [(&mut published, &trials), (&mut on_spliced, &spliced)] {
+        candidates.push(constant(trials));
+        candidates.extend(detector.map(|detector| detector.candidate(trials)));
+    }
+    let vocabulary = context.config.preset.vocabulary();
     let results = Results {
         held_out: context.config.split.held_out.clone(),
         aggregation,
         published: score_all(
-            context,
             &published,
             &trials,
+            vocabulary,
             &[Truth::Published, Truth::LagCompensated],
         )?,
-        spliced: score_all(context, &on_spliced, &spliced, &[Truth::LagCompensated])?,
+        spliced: score_all(&on_spliced, &spliced, vocabulary, &[Truth::LagCompensated])?,
     };
     context.folder.save_json(RESULTS, &results)?;
     context.folder.save_json(FIGURES, &figures(&results))?;
@@ -102,27 +118,6 @@ pub fn evaluate(
             aggregation,
         },
     ))
-}
-
-fn score_all(
-    context: &RunContext,
-    candidates: &[Candidate],
-    trials: &[Trial],
-    truths: &[Truth],
-) -> Result<Vec<Score>, StepError> {
-    let vocabulary = context.config.preset.vocabulary();
-    let mut scores = Vec::new();
-    if trials.is_empty() {
-        return Ok(scores);
-    }
-    for &truth in truths {
-        for candidate in candidates {
-            for look_ahead in candidate.conditions() {
-                scores.extend(score(candidate, trials, vocabulary, look_ahead, truth)?);
-            }
-        }
-    }
-    Ok(scores)
 }
 
 fn candidates(
@@ -160,22 +155,22 @@ fn figures(results: &Results) -> Vec<Figure> {
             && score.look_ahead == results.aggregation
             && score.truth == Truth::LagCompensated
     });
+    let measures = [
+        ("balanced accuracy", Measure::BalancedAccuracy),
+        ("transition accuracy", Measure::TransitionAccuracy),
+        ("gestures recognised", Measure::Recognition),
+        ("raw accuracy", Measure::RawAccuracy),
+    ];
     for score in chosen {
-        let widest = score.widest();
-        let mut keep = |what: &str, mean: Option<f64>| {
-            if let Some(value) = mean {
-                #[expect(clippy::cast_possible_truncation, reason = "an accuracy")]
+        for (what, measure) in measures {
+            if let Some(value) = measure.mean(score) {
+                #[expect(clippy::cast_possible_truncation, reason = "a share of 1")]
                 figures.push(Figure {
                     name: format!("{} {what}", score.data_set),
-                    value: value as f32,
+                    value: value.mean as f32,
                 });
             }
-        };
-        keep("raw accuracy", widest.raw_accuracy.map(|raw| raw.mean));
-        keep(
-            "transition accuracy",
-            widest.transition_accuracy.map(|transition| transition.mean),
-        );
+        }
     }
     figures
 }

@@ -19,6 +19,11 @@ pub(super) fn validation(config: &ResolvedConfig, library: &Library) -> Vec<Tria
     trials(config, library, Role::Validation)
 }
 
+/// Training recordings, which the floors of the tables are fitted to.
+pub(super) fn training(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
+    trials(config, library, Role::Training)
+}
+
 /// One minute of spliced recording per held-out subject. A model that has learnt the order and timing of the
 /// protocol has no advantage on it.
 pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
@@ -41,6 +46,7 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
             raw: recording.samples,
             published: None,
             lag_compensated: recording.labels,
+            other_movement: Vec::new(),
         })
         .collect()
 }
@@ -59,6 +65,7 @@ fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> 
                 raw,
                 published: Some(recording.labels_in(config.preset.vocabulary())),
                 lag_compensated: config.lag_compensated_labels(recording),
+                other_movement: Vec::new(),
             }
         })
         .collect()

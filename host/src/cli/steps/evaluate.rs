@@ -16,9 +16,12 @@ use crate::student::distillation;
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "TA is transition accuracy with a buffer of 60, 120 or 200 samples around each transition. Offsets are\n\
-    those of the transitions that were followed, each label at its reference time; `emitted ms` takes the\n\
-    emission time instead, look-ahead included. Deviations are over subjects. results.json in the run folder\n\
+    after_help = "balanced: mean recall of the classes present. TA: transition accuracy, share of label changes that are followed within\n\
+    half a second either way and held. recognised: share of gestures whose label is emitted and held, and no other.\n\
+    latency: median / 90th percentile from muscle onset to the emitted label, look-ahead included, misses counted as\n\
+    misses. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
+    ones. raw: share of samples. [a, b]: 95 % interval of the mean over subjects. Floors: a constant `relax`, and an\n\
+    energy detector fitted to the training subjects. docs/metrics.md has the definitions; results.json in the run folder\n\
     has all numbers, with every aggregation mode and every subject."
 )]
 pub struct Arguments {

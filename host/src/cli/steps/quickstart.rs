@@ -111,7 +111,7 @@ fn recordings_used(context: &RunContext) -> String {
 fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -> String {
     let (model, page) = (model.display(), page.display());
     format!(
-        "{INTEGER}, held-out subjects, lag-compensated labels; mean (deviation)\n\n\
+        "{INTEGER}, held-out subjects, lag-compensated labels: mean (95 % interval)\n\
         {}\n\
         recordings: {recordings}\n\
         held out:   {}\n\
@@ -173,29 +173,36 @@ fn log_start(context: &RunContext) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
+    use crate::evaluation::metric::event::{EventRule, RecordingEvents};
     use crate::evaluation::metric::offset;
     use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{ALL, LookAhead, Score, Truth};
+    use crate::evaluation::{ALL, CONSTANT, ENERGY, LookAhead, Score, Truth};
+    use shared::intent::Intent;
 
-    fn score(data_set: &str) -> Score {
-        let subject = |subject: &str, offset| SubjectScore {
+    fn score(model: &str, look_ahead: LookAhead, data_set: &str) -> Score {
+        let subject = |subject: &str, balanced| SubjectScore {
             subject: subject.to_owned(),
             recordings: 3,
+            balanced_accuracy: Some(balanced),
             raw_accuracy: Some(0.865),
             correct: 1,
             events: 2,
             transition_accuracy: Some(0.525),
-            offsets: vec![offset],
-            offset: offset::summary(&[offset]),
+            offsets: vec![32],
+            offset: offset::summary(&[32]),
         };
-        let summary = Summary::of_subjects(vec![subject("1", -30), subject("2", -34)]);
+        let summary = Summary::of_subjects(vec![subject("1", 0.6), subject("2", 1.0)]);
+        let (truth, emitted) = ([Some(Intent::Relax); 400], [Some(Intent::Relax); 400]);
+        let events = RecordingEvents::new(&truth, &emitted, &[], &EventRule::default()).unwrap();
+        let events = ["1", "2"].map(|subject| SubjectEvents::new(subject, [&events]));
         Score {
-            model: INTEGER.to_owned(),
+            model: model.to_owned(),
             data_set: data_set.to_owned(),
-            look_ahead: LookAhead::SameInstant,
+            look_ahead,
             truth: Truth::LagCompensated,
             reference: std::array::from_fn(|_| summary.clone()),
-            emitted: summary,
+            events: EventSummary::of_subjects(events.to_vec()),
         }
     }
 
@@ -212,6 +219,10 @@ mod tests {
             "synthetic",
             ALL,
         ];
+        let mut published = sets
+            .map(|set| score(INTEGER, LookAhead::SameInstant, set))
+            .to_vec();
+        published.extend([CONSTANT, ENERGY].map(|floor| score(floor, LookAhead::None, ALL)));
         let results = Results {
             held_out: vec![
                 "ss-stm/sub3".into(),
@@ -219,7 +230,7 @@ mod tests {
                 "roshambo/06".into(),
             ],
             aggregation: LookAhead::SameInstant,
-            published: sets.map(score).to_vec(),
+            published,
             spliced: Vec::new(),
         };
         let (model, page) = (Path::new("m.intent"), Path::new("report.html"));
@@ -234,7 +245,10 @@ mod tests {
             screen.contains("held out:   roshambo 03, 06; ss-stm sub3\n"),
             "{screen}"
         );
-        let row = "roshambo         0.865 (0.00)     0.525 (0.00)       -160        -160         2";
+        let row = "roshambo         0.80 (.60-1.0)  0.53 (.53-.53)       -        -        0.0  2";
         assert!(lines.contains(&row), "{screen}");
+        for floor in ["all: relax ", "all: energy "] {
+            assert!(lines.iter().any(|line| line.starts_with(floor)), "{screen}");
+        }
     }
 }

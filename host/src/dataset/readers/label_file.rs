@@ -13,23 +13,44 @@ use super::labels::{from_number, from_text};
 use super::npy::{self, Values};
 use super::table;
 
-/// Columns of a csv that may hold the labels; the first of them that is found is read.
-const COLUMNS: [&str; 5] = ["label", "prediction", "predicted", "gt", "truth"];
+/// What the labels of a file are read as.
+///
+/// A csv may have columns for both. Neither is ever read as the other: a prediction scored against itself is
+/// always right.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Purpose {
+    /// True labels.
+    Truth,
+    /// Predicted labels.
+    Prediction,
+}
+
+impl Purpose {
+    const ALL: [Self; 2] = [Self::Truth, Self::Prediction];
+
+    /// Columns of a csv that may hold the labels; the first of them that is found is read.
+    const fn columns(self) -> [&'static str; 3] {
+        match self {
+            Self::Truth => ["gt", "truth", "label"],
+            Self::Prediction => ["prediction", "predicted", "label"],
+        }
+    }
+}
 
 /// Reads the labels of a file.
 ///
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first label that is
 /// none.
-pub(crate) fn read(path: &Path) -> Result<Vec<Option<Intent>>, LoadError> {
+pub(crate) fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
     let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
     })?;
-    parse(&bytes).map_err(|damage| damage.in_file(path))
+    parse(&bytes, purpose).map_err(|damage| damage.in_file(path))
 }
 
-fn parse(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
+fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
     if npy::looks_like(bytes) {
         return array(bytes);
     }
@@ -38,14 +59,19 @@ fn parse(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
     let mut rows = table::rows(text).peekable();
     let header = rows.peek().map_or("", |(_, row)| *row);
     let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let column = COLUMNS
+    let columns = purpose.columns();
+    let column = columns
         .iter()
         .find_map(|wanted| names.iter().position(|name| name == wanted));
     if column.is_some() {
         rows.next();
-    } else if names.len() > 1 {
+    } else if names.len() > 1
+        || Purpose::ALL
+            .iter()
+            .any(|other| other.columns().contains(&header))
+    {
         let fault = Fault::Column {
-            expected: COLUMNS.join(", "),
+            expected: columns.join(", "),
             found: header.to_owned(),
         };
         return Err(Damage::at_line(1, fault));
@@ -115,21 +141,21 @@ mod tests {
     #[test]
     fn one_label_a_line_by_number_or_by_name() {
         assert_eq!(
-            parse(b"0\n3\n-1\nwave-in\nnone\n"),
+            parse(b"0\n3\n-1\nwave-in\nnone\n", Purpose::Truth),
             Ok(vec![R, W, None, W, None])
         );
-        assert_eq!(parse(b"label\n0\n3.0\n"), Ok(vec![R, W]));
+        assert_eq!(parse(b"label\n0\n3.0\n", Purpose::Truth), Ok(vec![R, W]));
     }
 
     #[test]
     fn a_csv_names_its_column() {
         assert_eq!(
-            parse(b"sample,label,x\n0,relax,1\n1,,2\n"),
+            parse(b"sample,label,x\n0,relax,1\n1,,2\n", Purpose::Truth),
             Ok(vec![R, None])
         );
-        let damage = parse(b"a,b\n0,0\n").unwrap_err();
+        let damage = parse(b"a,b\n0,0\n", Purpose::Truth).unwrap_err();
         assert!(matches!(damage.fault, Fault::Column { .. }));
-        let damage = parse(b"sample,label\n0,relax\n1\n").unwrap_err();
+        let damage = parse(b"sample,label\n0,relax\n1\n", Purpose::Truth).unwrap_err();
         assert_eq!(
             damage,
             Damage::at_line(
@@ -145,13 +171,28 @@ mod tests {
     #[test]
     fn a_wrong_label_names_its_line() {
         for wrong in ["6", "fist", "0.5"] {
-            let damage = parse(format!("0\n{wrong}\n").as_bytes()).unwrap_err();
+            let damage = parse(format!("0\n{wrong}\n").as_bytes(), Purpose::Truth).unwrap_err();
             assert_eq!(damage.place, Place::Line(2), "{wrong}");
         }
-        assert_eq!(parse(b"").unwrap_err().fault, Fault::Empty);
+        assert_eq!(parse(b"", Purpose::Truth).unwrap_err().fault, Fault::Empty);
         assert_eq!(
-            parse(b"0\n\xff\n").unwrap_err(),
+            parse(b"0\n\xff\n", Purpose::Truth).unwrap_err(),
             Damage::at_byte(2, Fault::Text)
         );
+    }
+
+    #[test]
+    fn each_purpose_has_its_columns_and_refuses_those_of_the_other() {
+        let csv = b"prediction,label,gt\n0,1,3\n";
+        assert_eq!(parse(csv, Purpose::Truth), Ok(vec![W]));
+        assert_eq!(parse(csv, Purpose::Prediction), Ok(vec![R]));
+        for (csv, purpose) in [
+            (&b"a,gt\n0,0\n"[..], Purpose::Prediction),
+            (b"gt\n0\n", Purpose::Prediction),
+            (b"predicted\n0\n", Purpose::Truth),
+        ] {
+            let fault = parse(csv, purpose).unwrap_err().fault;
+            assert!(matches!(fault, Fault::Column { .. }), "{fault:?}");
+        }
     }
 }

@@ -3,7 +3,9 @@
 //! Every metric takes truth and prediction as one label per sample: none where the truth is unknown, or
 //! where nothing was emitted.
 
+pub mod balanced_accuracy;
 pub(crate) mod confusion;
+pub mod event;
 pub mod offset;
 pub mod raw_accuracy;
 pub mod summary;

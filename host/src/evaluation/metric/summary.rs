@@ -1,13 +1,14 @@
 //! Scores of many recordings: per subject, then over subjects.
 //!
-//! Per subject: raw accuracy = unweighted mean over its recordings; transition accuracy = correct /
-//! events over all of them. Over subjects: mean and sample standard deviation (n - 1), as in the
+//! Per subject: balanced accuracy = mean of the recalls over the samples of all recordings; raw accuracy =
+//! unweighted mean over its recordings; transition accuracy = correct / events over all of them. Over subjects: mean and sample standard deviation (n - 1), as in the
 //! reference's evaluation of ROAM-EMG.
 
 use std::collections::BTreeMap;
 
 use shared::intent::Intent;
 
+use super::balanced_accuracy::Recalls;
 use super::offset::{self, OffsetSummary};
 use super::raw_accuracy::raw_accuracy;
 use super::transition::{Rule, TransitionScore};
@@ -21,6 +22,9 @@ pub(crate) struct RecordingScore {
     pub subject: String,
     /// Name of the recording.
     pub name: String,
+    /// Samples of each class, and how many of them are right.
+    #[serde(skip)]
+    pub recalls: Recalls,
     /// Raw accuracy; none without a true label.
     pub raw_accuracy: Option<f64>,
     /// Every true change, and whether the prediction follows it.
@@ -45,6 +49,7 @@ impl RecordingScore {
         Ok(Self {
             subject: subject.to_owned(),
             name: name.to_owned(),
+            recalls: Recalls::new(truth, prediction)?,
             raw_accuracy: raw_accuracy(truth, prediction)?,
             transitions: transition::score(truth, prediction, rule)?,
         })
@@ -58,6 +63,8 @@ pub struct SubjectScore {
     pub subject: String,
     /// Number of recordings.
     pub recordings: usize,
+    /// Mean of the recalls of the classes that the subject's truth contains; none without a true label.
+    pub balanced_accuracy: Option<f64>,
     /// Mean over the recordings that have true labels.
     pub raw_accuracy: Option<f64>,
     /// Changes that the prediction follows.
@@ -78,6 +85,8 @@ pub struct Summary {
     /// Each subject, in alphabetical order.
     pub subjects: Vec<SubjectScore>,
     /// Mean over subjects.
+    pub balanced_accuracy: Option<MeanSd>,
+    /// Mean over subjects.
     pub raw_accuracy: Option<MeanSd>,
     /// Mean over subjects that have changes.
     pub transition_accuracy: Option<MeanSd>,
@@ -94,15 +103,14 @@ impl Summary {
     #[must_use]
     pub fn of_subjects(mut subjects: Vec<SubjectScore>) -> Self {
         subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
-        let raw: Vec<f64> = subjects.iter().filter_map(|s| s.raw_accuracy).collect();
-        let transition: Vec<f64> = subjects
-            .iter()
-            .filter_map(|s| s.transition_accuracy)
-            .collect();
+        let mean = |of: fn(&SubjectScore) -> Option<f64>| {
+            MeanSd::of(&subjects.iter().filter_map(of).collect::<Vec<_>>())
+        };
         let offsets: Vec<i32> = subjects.iter().flat_map(|s| s.offsets.clone()).collect();
         Self {
-            raw_accuracy: MeanSd::of(&raw),
-            transition_accuracy: MeanSd::of(&transition),
+            balanced_accuracy: mean(|subject| subject.balanced_accuracy),
+            raw_accuracy: mean(|subject| subject.raw_accuracy),
+            transition_accuracy: mean(|subject| subject.transition_accuracy),
             correct: subjects.iter().map(|s| s.correct).sum(),
             events: subjects.iter().map(|s| s.events).sum(),
             offset: offset::summary(&offsets),
@@ -127,6 +135,8 @@ pub(crate) fn summary(scores: &[RecordingScore]) -> Summary {
 
 fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
     let raw: Vec<f64> = scores.iter().filter_map(|s| s.raw_accuracy).collect();
+    let recalls = scores.iter().map(|score| score.recalls);
+    let recalls = recalls.fold(Recalls::default(), |sum, own| sum.plus(&own));
     let correct = scores.iter().map(|s| s.transitions.correct()).sum();
     let events = scores.iter().map(|s| s.transitions.events()).sum();
     let offsets: Vec<i32> = scores
@@ -136,6 +146,7 @@ fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
     SubjectScore {
         subject: subject.to_owned(),
         recordings: scores.len(),
+        balanced_accuracy: recalls.balanced_accuracy(),
         raw_accuracy: MeanSd::of(&raw).map(|r| r.mean),
         correct,
         events,
@@ -176,6 +187,8 @@ mod tests {
         assert_eq!((summary.correct, summary.events), (2, 3));
         assert_eq!(summary.transition_accuracy.unwrap().mean, 0.5);
         assert_eq!(summary.subjects[0].raw_accuracy, Some(0.99));
+        // 20 of the 1000 samples of the second class are wrong.
+        assert_eq!(summary.subjects[0].balanced_accuracy, Some(0.99));
         assert_eq!(summary.offset.unwrap().signed.mean, 50.0);
     }
 

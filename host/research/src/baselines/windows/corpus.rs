@@ -7,8 +7,8 @@ use super::frame_layout::FrameLayout;
 use myointent::dataset::corpus::Corpus;
 use myointent::dataset::lead_in::lead_in;
 
-/// Samples in front of a stream. A multiple of the lead-in's 100 samples, so that the newest 600 are
-/// those that every other model gets, and enough for ED-TCN's 625.
+/// Samples in front of a stream. A multiple of the lead-in's patch, so that the newest 600 are those
+/// that every other model gets, and enough for ED-TCN's 625.
 const LEAD: usize = 700;
 
 /// A stream with its lead-in, which has no labels.
@@ -141,6 +141,30 @@ mod tests {
         let long = windowed.samples(window);
         assert_eq!(long.raw.len(), 625);
         assert_eq!(long.raw[615..], corpus.streams[0].raw[..10]);
+    }
+
+    #[test]
+    fn a_window_does_not_change_with_later_samples() {
+        let original = corpus().streams[0].raw.clone();
+        let padded = |raw: &[Sample]| {
+            let stream = Stream::new(raw.to_vec(), Vec::new());
+            PaddedStream::new(raw, &stream.emg, &[])
+        };
+        let whole = padded(&original);
+        for end in [10, 20, 50, 90, 100, 200, 350] {
+            // The median of a sample needs the next one.
+            let mut changed = original.clone();
+            changed.iter_mut().skip(end + 1).for_each(|s| *s = [-7; 8]);
+            let changed = padded(&changed);
+            for length in [100, 600, 625] {
+                let (one, other) = (whole.window(end, length), changed.window(end, length));
+                assert_eq!(
+                    (one.raw, one.emg),
+                    (other.raw, other.emg),
+                    "{end}, {length}"
+                );
+            }
+        }
     }
 
     #[test]

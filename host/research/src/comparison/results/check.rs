@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::error::ResultsError;
 use super::evaluated_run::EvaluatedRun;
 use myointent::dataset::split::Role;
+use myointent::evaluation::Score;
 use myointent::run::config::ResolvedConfig;
 
 /// Keys that differ between folds by design: who is held out.
@@ -74,9 +75,7 @@ fn check_run(run: &EvaluatedRun) -> Result<(), ResultsError> {
         .published
         .iter()
         .chain(&results.spliced)
-        .flat_map(|score| score.reference.iter().chain([&score.emitted]))
-        .flat_map(|summary| &summary.subjects)
-        .map(|score| score.subject.as_str())
+        .flat_map(subjects)
         .filter(|&subject| split.role(subject) != Some(Role::HeldOut));
     if let Some(subject) = configured
         .symmetric_difference(&listed)
@@ -90,6 +89,15 @@ fn check_run(run: &EvaluatedRun) -> Result<(), ResultsError> {
         });
     }
     Ok(())
+}
+
+/// Everybody with a number in a score.
+fn subjects(score: &Score) -> impl Iterator<Item = &str> {
+    let scored = score.reference.iter().flat_map(|summary| &summary.subjects);
+    let events = score.events.subjects.iter();
+    scored
+        .map(|own| own.subject.as_str())
+        .chain(events.map(|own| own.subject.as_str()))
 }
 
 /// Refuses two folds whose settings differ.

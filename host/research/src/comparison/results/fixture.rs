@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::{StudyResults, VariantResults};
 use myointent::dataset::split::Split;
+use myointent::evaluation::metric::event::activation::Rate;
+use myointent::evaluation::metric::event::latency;
+use myointent::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
 use myointent::evaluation::metric::offset;
 use myointent::evaluation::metric::summary::{SubjectScore, Summary};
 use myointent::evaluation::{ALL, LookAhead, Score, Truth};
@@ -127,11 +130,12 @@ impl SyntheticFold {
     }
 }
 
-/// A subject for whom the model follows one transition per offset.
+/// A subject for whom the model follows one transition per offset; balanced and raw accuracy are the same.
 pub(crate) fn score(subject: &str, raw: f64, offsets: &[i32], events: usize) -> SubjectScore {
     SubjectScore {
         subject: subject.to_owned(),
         recordings: 1,
+        balanced_accuracy: Some(raw),
         raw_accuracy: Some(raw),
         correct: offsets.len(),
         events,
@@ -141,7 +145,25 @@ pub(crate) fn score(subject: &str, raw: f64, offsets: &[i32], events: usize) -> 
     }
 }
 
-/// The same scores for every model; labels are emitted 50 samples after their reference time.
+/// The events of a subject: every transition is the onset of a gesture, and labels are emitted 50 samples after
+/// their reference time; one false activation in half a minute of rest, three changes too many in a minute.
+fn events(score: &SubjectScore) -> SubjectEvents {
+    let latencies: Vec<i32> = score.offsets.iter().map(|offset| offset + 50).collect();
+    let rate = |count, seconds| Rate { count, seconds };
+    SubjectEvents {
+        subject: score.subject.clone(),
+        gestures: score.events,
+        recognised: score.correct,
+        recognition: score.transition_accuracy,
+        latency: latency::summary(&latencies, score.events),
+        latencies,
+        rest: rate(1, 30.0),
+        other_movement: rate(0, 0.0),
+        flicker: rate(3, 60.0),
+    }
+}
+
+/// The same scores for every model.
 pub(crate) fn results(
     scores: impl IntoIterator<Item = SubjectScore>,
     models: &[(&str, bool)],
@@ -156,14 +178,6 @@ pub(crate) fn results(
     if sets.len() > 1 {
         sets.push(ALL);
     }
-    let late = |score: &SubjectScore| {
-        let offsets: Vec<i32> = score.offsets.iter().map(|offset| offset + 50).collect();
-        SubjectScore {
-            offset: offset::summary(&offsets),
-            offsets,
-            ..score.clone()
-        }
-    };
     let mut published = Vec::new();
     for truth in [Truth::Published, Truth::LagCompensated] {
         for &(model, with_look_ahead) in models {
@@ -181,7 +195,7 @@ pub(crate) fn results(
                         look_ahead,
                         truth,
                         reference: [reference.clone(), reference.clone(), reference],
-                        emitted: Summary::of_subjects(own().map(late).collect()),
+                        events: EventSummary::of_subjects(own().map(events).collect()),
                     }
                 }));
             }

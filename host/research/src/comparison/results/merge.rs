@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use myointent::evaluation::metric::event::summary::EventSummary;
 use myointent::evaluation::metric::summary::Summary;
 use myointent::evaluation::{ALL, LookAhead, Score, Truth};
 use myointent::run::evaluate::Results;
@@ -65,17 +66,18 @@ fn pooled(
     data_set: &str,
     folds: &[&Score],
 ) -> Score {
-    let of = |part: &dyn Fn(&Score) -> &Summary| {
-        let subjects = folds.iter().flat_map(|fold| part(fold).subjects.clone());
-        Summary::of_subjects(subjects.collect())
+    let with_buffer = |buffer: usize| {
+        let of_fold = |fold: &&Score| fold.reference[buffer].subjects.clone();
+        Summary::of_subjects(folds.iter().flat_map(of_fold).collect())
     };
+    let events = folds.iter().flat_map(|fold| fold.events.subjects.clone());
     Score {
         model: model.to_owned(),
         data_set: data_set.to_owned(),
         look_ahead,
         truth,
-        reference: std::array::from_fn(|buffer| of(&|fold| &fold.reference[buffer])),
-        emitted: of(&|fold| &fold.emitted),
+        reference: std::array::from_fn(with_buffer),
+        events: EventSummary::of_subjects(events.collect()),
     }
 }
 
@@ -122,7 +124,7 @@ mod tests {
             let last = merged.published.last().unwrap();
             prop_assert!((last.widest().raw_accuracy.unwrap().mean - naive).abs() < 1e-12);
             let events: usize = subjects.iter().enumerate().map(|(at, subject)| subject.3.len() + at % 3).sum();
-            prop_assert_eq!(last.emitted.events, events);
+            prop_assert_eq!(last.events.gestures, events);
         }
     }
 

@@ -1,22 +1,18 @@
 //! Tables of paired differences: two models on the same subjects.
 //!
-//! Subjects differ far more than models do, so the standard deviation of the differences is informative
-//! where those of the two models are not.
+//! Subjects differ far more than models do, so the interval of the differences is informative where those of the
+//! two models are not.
 
 use super::heading::{Heading, set_title};
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
-use myointent::evaluation::Truth;
-use myointent::evaluation::metric::summary::{SubjectScore, Summary};
-use myointent::report::cell::{self, Cell, ONE, PAIRED};
-use myointent::statistics::MeanSd;
+use myointent::evaluation::{CONSTANT, Difference, ENERGY, LookAhead, Measure, Truth};
+use myointent::report::cell::{self, ONE, PAIRED};
 
-/// A metric of a subject.
-type Metric = fn(&SubjectScore) -> Option<f64>;
-
-const METRICS: [(&str, Metric); 2] = [
-    ("raw", |score| score.raw_accuracy),
-    ("TA", |score| score.transition_accuracy),
+const MEASURES: [Measure; 3] = [
+    Measure::BalancedAccuracy,
+    Measure::TransitionAccuracy,
+    Measure::Recognition,
 ];
 
 /// A table with a row per pair `(model, other)` and look-ahead: `model - other`.
@@ -32,25 +28,28 @@ pub(super) fn differences(
         Column::new("look-ahead", ONE),
     ];
     for (_, set) in &sets {
-        let named =
-            |(name, _): &(&str, _)| Column::new(format!("{} {name}", set_title(set)), PAIRED);
-        columns.extend(METRICS.iter().map(named));
+        let title = |measure: Measure| format!("{} {}", set_title(set), measure.name());
+        columns.extend(MEASURES.map(|measure| Column::new(title(measure), PAIRED)));
     }
     let mut sheet = heading.sheet(truth, &[variant], columns);
     for look_ahead in variant.look_aheads() {
         for (model, other) in pairs {
-            let summary = |model: &str, set: &str| {
-                let score = variant.score(model, set, look_ahead, truth);
-                score.map(|score| score.widest())
+            // A floor has no look-ahead and is compared as it is.
+            let score = |model: &str, set: &str| {
+                let floor = [CONSTANT, ENERGY].contains(&model);
+                let own = if floor { LookAhead::None } else { look_ahead };
+                variant.score(model, set, own, truth)
             };
             let mut cells = vec![
                 cell::text(format!("{model} - {other}")),
                 cell::text(look_ahead.name()),
             ];
             for (_, set) in &sets {
-                let both = summary(model, set).zip(summary(other, set));
-                cells.extend(METRICS.iter().map(|(_, metric)| {
-                    both.map_or_else(cell::none, |(model, other)| paired(model, other, *metric))
+                let both = score(model, set).zip(score(other, set));
+                cells.extend(MEASURES.map(|measure| {
+                    cell::difference(
+                        both.and_then(|(score, other)| Difference::of(measure, score, other)),
+                    )
                 }));
             }
             if cells[2..].iter().any(|cell| *cell != cell::none()) {
@@ -64,35 +63,30 @@ pub(super) fn differences(
     sheet
 }
 
-/// The difference over the subjects for which both models have the metric.
-fn paired(model: &Summary, other: &Summary, metric: Metric) -> Cell {
-    let of = |subject: &str| other.subjects.iter().find(|s| s.subject == subject);
-    let differences: Vec<f64> = model
-        .subjects
-        .iter()
-        .filter_map(|score| Some(metric(score)? - metric(of(&score.subject)?)?))
-        .collect();
-    cell::difference(MeanSd::of(&differences), differences.len())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comparison::results::fixture::score;
+    use crate::comparison::results::fixture::{results, score};
 
     #[test]
     fn only_subjects_with_both_scores_are_paired() {
-        let of = |scores: Vec<SubjectScore>| Summary::of_subjects(scores);
+        let of = |scores| results(scores, &[("m", false)]).published.remove(0);
         let model = of(vec![
-            score("a", 0.9, &[], 0),
-            score("b", 0.5, &[1], 2),
-            score("c", 0.1, &[], 1),
+            score("x/a", 0.9, &[], 0),
+            score("x/b", 0.5, &[1], 2),
+            score("x/c", 0.1, &[], 1),
         ]);
-        let other = of(vec![score("b", 0.4, &[], 2), score("a", 0.6, &[1], 1)]);
+        let other = of(vec![score("x/b", 0.4, &[], 2), score("x/a", 0.6, &[1], 1)]);
         // By hand: +0.3 and +0.1. Only b has a transition accuracy under both models.
-        let raw = paired(&model, &other, METRICS[0].1);
-        assert_eq!(raw.shown, "+0.200 (0.141) n 2");
-        let transition = paired(&model, &other, METRICS[1].1);
-        assert_eq!(transition.shown, "+0.500 n 1");
+        let balanced = Difference::of(Measure::BalancedAccuracy, &model, &other);
+        assert_eq!(
+            cell::difference(balanced).shown,
+            "+0.200 [+0.100, +0.300] n 2"
+        );
+        let transition = Difference::of(Measure::TransitionAccuracy, &model, &other);
+        assert_eq!(
+            cell::difference(transition).shown,
+            "+0.500 n 1, no difference shown"
+        );
     }
 }

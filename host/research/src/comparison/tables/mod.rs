@@ -2,6 +2,7 @@
 
 mod ablation;
 mod differences;
+mod events;
 mod folds;
 mod heading;
 mod offsets;

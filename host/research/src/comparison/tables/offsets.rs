@@ -1,5 +1,5 @@
-//! Tables of prediction offsets: how late a model follows transitions. Means are over transitions, not over
-//! subjects.
+//! Tables of prediction offsets, the paper's measure: how late a model follows the transitions that it follows, each
+//! label at its reference time. Means are over transitions, not over subjects.
 
 use super::heading::{Heading, ModelRow, set_title};
 use super::sheet::{Column, Row, Sheet};
@@ -11,19 +11,15 @@ const FOLLOWED: Parts = &["followed", "transitions"];
 
 /// A table with a row per data set, look-ahead and model that has a score.
 pub(super) fn offsets(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Truth) -> Sheet {
-    let mut columns = vec![
+    let columns = vec![
         Column::new("recordings", ONE),
         Column::new("look-ahead", ONE),
         Column::new(heading.rows, ONE),
+        Column::new("offset ms", MEAN_SD),
+        Column::new("median", ONE),
+        Column::new("absolute", MEAN_SD),
+        Column::new("n", FOLLOWED),
     ];
-    for time in ["reference", "emitted"] {
-        columns.extend([
-            Column::new(format!("{time} ms"), MEAN_SD),
-            Column::new(format!("{time} median"), ONE),
-            Column::new(format!("{time} absolute"), MEAN_SD),
-            Column::new(format!("{time} n"), FOLLOWED),
-        ]);
-    }
     let variants: Vec<_> = models.iter().map(|row| row.variant).collect();
     let mut sheet = heading.sheet(truth, &variants, columns);
     let mut sets: Vec<(bool, &str)> = variants.iter().flat_map(|v| v.data_sets()).collect();
@@ -42,7 +38,6 @@ pub(super) fn offsets(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Tru
                     cell::text(row.label.as_str()),
                 ];
                 cells.extend(offset_cells(score.widest()));
-                cells.extend(offset_cells(&score.emitted));
                 sheet.rows.push(Row {
                     cells,
                     source: row.variant.provenance(),
@@ -93,11 +88,9 @@ mod tests {
             .iter()
             .map(|c| c.shown.as_str())
             .collect();
-        // By hand: -100, 0, 50 and 100 ms; labels are emitted 250 ms later.
+        // By hand: -100, 0, 50 and 100 ms.
         let reference = ["+13 (85)", "+25", "63 (48)", "4 / 5"];
-        let emitted = ["+263 (85)", "+275", "263 (85)", "4 / 5"];
         assert_eq!(row[..3], ["roshambo", "0", "teacher"]);
-        assert_eq!(row[3..7], reference);
-        assert_eq!(row[7..], emitted);
+        assert_eq!(row[3..], reference);
     }
 }

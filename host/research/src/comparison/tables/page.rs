@@ -2,6 +2,7 @@
 
 use super::ablation::{pre_training, sizes, window, windows};
 use super::differences::differences;
+use super::events::events;
 use super::folds::folds;
 use super::heading::{Heading, ModelRow};
 use super::offsets::offsets;
@@ -11,7 +12,7 @@ use super::sheet::Sheet;
 use crate::baselines::Baseline;
 use crate::comparison::results::{StudyResults, VariantResults};
 use crate::comparison::variant::Variant;
-use myointent::evaluation::Truth;
+use myointent::evaluation::{CONSTANT, ENERGY, Truth};
 use myointent::run::evaluate::{INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, STUDENT, TEACHER};
 
 /// The tables of a study, in the order of the page.
@@ -23,8 +24,10 @@ pub(crate) struct Page {
     sections: Vec<Section>,
 }
 
-/// Models in the order of their rows: the paper's baselines, then ours. Other models come last.
-const MODELS: [&str; 10] = [
+/// Models in the order of their rows: the floors, the paper's baselines, then ours. Other models come last.
+const MODELS: [&str; 12] = [
+    CONSTANT,
+    ENERGY,
     Baseline::Lda.name(),
     Baseline::Mlp.name(),
     Baseline::Lstm.name(),
@@ -37,7 +40,10 @@ const MODELS: [&str; 10] = [
     INTEGER_LABELS_ONLY,
 ];
 /// Pairs of models whose differences are shown.
-const PAIRS: [(&str, &str); 5] = [
+const PAIRS: [(&str, &str); 8] = [
+    (INTEGER, CONSTANT),
+    (INTEGER, ENERGY),
+    (INTEGER, Baseline::EdTcn.name()),
     (INTEGER, TEACHER),
     (STUDENT, TEACHER),
     (INTEGER, STUDENT),
@@ -45,13 +51,16 @@ const PAIRS: [(&str, &str); 5] = [
     (INTEGER, INTEGER_LABELS_ONLY),
 ];
 const INTRODUCTION: &str = "\
-Every score is the mean (sample standard deviation) over subjects. Each subject is held out in one
-fold, and no model of that fold was trained or validated on it. `raw`: share of samples classified
-correctly. `TA`: transition accuracy, the share of transitions followed within the buffer around them,
-200 samples unless the column says otherwise. `n`: subjects / transitions. Look-ahead 0 uses the newest
-row of logits only; 0.25 s is shown with the aggregation mode that was chosen on validation subjects, or
-with the paper's (all rows) where folds chose different ones. A model that classifies its newest sample
-only has no numbers with look-ahead (`-`).
+Every score is a mean over subjects, `[a, b]` its 95 % interval (bootstrap over subjects), `(s)` the sample
+standard deviation. Each subject is held out in one fold, and no model of that fold was trained or validated
+on it. `balanced`: mean recall of the classes present. `TA`: transition accuracy, the share of transitions
+followed within the buffer around them, 200 samples unless the column says otherwise. `recognised`: share of
+gestures whose label is emitted and held, and no other. `raw`: share of samples classified correctly. `n`:
+subjects / transitions. The floors, a constant `relax` and an energy detector fitted to the training
+subjects, need no model. Look-ahead 0 uses the newest row of logits only; 0.25 s is shown with the
+aggregation mode that was chosen on validation subjects, or with the paper's (all rows) where folds chose
+different ones. A model that classifies its newest sample only has no numbers with look-ahead (`-`).
+docs/metrics.md has the definitions.
 
 The labels of these recordings are cues, and the muscles follow later. *Lag-compensated labels* are
 shifted by one constant per data set, estimated on training subjects. *Labels as published* are scored
@@ -75,9 +84,17 @@ const OFFSETS: Heading<'_> = Heading {
     name: "offsets",
     title: "Prediction offsets, 3 classes",
     caption: "Predicted minus true time of the transitions that were followed, in ms, mean (sample \
-        standard deviation) over transitions; positive is late. Reference: the time that a label refers \
-        to, as in the paper; emitted: the time at which the device emits it, look-ahead included. \
-        n: followed / transitions.",
+        standard deviation) over transitions; positive is late. As in the paper, a label counts from the \
+        time that it refers to: the look-ahead is not included. n: followed / transitions.",
+    rows: "model",
+};
+const EVENTS: Heading<'_> = Heading {
+    name: "events",
+    title: "Events, 3 classes",
+    caption: "Labels count from the time at which they are emitted, look-ahead included. Share of \
+        gestures recognised; median / 90th percentile of the latency from the onset of a gesture to its \
+        label, missed gestures counted as infinitely late; false activations a minute of rest; label \
+        changes a minute beyond the true ones. n: recognised / gestures.",
     rows: "model",
 };
 const BUFFER: Heading<'_> = Heading {
@@ -89,9 +106,10 @@ const BUFFER: Heading<'_> = Heading {
 };
 const DIFFERENCES: Heading<'_> = Heading {
     name: "differences",
-    title: "Effect of quantization and distillation, 3 classes",
-    caption: "Paired differences: one subject's scores under two models, mean (sample standard \
-        deviation) over n subjects. The scores themselves are in the main table.",
+    title: "Differences of models, 3 classes",
+    caption: "Paired differences: one subject's scores under two models, mean [95 % interval of the mean] \
+        over n subjects. Where the interval contains zero, no difference is shown. The scores themselves are in \
+        the main table.",
     rows: "difference",
 };
 
@@ -101,6 +119,9 @@ pub(crate) fn page(study: &StudyResults) -> Page {
     let mut sections = Vec::new();
     sections.extend(all_models(study, &main, &MAIN, &ACCURACY));
     sections.extend(all_models(study, &wrist, &WRIST, &ACCURACY));
+    sections.extend(both_labels(study, &main, &EVENTS, |variant, truth| {
+        events(&EVENTS, &model_rows(variant), truth)
+    }));
     sections.extend(both_labels(study, &main, &OFFSETS, |variant, truth| {
         offsets(&OFFSETS, &model_rows(variant), truth)
     }));

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::heading::{Heading, ModelRow, set_title};
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
-use myointent::evaluation::{BUFFERS, Score, Truth};
-use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts, SUPPORT};
+use myointent::evaluation::{BUFFERS, Measure, Score, Truth};
+use myointent::report::cell::{self, Cell, ESTIMATE, MEAN_SD, ONE, Parts, SUPPORT};
 
 /// A metric of a data set: one column.
 pub(super) struct Metric {
@@ -15,17 +15,27 @@ pub(super) struct Metric {
     cell: fn(&Score) -> Cell,
 }
 
-/// Raw accuracy, and transition accuracy with the paper's buffer.
-pub(super) const ACCURACY: [Metric; 3] = [
+/// Balanced accuracy, transition accuracy with the paper's buffer, gestures recognised; raw accuracy behind.
+pub(super) const ACCURACY: [Metric; 5] = [
+    Metric {
+        name: "balanced",
+        parts: ESTIMATE,
+        cell: |score| estimate(score, Measure::BalancedAccuracy),
+    },
+    Metric {
+        name: "TA",
+        parts: ESTIMATE,
+        cell: |score| estimate(score, Measure::TransitionAccuracy),
+    },
+    Metric {
+        name: "recognised",
+        parts: ESTIMATE,
+        cell: |score| estimate(score, Measure::Recognition),
+    },
     Metric {
         name: "raw",
         parts: MEAN_SD,
         cell: |score| cell::share(score.widest().raw_accuracy),
-    },
-    Metric {
-        name: "TA",
-        parts: MEAN_SD,
-        cell: |score| cell::share(score.widest().transition_accuracy),
     },
     SUPPORT_COLUMN,
 ];
@@ -55,6 +65,11 @@ const SUPPORT_COLUMN: Metric = Metric {
     parts: SUPPORT,
     cell: |score| cell::support(score.widest().subjects.len(), score.widest().events),
 };
+
+/// Mean over people with its interval.
+pub(super) fn estimate(score: &Score, measure: Measure) -> Cell {
+    cell::estimate(measure.mean(score), measure.interval(score))
+}
 
 /// A table, first the rows without look-ahead, then those with. A model without look-ahead has an empty
 /// row there.
@@ -130,12 +145,12 @@ mod tests {
         let models = [row("LDA"), row("teacher"), row("not evaluated")];
         let sheet = scores(&heading, &models, &ACCURACY, Truth::LagCompensated);
         let expected = "\
-model              look-ahead  roshambo raw  roshambo TA  roshambo n
------------  ----------------  ------------  -----------  ----------
-our LDA                     0         0.500        0.500       1 / 2
-our teacher                 0         0.500        0.500       1 / 2
-our LDA      0.25 s, all rows             -            -           -
-our teacher  0.25 s, all rows         0.500        0.500       1 / 2
+model              look-ahead  roshambo balanced  roshambo TA  roshambo recognised  roshambo raw  roshambo n
+-----------  ----------------  -----------------  -----------  -------------------  ------------  ----------
+our LDA                     0              0.500        0.500                0.500         0.500       1 / 2
+our teacher                 0              0.500        0.500                0.500         0.500       1 / 2
+our LDA      0.25 s, all rows                  -            -                    -             -           -
+our teacher  0.25 s, all rows              0.500        0.500                0.500         0.500       1 / 2
 ";
         assert_eq!(sheet.table().plain(), expected);
     }

@@ -113,7 +113,7 @@ fn results_of_an_older_configuration_are_refused() {
     let fixture = Fixture::new();
     let fold = fixture.fold("main", 1, 1).held_out("roshambo/01");
     fold.results(|results| {
-        results.published[0].emitted.subjects[0].subject = "roshambo/07".to_owned();
+        results.published[0].events.subjects[0].subject = "roshambo/07".to_owned();
     })
     .write();
     assert!(matches!(

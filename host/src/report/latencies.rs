@@ -1,4 +1,4 @@
-//! Histogram of the offsets of transitions.
+//! Histogram of the latencies of gestures.
 
 use plotters::{
     prelude::*,
@@ -8,25 +8,35 @@ use plotters::{
 use super::{
     ReportError,
     canvas::{self, GRID, INK, LINES, MUTED, SCALE, nice_step, text},
+    cell::quantile,
 };
-use crate::statistics::median;
+use crate::evaluation::metric::event::latency::{self, Latency};
 
 const SIZE: (i32, i32) = (520, 340);
 
-/// A histogram of the offsets in milliseconds, the median marked. Values that are not finite are left out.
-pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
-    let mut sorted: Vec<f64> = offsets_ms
+/// A histogram of the latencies of recognised gestures, given in samples; none for a missed gesture. The median over all
+/// gestures is marked, unless it falls on a missed one.
+pub(super) fn svg(latencies: &[Option<i32>]) -> Result<String, ReportError> {
+    let recognised: Vec<i32> = latencies.iter().copied().flatten().collect();
+    let mut sorted: Vec<f64> = recognised
         .iter()
-        .copied()
-        .filter(|offset| offset.is_finite())
+        .map(|&samples| latency::milliseconds(samples))
         .collect();
     sorted.sort_by(f64::total_cmp);
-    let middle = median(&sorted).unwrap_or(0.0);
-    let mean = sorted.iter().sum::<f64>() / sorted.len().max(1) as f64;
-    let summary = format!(
-        "{} transitions, median {middle:+.0} ms, mean {mean:+.0} ms",
-        sorted.len()
+    let quantiles = latency::summary(&recognised, latencies.len());
+    let mut summary = format!(
+        "{} of {} gestures recognised",
+        recognised.len(),
+        latencies.len()
     );
+    if let Some(of) = quantiles {
+        let (median, p90) = (quantile(of.median), quantile(of.p90));
+        summary += &format!(", median {median} ms, 90 % {p90} ms").replace("missed ms", "missed");
+    }
+    let middle = quantiles.and_then(|of| match of.median {
+        Latency::Ms(milliseconds) => Some(milliseconds),
+        Latency::Missed => None,
+    });
     let Bins {
         start,
         width,
@@ -35,7 +45,7 @@ pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
     let end = start + width * counts.len() as f64;
     let highest = counts.iter().copied().max().unwrap_or(0).max(1);
 
-    canvas::draw(SIZE, "Offsets of transitions", &summary, |area| {
+    canvas::draw(SIZE, "Latency of gestures", &summary, |area| {
         let mut chart = ChartBuilder::on(area)
             .margin(10 * SCALE)
             .margin_top(34 * SCALE)
@@ -50,7 +60,7 @@ pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
             .axis_style(MUTED.stroke_width(2))
             .label_style(text(11.0, MUTED, HPos::Left, VPos::Top))
             .axis_desc_style(text(11.0, MUTED, HPos::Left, VPos::Top))
-            .x_desc("emitted minus true, ms")
+            .x_desc("emitted label after onset, ms")
             .x_labels(7)
             .y_labels(highest.min(5) as usize + 1)
             .x_label_formatter(&|ms| format!("{ms:.0}"))
@@ -68,7 +78,10 @@ pub(super) fn svg(offsets_ms: &[f64]) -> Result<String, ReportError> {
         if (start..=end).contains(&0.0) {
             chart.draw_series([PathElement::new(upright(0.0), MUTED.stroke_width(2))])?;
         }
-        chart.draw_series([PathElement::new(upright(middle), LINES[1].stroke_width(5))])?;
+        if let Some(middle) = middle {
+            let line = PathElement::new(upright(middle), LINES[1].stroke_width(5));
+            chart.draw_series([line])?;
+        }
         let headline = text(12.0, INK, HPos::Left, VPos::Center);
         area.draw(&Text::new(
             summary.clone(),
@@ -110,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_offset_falls_into_one_bin_of_round_width() {
+    fn every_latency_falls_into_one_bin_of_round_width() {
         let bins = bins(&[-95.0, 0.0, 5.0, 304.0]);
         assert_eq!((bins.start, bins.width), (-100.0, 10.0));
         assert_eq!(bins.counts.len(), 41);
@@ -121,12 +134,9 @@ mod tests {
     }
 
     #[test]
-    fn one_offset_and_none_are_drawn_too() {
-        assert!(svg(&[]).unwrap().contains("0 transitions"));
-        assert!(
-            svg(&[120.0, f64::NAN])
-                .unwrap()
-                .contains("1 transitions, median +120 ms")
-        );
+    fn one_latency_and_none_are_drawn_too() {
+        assert!(svg(&[]).unwrap().contains("0 of 0 gestures"));
+        let missed = svg(&[Some(24), None]).unwrap();
+        assert!(missed.contains("1 of 2 gestures recognised, median 120 ms, 90 % missed"));
     }
 }

@@ -1,0 +1,91 @@
+//! Tables of events: what a user counts, from the labels at the times at which they are emitted.
+
+use super::heading::{Heading, ModelRow, set_title};
+use super::scores::estimate;
+use super::sheet::{Column, Row, Sheet};
+use myointent::evaluation::{Measure, Truth};
+use myointent::report::cell::{self, ESTIMATE, LATENCY, MEAN_SD, ONE, Parts};
+
+const RECOGNISED: Parts = &["recognised", "gestures"];
+
+/// A table with a row per data set, look-ahead and model that has a score.
+pub(super) fn events(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Truth) -> Sheet {
+    let columns = vec![
+        Column::new("recordings", ONE),
+        Column::new("look-ahead", ONE),
+        Column::new(heading.rows, ONE),
+        Column::new("recognised", ESTIMATE),
+        Column::new("latency ms", LATENCY),
+        Column::new("false/min", MEAN_SD),
+        Column::new("flicker/min", MEAN_SD),
+        Column::new("n", RECOGNISED),
+    ];
+    let variants: Vec<_> = models.iter().map(|row| row.variant).collect();
+    let mut sheet = heading.sheet(truth, &variants, columns);
+    let mut sets: Vec<(bool, &str)> = variants.iter().flat_map(|v| v.data_sets()).collect();
+    sets.sort_unstable();
+    sets.dedup();
+    for (_, set) in sets {
+        for ahead in 0..2 {
+            for row in models {
+                let look_ahead = row.variant.look_aheads()[ahead];
+                let Some(score) = row.variant.score(row.model, set, look_ahead, truth) else {
+                    continue;
+                };
+                let events = &score.events;
+                let cells = vec![
+                    cell::text(set_title(set)),
+                    cell::text(look_ahead.name()),
+                    cell::text(row.label.as_str()),
+                    estimate(score, Measure::Recognition),
+                    cell::latency(events.latency),
+                    cell::rate(events.false_activations),
+                    cell::rate(events.flicker),
+                    cell::support(events.recognised, events.gestures),
+                ];
+                sheet.rows.push(Row {
+                    cells,
+                    source: row.variant.provenance(),
+                });
+            }
+        }
+    }
+    sheet
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::comparison::results::fixture::{Fixture, score};
+
+    #[test]
+    fn events_are_over_the_gestures_and_people_of_all_folds() {
+        let fixture = Fixture::new();
+        let first = score("roshambo/01", 0.5, &[-20, 0, 10], 4);
+        fixture.fold("main", 1, 2).score(first).write();
+        let second = score("roshambo/02", 0.5, &[20], 1);
+        fixture.fold("main", 2, 2).score(second).write();
+        let main = fixture.variant("main");
+        let teacher = ModelRow {
+            label: "teacher".to_owned(),
+            variant: &main,
+            model: "teacher",
+        };
+        let heading = Heading {
+            name: "x",
+            title: "X",
+            caption: "",
+            rows: "model",
+        };
+        let sheet = events(&heading, &[teacher], Truth::Published);
+        let row: Vec<&str> = sheet.rows[0]
+            .cells
+            .iter()
+            .map(|c| c.shown.as_str())
+            .collect();
+        // By hand: 3 of 4 and 1 of 1 gestures; 150, 250, 300, 350 ms and one missed.
+        assert_eq!(row[..3], ["roshambo", "0", "teacher"]);
+        assert_eq!(row[3..5], ["0.875 [0.75, 1.00]", "300 / missed"]);
+        assert_eq!(row[5..], ["2.0 (0.0)", "3.0 (0.0)", "4 / 5"]);
+    }
+}

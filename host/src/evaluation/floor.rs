@@ -1,0 +1,260 @@
+//! Floors: what needs no model. They are evaluated beside the models, so that a score has something to stand on.
+
+use shared::intent::{Intent, MAX_CLASSES};
+use shared::model::LookBackLogits;
+use shared::units::{CHANNELS, CleanSample, PATCH};
+
+use super::candidate::Candidate;
+use super::trial::Trial;
+
+/// Name of [`constant`] in tables.
+pub const CONSTANT: &str = "constant relax";
+/// Name of the energy detector in tables.
+pub const ENERGY: &str = "energy detector";
+
+/// Samples that the energy is a mean over: 200 ms.
+const SPAN: usize = 40;
+/// Thresholds that are tried: 0.5 to 64 counts in steps of 9 %.
+const THRESHOLDS: i32 = 56;
+
+/// The candidate that always says relax.
+#[must_use]
+pub fn constant(trials: &[Trial]) -> Candidate {
+    candidate(CONSTANT, trials, |_| Intent::Relax)
+}
+
+/// Amplitude without a pattern: above a threshold one active class, else relax.
+///
+/// The amplitude at a patch is the mean over the channels and over the newest 200 ms of the cleaned samples, 0 to
+/// 128; at the start of a recording, over what there is. Two numbers are fitted, to training people only: the
+/// threshold, and the active class.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct EnergyDetector {
+    /// Amplitude from which on a patch is active, in counts of the armband.
+    pub threshold: f64,
+    /// The label of an active patch.
+    pub active: Intent,
+}
+
+impl EnergyDetector {
+    /// Fits the detector to training people, with their lag-compensated labels: the threshold with the best mean over
+    /// people of (recall of relax + recall of active) / 2, the lowest on ties, and the active class that is the
+    /// most frequent, the lowest on ties. None without a person who has both relax and a gesture.
+    #[must_use]
+    pub fn fit(training: &[Trial]) -> Option<Self> {
+        let mut classes = [0_usize; MAX_CLASSES];
+        // For each person, patches of relax and of gestures by the number of thresholds that they reach.
+        let mut people: Vec<(&str, [Vec<usize>; 2])> = Vec::new();
+        for trial in training {
+            let place = people.iter().position(|(who, _)| *who == trial.subject);
+            let place = place.unwrap_or_else(|| {
+                let none = || vec![0; THRESHOLDS as usize + 1];
+                people.push((&trial.subject, [none(), none()]));
+                people.len() - 1
+            });
+            for (patch, energy) in energies(&trial.emg).into_iter().enumerate() {
+                let label = trial.lag_compensated.get(patch * PATCH + PATCH - 1);
+                let Some(label) = label.copied().flatten() else {
+                    continue;
+                };
+                let reached = (0..THRESHOLDS).take_while(|&step| energy >= threshold(step));
+                let active = label != Intent::Relax;
+                people[place].1[usize::from(active)][reached.count()] += 1;
+                classes[label.class()] += usize::from(active);
+            }
+        }
+        let people: Vec<&[Vec<usize>; 2]> = people
+            .iter()
+            .map(|(_, counts)| counts)
+            .filter(|counts| {
+                counts
+                    .iter()
+                    .all(|own| own.iter().any(|&patches| patches > 0))
+            })
+            .collect();
+        if people.is_empty() {
+            return None;
+        }
+        // A patch is active at step k if it reaches more than k thresholds.
+        let share = |counts: &[usize]| counts.iter().sum::<usize>() as f64;
+        let recalls = |step: i32| {
+            let from = step as usize + 1;
+            let of = |[rest, active]: &&[Vec<usize>; 2]| {
+                share(&rest[..from]) / share(rest) + share(&active[from..]) / share(active)
+            };
+            people.iter().map(of).sum::<f64>()
+        };
+        let best = (0..THRESHOLDS).fold(0, |best, step| {
+            if recalls(step) > recalls(best) {
+                step
+            } else {
+                best
+            }
+        });
+        let most = classes.iter().max().copied()?;
+        let active = classes.iter().position(|&count| count == most)?;
+        Some(Self {
+            threshold: threshold(best),
+            active: Intent::from_class(active)?,
+        })
+    }
+
+    /// The detector as a candidate, under the device's smoother and without look-ahead.
+    #[must_use]
+    pub fn candidate(&self, trials: &[Trial]) -> Candidate {
+        candidate(ENERGY, trials, |energy| {
+            if energy >= self.threshold {
+                self.active
+            } else {
+                Intent::Relax
+            }
+        })
+    }
+}
+
+/// The threshold of a step.
+fn threshold(step: i32) -> f64 {
+    0.5 * 2.0_f64.powf(f64::from(step) / 8.0)
+}
+
+/// Mean over channels and over the newest 40 samples, at every whole patch.
+fn energies(emg: &[CleanSample]) -> Vec<f64> {
+    (1..=emg.len() / PATCH)
+        .map(|patch| {
+            let end = patch * PATCH;
+            let samples = &emg[end.saturating_sub(SPAN)..end];
+            let sum: u32 = samples.as_flattened().iter().map(|&v| u32::from(v)).sum();
+            f64::from(sum) / (samples.len() * CHANNELS) as f64
+        })
+        .collect()
+}
+
+/// A candidate whose newest row of logits is 1 for the label and 0 for all others.
+fn candidate(name: &str, trials: &[Trial], label: impl Fn(f64) -> Intent) -> Candidate {
+    let logits = |trial: &Trial| {
+        let labels = energies(&trial.emg).into_iter().map(&label);
+        labels
+            .map(|label| {
+                let mut rows = LookBackLogits::default();
+                rows[0][label.class()] = 1.0;
+                rows
+            })
+            .collect()
+    };
+    Candidate {
+        name: name.to_owned(),
+        looks_back: false,
+        logits: trials.iter().map(logits).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::dataset::DataSet;
+
+    fn trial(subject: &str, patches: &[(u8, Option<Intent>)]) -> Trial {
+        let samples = |value: u8| std::iter::repeat_n([value; CHANNELS], PATCH);
+        let labels = |label: Option<Intent>| std::iter::repeat_n(label, PATCH);
+        Trial {
+            data_set: DataSet::Synthetic,
+            subject: subject.to_owned(),
+            name: "r".to_owned(),
+            raw: Vec::new(),
+            emg: patches.iter().flat_map(|&(v, _)| samples(v)).collect(),
+            published: None,
+            lag_compensated: patches.iter().flat_map(|&(_, l)| labels(l)).collect(),
+            other_movement: Vec::new(),
+        }
+    }
+
+    fn steady(level: u8, label: Intent) -> Vec<(u8, Option<Intent>)> {
+        vec![(level, Some(label)); 40]
+    }
+
+    #[test]
+    fn the_detector_separates_rest_from_gestures_and_says_the_most_frequent_one() {
+        let training = [
+            trial(
+                "a",
+                &[steady(2, Intent::Relax), steady(30, Intent::Open)].concat(),
+            ),
+            trial(
+                "b",
+                &[steady(4, Intent::Relax), steady(20, Intent::Close)].concat(),
+            ),
+            trial("b", &steady(20, Intent::Close)),
+        ];
+        let detector = EnergyDetector::fit(&training).unwrap();
+        assert_eq!(detector.active, Intent::Close);
+        assert!((4.0..=20.0).contains(&detector.threshold), "{detector:?}");
+        let labels: Vec<usize> = detector.candidate(&training[..1]).logits[0]
+            .iter()
+            .map(|rows| rows[0].iter().position(|&logit| logit == 1.0).unwrap())
+            .collect();
+        assert_eq!(labels[..40], [0; 40]);
+        assert_eq!(labels[44..], [2; 36]);
+        assert_eq!(EnergyDetector::fit(&training[2..]), None);
+    }
+
+    #[test]
+    fn the_constant_says_relax_in_every_patch() {
+        let trials = [trial("a", &steady(50, Intent::Close))];
+        let constant = constant(&trials);
+        assert!(!constant.looks_back);
+        assert_eq!(constant.logits[0].len(), 40);
+        let relax = |rows: &LookBackLogits| rows[0][0] == 1.0 && rows[0][1..] == [0.0; 5];
+        assert!(constant.logits[0].iter().all(relax));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn the_threshold_is_the_best_of_all(
+            people in prop::collection::vec(
+                prop::collection::vec((0..60_u8, 0..4_usize), 1..30), 1..4),
+        ) {
+            let labels = [None, Some(Intent::Relax), Some(Intent::Open), Some(Intent::Close)];
+            let trials: Vec<Trial> = people
+                .iter()
+                .enumerate()
+                .map(|(who, patches)| {
+                    let patches: Vec<_> = patches.iter().map(|&(v, l)| (v, labels[l])).collect();
+                    trial(&who.to_string(), &patches)
+                })
+                .collect();
+            // Naive: mean over people of both recalls, patch by patch, for one threshold.
+            let mean = |threshold: f64| {
+                let mut values = Vec::new();
+                for trial in &trials {
+                    let (mut right, mut all) = ([0.0; 2], [0.0; 2]);
+                    for patch in 0..trial.emg.len() / 10 {
+                        let Some(label) = trial.lag_compensated[patch * 10] else { continue };
+                        let newest = &trial.emg[(patch * 10 + 10_usize).saturating_sub(40)..patch * 10 + 10];
+                        let sum: f64 = newest.iter().map(|sample| f64::from(sample[0])).sum();
+                        let active = label != Intent::Relax;
+                        all[usize::from(active)] += 1.0;
+                        if (sum / newest.len() as f64 >= threshold) == active {
+                            right[usize::from(active)] += 1.0;
+                        }
+                    }
+                    if all[0] > 0.0 && all[1] > 0.0 {
+                        values.push((right[0] / all[0] + right[1] / all[1]) / 2.0);
+                    }
+                }
+                values.iter().sum::<f64>() / values.len() as f64
+            };
+            match EnergyDetector::fit(&trials) {
+                None => prop_assert!(mean(1.0).is_nan()),
+                Some(detector) => {
+                    let found = mean(detector.threshold);
+                    for step in 0..THRESHOLDS {
+                        prop_assert!(mean(threshold(step)) <= found + 1e-9);
+                    }
+                }
+            }
+        }
+    }
+}

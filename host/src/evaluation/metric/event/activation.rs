@@ -1,0 +1,70 @@
+//! False activations a minute = runs of an active label that begin in rest / minutes of rest.
+//!
+//! Rest: samples whose truth is relax and that no gesture owns ([`gesture`](super::gesture)). A label that began
+//! before and is still there is not counted again. The same count over movements outside the vocabulary, which a
+//! data set has to mark, says how often other use of the hand is taken for a gesture.
+
+use shared::intent::Intent;
+use shared::units::SAMPLE_RATE_HZ;
+
+use super::gesture::owners;
+use super::{EventRule, active};
+
+/// A number of events in a time.
+#[derive(Clone, Copy, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct Rate {
+    /// Events.
+    pub count: usize,
+    /// Time in which they could occur, in seconds.
+    pub seconds: f64,
+}
+
+impl Rate {
+    /// A count over a number of samples.
+    pub(super) fn of(count: usize, samples: usize) -> Self {
+        Self {
+            count,
+            seconds: samples as f64 / f64::from(SAMPLE_RATE_HZ),
+        }
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            seconds: self.seconds + other.seconds,
+        }
+    }
+
+    /// Events a minute; none without any time.
+    #[must_use]
+    pub fn per_minute(&self) -> Option<f64> {
+        (self.seconds > 0.0).then(|| self.count as f64 * 60.0 / self.seconds)
+    }
+}
+
+/// Which samples are rest: the truth is relax, and no gesture owns the sample.
+#[must_use]
+pub fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
+    let mut rest: Vec<bool> = truth
+        .iter()
+        .map(|&label| label == Some(Intent::Relax))
+        .collect();
+    for owner in owners(truth, rule) {
+        rest[owner.samples].fill(false);
+    }
+    rest
+}
+
+/// Runs of an active label that begin at a marked sample, over the time that is marked.
+///
+/// An empty mask marks nothing.
+#[must_use]
+pub fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
+    let begins =
+        |&at: &usize| active(emitted[at]).is_some() && (at == 0 || emitted[at - 1] != emitted[at]);
+    let marked = |&at: &usize| mask.get(at) == Some(&true);
+    let samples = (0..emitted.len()).filter(marked);
+    Rate::of(samples.clone().filter(begins).count(), samples.count())
+}

@@ -1,0 +1,102 @@
+//! Event metrics: what a user counts, from labels at the times at which they are emitted.
+//!
+//! Truth: one label a sample, from the onset of muscle activity to its end (lag-compensated labels, or labels
+//! from muscle activity); none where it is unknown. Prediction: the label that a user sees at each sample,
+//! look-ahead included. A file per metric; docs/metrics.md has them side by side.
+
+pub mod activation;
+pub mod flicker;
+pub mod gesture;
+pub mod latency;
+pub mod summary;
+
+use shared::intent::Intent;
+
+use super::MetricError;
+use activation::Rate;
+use gesture::{Gesture, Verdict};
+
+/// Durations of the event metrics, in samples.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct EventRule {
+    /// How much before a gesture's onset, and after its end, a label still belongs to the gesture.
+    pub tolerance: usize,
+}
+
+impl Default for EventRule {
+    /// 0.25 s, the look-ahead: a label that is emitted so much before the onset refers to half a second before it,
+    /// the other side of the paper's transition buffer.
+    fn default() -> Self {
+        Self { tolerance: 50 }
+    }
+}
+
+/// The events of one recording.
+#[derive(Clone, PartialEq, Debug, Default, serde::Serialize)]
+pub struct RecordingEvents {
+    /// Every gesture whose onset is in the recording.
+    pub gestures: Vec<Gesture>,
+    /// False activations in rest.
+    pub rest: Rate,
+    /// Activations in movements outside the vocabulary.
+    pub other_movement: Rate,
+    /// Label changes beyond the true ones.
+    pub flicker: Rate,
+}
+
+impl RecordingEvents {
+    /// Counts the events of one recording. `other_movement` marks samples of movements outside the vocabulary, whose
+    /// truth is unknown; it may be empty: none are known.
+    ///
+    /// # Errors
+    /// [`MetricError::Length`] if the sequences differ in length.
+    pub fn new(
+        truth: &[Option<Intent>],
+        emitted: &[Option<Intent>],
+        other_movement: &[bool],
+        rule: &EventRule,
+    ) -> Result<Self, MetricError> {
+        super::same_length(truth, emitted)?;
+        if !other_movement.is_empty() && other_movement.len() != truth.len() {
+            return Err(MetricError::Length {
+                truth: truth.len(),
+                prediction: other_movement.len(),
+            });
+        }
+        Ok(Self {
+            gestures: gesture::gestures(truth, emitted, rule),
+            rest: activation::activations(emitted, &activation::rest(truth, rule)),
+            other_movement: activation::activations(emitted, other_movement),
+            flicker: flicker::flicker(truth, emitted, rule),
+        })
+    }
+
+    /// Number of gestures that are recognised.
+    #[must_use]
+    pub fn recognised(&self) -> usize {
+        self.gestures
+            .iter()
+            .filter(|gesture| gesture.verdict == Verdict::Recognised)
+            .count()
+    }
+}
+
+/// First samples of the runs of equal labels, with their ends.
+fn runs(
+    labels: &[Option<Intent>],
+) -> impl Iterator<Item = (Option<Intent>, std::ops::Range<usize>)> {
+    let mut start = 0;
+    labels.chunk_by(|a, b| a == b).map(move |run| {
+        let range = start..start + run.len();
+        start = range.end;
+        (run[0], range)
+    })
+}
+
+/// Whether a label is one of a gesture.
+fn active(label: Option<Intent>) -> Option<Intent> {
+    label.filter(|&intent| intent != Intent::Relax)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,109 @@
+//! Events of many recordings: per subject, then over subjects.
+//!
+//! Per subject: the gestures, times and counts of all recordings together. Over subjects: the mean of the subjects'
+//! shares and rates, and the latencies of all gestures.
+
+use super::RecordingEvents;
+use super::activation::Rate;
+use super::latency::{self, LatencySummary};
+use crate::statistics::MeanSd;
+
+/// The events of one subject.
+#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct SubjectEvents {
+    /// Subject.
+    pub subject: String,
+    /// Gestures in the truth.
+    pub gestures: usize,
+    /// Gestures that are recognised.
+    pub recognised: usize,
+    /// `recognised / gestures`; none without a gesture.
+    pub recognition: Option<f64>,
+    /// Latency of each gesture that is recognised, in samples.
+    pub latencies: Vec<i32>,
+    /// Quantiles of the latency, misses included.
+    pub latency: Option<LatencySummary>,
+    /// False activations in rest.
+    pub rest: Rate,
+    /// Activations in movements outside the vocabulary.
+    pub other_movement: Rate,
+    /// Label changes beyond the true ones.
+    pub flicker: Rate,
+}
+
+impl SubjectEvents {
+    /// The events of a subject's recordings together.
+    #[must_use]
+    pub fn new<'a>(
+        subject: &str,
+        recordings: impl IntoIterator<Item = &'a RecordingEvents>,
+    ) -> Self {
+        let mut own = Self {
+            subject: subject.to_owned(),
+            gestures: 0,
+            recognised: 0,
+            recognition: None,
+            latencies: Vec::new(),
+            latency: None,
+            rest: Rate::default(),
+            other_movement: Rate::default(),
+            flicker: Rate::default(),
+        };
+        for recording in recordings {
+            own.gestures += recording.gestures.len();
+            own.recognised += recording.recognised();
+            let latencies = recording.gestures.iter().filter_map(|g| g.latency);
+            own.latencies.extend(latencies);
+            own.rest = own.rest.plus(recording.rest);
+            own.other_movement = own.other_movement.plus(recording.other_movement);
+            own.flicker = own.flicker.plus(recording.flicker);
+        }
+        own.recognition = (own.gestures > 0).then(|| own.recognised as f64 / own.gestures as f64);
+        own.latency = latency::summary(&own.latencies, own.gestures);
+        own
+    }
+}
+
+/// The events of all subjects.
+#[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct EventSummary {
+    /// Each subject, in alphabetical order.
+    pub subjects: Vec<SubjectEvents>,
+    /// Gestures of all subjects.
+    pub gestures: usize,
+    /// Gestures that are recognised, of all subjects.
+    pub recognised: usize,
+    /// Share of gestures recognised, mean over subjects that have gestures.
+    pub recognition: Option<MeanSd>,
+    /// Quantiles of the latency over all gestures, misses included.
+    pub latency: Option<LatencySummary>,
+    /// False activations a minute of rest, mean over subjects that have rest.
+    pub false_activations: Option<MeanSd>,
+    /// Activations a minute of other movements, mean over subjects that have such.
+    pub other_activations: Option<MeanSd>,
+    /// Label changes a minute beyond the true ones, mean over subjects.
+    pub flicker: Option<MeanSd>,
+}
+
+impl EventSummary {
+    /// Summary of the events of subjects, each given once, in any order.
+    #[must_use]
+    pub fn of_subjects(mut subjects: Vec<SubjectEvents>) -> Self {
+        subjects.sort_by(|a, b| a.subject.cmp(&b.subject));
+        let mean = |of: &dyn Fn(&SubjectEvents) -> Option<f64>| {
+            MeanSd::of(&subjects.iter().filter_map(of).collect::<Vec<_>>())
+        };
+        let latencies: Vec<i32> = subjects.iter().flat_map(|s| s.latencies.clone()).collect();
+        let gestures = subjects.iter().map(|s| s.gestures).sum();
+        Self {
+            gestures,
+            recognised: subjects.iter().map(|s| s.recognised).sum(),
+            recognition: mean(&|s| s.recognition),
+            latency: latency::summary(&latencies, gestures),
+            false_activations: mean(&|s| s.rest.per_minute()),
+            other_activations: mean(&|s| s.other_movement.per_minute()),
+            flicker: mean(&|s| s.flicker.per_minute()),
+            subjects,
+        }
+    }
+}

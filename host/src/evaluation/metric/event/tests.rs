@@ -1,0 +1,305 @@
+//! Events by hand, and against a version that looks at one sample after the other.
+
+use proptest::prelude::*;
+
+use super::latency::Latency;
+use super::summary::{EventSummary, SubjectEvents};
+use super::*;
+
+type Label = Option<Intent>;
+
+const N: Label = None;
+const R: Label = Some(Intent::Relax);
+const O: Label = Some(Intent::Open);
+const C: Label = Some(Intent::Close);
+
+fn sequence(runs: &[(Label, usize)]) -> Vec<Label> {
+    runs.iter()
+        .flat_map(|&(label, count)| vec![label; count])
+        .collect()
+}
+
+fn events(truth: &[(Label, usize)], emitted: &[(Label, usize)]) -> RecordingEvents {
+    let (truth, emitted) = (sequence(truth), sequence(emitted));
+    RecordingEvents::new(&truth, &emitted, &[], &EventRule::default()).unwrap()
+}
+
+/// A close of 2 s between rests of 2 s.
+const TRUTH: [(Label, usize); 3] = [(R, 400), (C, 400), (R, 400)];
+
+fn verdict(emitted: &[(Label, usize)]) -> (Verdict, Option<i32>) {
+    let events = events(&TRUTH, emitted);
+    (events.gestures[0].verdict, events.gestures[0].latency)
+}
+
+#[test]
+fn a_gesture_is_recognised_when_its_label_begins_and_is_held() {
+    let late = [(R, 460), (C, 390), (R, 350)];
+    assert_eq!(verdict(&late), (Verdict::Recognised, Some(60)));
+    let early = [(R, 350), (C, 450), (R, 400)];
+    assert_eq!(verdict(&early), (Verdict::Recognised, Some(-50)));
+    let dropped_after_half = [(R, 450), (C, 200), (R, 30), (C, 120), (R, 400)];
+    assert_eq!(
+        verdict(&dropped_after_half),
+        (Verdict::Recognised, Some(50))
+    );
+    let blip_then_held = [(R, 450), (C, 50), (R, 30), (C, 270), (R, 400)];
+    assert_eq!(verdict(&blip_then_held), (Verdict::Recognised, Some(130)));
+    let half_of_it_with_the_tolerance = [(R, 650), (C, 200), (R, 350)];
+    assert_eq!(
+        verdict(&half_of_it_with_the_tolerance),
+        (Verdict::Recognised, Some(250))
+    );
+}
+
+#[test]
+fn each_missed_gesture_has_its_reason() {
+    assert_eq!(verdict(&[(R, 1200)]), (Verdict::NoLabel, None));
+    // The label that was there before tells the user nothing.
+    assert_eq!(verdict(&[(C, 1200)]), (Verdict::NoLabel, None));
+    let too_early = [(R, 349), (C, 451), (R, 400)];
+    assert_eq!(verdict(&too_early), (Verdict::NoLabel, None));
+    let too_late = [(R, 850), (C, 350)];
+    assert_eq!(verdict(&too_late), (Verdict::NoLabel, None));
+    let less_than_half = [(R, 500), (C, 199), (R, 501)];
+    assert_eq!(verdict(&less_than_half), (Verdict::NotHeld, None));
+    let less_than_half_from_the_onset_on = [(R, 350), (C, 249), (R, 601)];
+    assert_eq!(
+        verdict(&less_than_half_from_the_onset_on),
+        (Verdict::NotHeld, None)
+    );
+    let less_than_half_left = [(R, 651), (C, 549)];
+    assert_eq!(verdict(&less_than_half_left), (Verdict::NotHeld, None));
+    let interrupted = [(R, 440), (C, 190), (R, 20), (C, 190), (R, 360)];
+    assert_eq!(verdict(&interrupted), (Verdict::NotHeld, None));
+    let other_first = [(R, 440), (O, 20), (C, 360), (R, 380)];
+    assert_eq!(verdict(&other_first), (Verdict::OtherLabel, None));
+    let other_at_release = [(R, 440), (C, 380), (O, 20), (R, 360)];
+    assert_eq!(verdict(&other_at_release), (Verdict::OtherLabel, None));
+}
+
+#[test]
+fn only_gestures_with_their_onset_in_the_recording_are_counted() {
+    let held = [(C, 500), (R, 300), (N, 100), (O, 300), (R, 200), (O, 199)];
+    assert!(events(&held, &[(R, 1599)]).gestures.is_empty());
+    let cut_late = [(C, 500), (R, 300), (N, 100), (O, 300), (R, 200), (O, 200)];
+    assert_eq!(events(&cut_late, &[(R, 1600)]).gestures.len(), 1);
+}
+
+#[test]
+fn direct_changes_divide_what_the_gestures_own() {
+    let truth = [(R, 300), (O, 300), (C, 300), (R, 300)];
+    let followed = [(R, 360), (O, 310), (C, 280), (R, 250)];
+    let found: Vec<_> = events(&truth, &followed)
+        .gestures
+        .iter()
+        .map(|gesture| (gesture.span.clone(), gesture.latency))
+        .collect();
+    assert_eq!(found, [(300..600, Some(60)), (600..900, Some(70))]);
+}
+
+#[test]
+fn false_activations_are_counted_in_rest_and_in_other_movements() {
+    let truth = sequence(&[(R, 1200), (C, 400), (R, 400), (N, 400)]);
+    // Two in rest; one within the tolerance before the gesture; one that goes on in other movements and one there.
+    let emitted = sequence(&[
+        (R, 100),
+        (O, 50),
+        (C, 50),
+        (R, 960),
+        (O, 20),
+        (R, 800),
+        (O, 40),
+        (R, 100),
+        (C, 280),
+    ]);
+    let mut other = vec![false; 2400];
+    other[2000..].fill(true);
+    let events = RecordingEvents::new(&truth, &emitted, &other, &EventRule::default()).unwrap();
+    let rest = Rate {
+        count: 3,
+        seconds: (1150.0 + 350.0) / 200.0,
+    };
+    assert_eq!(events.rest, rest);
+    assert_eq!(events.rest.per_minute(), Some(24.0));
+    let other = Rate {
+        count: 1,
+        seconds: 2.0,
+    };
+    assert_eq!(events.other_movement, other);
+    assert_eq!(Rate::default().per_minute(), None);
+}
+
+#[test]
+fn flicker_is_what_is_left_after_one_change_for_each_true_one() {
+    let flicker = |emitted: &[(Label, usize)]| events(&TRUTH, emitted).flicker.count;
+    assert_eq!(flicker(&[(N, 59), (R, 401), (C, 400), (R, 340)]), 0);
+    assert_eq!(
+        flicker(&[(R, 460), (C, 100), (R, 20), (C, 280), (R, 340)]),
+        2
+    );
+    // One change too many in rest is not made good by a missed gesture.
+    assert_eq!(flicker(&[(R, 100), (C, 1100)]), 1);
+    assert_eq!(flicker(&[(R, 1200)]), 0);
+    assert_eq!(events(&TRUTH, &[(R, 1200)]).flicker.seconds, 6.0);
+}
+
+#[test]
+fn subjects_weigh_the_same_and_misses_count_in_the_latency() {
+    let good = events(&TRUTH, &[(R, 460), (C, 390), (R, 350)]);
+    let missed = events(&TRUTH, &[(R, 1200)]);
+    let a = SubjectEvents::new("a", [&good, &good, &good]);
+    let b = SubjectEvents::new("b", [&missed]);
+    assert_eq!(b.latency.unwrap().median, Latency::Missed);
+    let summary = EventSummary::of_subjects(vec![b, a]);
+    assert_eq!(summary.recognition.unwrap().mean, 0.5);
+    assert_eq!((summary.recognised, summary.gestures), (3, 4));
+    let latency = summary.latency.unwrap();
+    assert_eq!(latency.median, Latency::Ms(300.0));
+    assert_eq!(latency.p90, Latency::Missed);
+}
+
+/// The definitions, one sample after the other.
+mod naive {
+    use super::*;
+
+    pub(super) struct Found {
+        pub(super) gestures: Vec<(usize, usize, Verdict, Option<i32>)>,
+        pub(super) rest: (usize, usize),
+        pub(super) flicker: (usize, usize),
+    }
+
+    fn is_active(label: Label) -> bool {
+        label.is_some() && label != R
+    }
+
+    fn changes_at(labels: &[Label], at: usize) -> bool {
+        at == 0 || labels[at] != labels[at - 1]
+    }
+
+    fn end_of_run(labels: &[Label], at: usize) -> usize {
+        (at..labels.len())
+            .find(|&later| labels[later] != labels[at])
+            .unwrap_or(labels.len())
+    }
+
+    fn one_stretch(truth: &[Label], a: usize, b: usize) -> bool {
+        (a.min(b)..=a.max(b)).all(|at| truth[at].is_some())
+    }
+
+    pub(super) fn events(truth: &[Label], emitted: &[Label], rule: &EventRule) -> Found {
+        let tolerance = rule.tolerance;
+        let onsets: Vec<usize> = (0..truth.len())
+            .filter(|&at| is_active(truth[at]) && changes_at(truth, at))
+            .collect();
+        // The latest gesture around which the sample lies.
+        let owner = |at: usize| {
+            onsets.iter().copied().rev().find(|&onset| {
+                at + tolerance >= onset
+                    && at < end_of_run(truth, onset) + tolerance
+                    && one_stretch(truth, at, onset)
+            })
+        };
+        let begins = |at: usize| is_active(emitted[at]) && changes_at(emitted, at);
+        let mut gestures = Vec::new();
+        for &onset in &onsets {
+            let end = end_of_run(truth, onset);
+            let cut = end == truth.len() || truth[end].is_none();
+            if onset == 0 || truth[onset - 1].is_none() || (cut && end - onset < 4 * tolerance) {
+                continue;
+            }
+            let begun: Vec<usize> = (0..truth.len())
+                .filter(|&at| owner(at) == Some(onset) && begins(at))
+                .collect();
+            let held = |at: usize| {
+                let covered = (at..end_of_run(emitted, at))
+                    .filter(|&later| later >= onset && owner(later) == Some(onset))
+                    .count();
+                covered * 2 >= end - onset
+            };
+            let own = |at: usize| emitted[at] == truth[onset];
+            let first = begun.iter().copied().find(|&at| own(at) && held(at));
+            let (verdict, latency) = if begun.iter().any(|&at| !own(at)) {
+                (Verdict::OtherLabel, None)
+            } else if let Some(at) = first {
+                (Verdict::Recognised, Some(at as i32 - onset as i32))
+            } else if begun.is_empty() {
+                (Verdict::NoLabel, None)
+            } else {
+                (Verdict::NotHeld, None)
+            };
+            gestures.push((onset, end, verdict, latency));
+        }
+        let rest: Vec<usize> = (0..truth.len())
+            .filter(|&at| truth[at] == R && owner(at).is_none())
+            .collect();
+        let activations = rest.iter().filter(|&&at| begins(at)).count();
+        Found {
+            gestures,
+            rest: (activations, rest.len()),
+            flicker: flicker(truth, emitted, tolerance),
+        }
+    }
+
+    fn flicker(truth: &[Label], emitted: &[Label], tolerance: usize) -> (usize, usize) {
+        let labelled = (0..truth.len()).filter(|&at| truth[at].is_some());
+        let first = emitted.iter().position(Option::is_some);
+        // The part of a change of the emitted label: the latest true change that it may be for.
+        let mut parts: std::collections::BTreeMap<(usize, usize), usize> = Default::default();
+        for at in labelled.clone() {
+            if at == 0 || !changes_at(emitted, at) || Some(at) == first {
+                continue;
+            }
+            let start = (0..=at)
+                .rev()
+                .take_while(|&before| truth[before].is_some())
+                .last()
+                .unwrap();
+            let change = (start + 1..truth.len())
+                .take_while(|&later| truth[later].is_some())
+                .filter(|&later| truth[later] != truth[later - 1] && at + tolerance >= later)
+                .last();
+            *parts.entry((start, change.unwrap_or(0))).or_default() += 1;
+        }
+        let excess = parts.iter().map(|(&(start, change), &count)| {
+            let allowed = if change > 0 || start > 0 { 1 } else { 0 };
+            count - std::cmp::min(count, allowed)
+        });
+        (excess.sum(), labelled.count())
+    }
+}
+
+fn labels() -> impl Strategy<Value = Vec<Label>> {
+    let run = (0..4_usize, 1..90_usize);
+    prop::collection::vec(run, 1..12).prop_map(|runs| {
+        let runs: Vec<_> = runs
+            .into_iter()
+            .map(|(label, samples)| ([N, R, O, C][label], samples))
+            .collect();
+        sequence(&runs)
+    })
+}
+
+proptest! {
+    #[test]
+    fn events_are_those_of_the_naive_version(
+        truth in labels(),
+        emitted in labels(),
+        tolerance in 0..60_usize,
+    ) {
+        let samples = truth.len().min(emitted.len());
+        let (truth, emitted) = (&truth[..samples], &emitted[..samples]);
+        let rule = EventRule { tolerance };
+        let found = RecordingEvents::new(truth, emitted, &[], &rule).unwrap();
+        let naive = naive::events(truth, emitted, &rule);
+        let gestures: Vec<_> = found
+            .gestures
+            .iter()
+            .map(|g| (g.span.start, g.span.end, g.verdict, g.latency))
+            .collect();
+        prop_assert_eq!(gestures, naive.gestures);
+        let samples_of = |rate: Rate| (rate.count, (rate.seconds * 200.0).round() as usize);
+        prop_assert_eq!(samples_of(found.rest), naive.rest);
+        prop_assert_eq!(samples_of(found.flicker), naive.flicker);
+    }
+}

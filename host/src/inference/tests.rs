@@ -1,0 +1,93 @@
+//! No logits know what comes after their patch.
+
+use burn::tensor::Device;
+use shared::intent::Vocabulary;
+use shared::model::LookBackLogits;
+use shared::model::dimensions::{Dimensions, usual_span};
+use shared::model::file::Model;
+use shared::model::file::random::random_model;
+use shared::units::{CHANNELS, CleanSample, PATCH};
+
+use super::{integer_logits, student_logits, teacher_logits};
+use crate::student::model::StudentConfig;
+use crate::teacher::model::TeacherConfig;
+use crate::training::augmentation::Companding;
+
+/// Samples of the recording; not a multiple of a patch.
+const SAMPLES: usize = 345;
+
+/// EMG without a repetition, and with other values from sample `changed` on.
+fn recording(changed: usize) -> Vec<CleanSample> {
+    (0..SAMPLES)
+        .map(|at| {
+            std::array::from_fn::<u8, CHANNELS, _>(|channel| {
+                let value = (at * 37 + channel * 11 + at * at / 7) % 129;
+                (if at < changed { value } else { 128 - value }) as u8
+            })
+        })
+        .collect()
+}
+
+/// Changes all samples after some patches: the logits up to these patches must stay, and later ones must not, or
+/// nothing would have been tested.
+fn is_causal(logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits>) {
+    let whole = logits(&recording(SAMPLES));
+    assert_eq!(whole.len(), SAMPLES / PATCH);
+    for patch in [0, 1, 2, 5, 9, 10, 20, 33] {
+        let known = patch + 1;
+        let changed = logits(&recording(known * PATCH));
+        let differs = whole.iter().zip(&changed).position(|(a, b)| a != b);
+        assert!(
+            differs.is_none_or(|first| first >= known),
+            "logits of patch {differs:?} change with samples after patch {patch}"
+        );
+        if known < whole.len() {
+            assert_eq!(differs, Some(known));
+        }
+    }
+}
+
+#[test]
+fn logits_of_the_teacher_do_not_change_with_later_samples() {
+    let device = Device::default();
+    let config = TeacherConfig {
+        window: 600,
+        patch: 20,
+        companding: Companding::SquareRoot,
+        d_model: 16,
+        heads: 2,
+        layers: 1,
+        feed_forward: 32,
+        dropout: 0.0,
+        attention_dropout: 0.0,
+    };
+    let model = config.init(3, &device);
+    is_causal(|emg| teacher_logits(&model, config.window_shape(), emg, &device));
+}
+
+#[test]
+fn logits_of_the_float_student_do_not_change_with_later_samples() {
+    let device = Device::default();
+    let config = StudentConfig {
+        d_model: 16,
+        heads: 2,
+        layers: 2,
+        span: 27,
+        companding: Companding::SquareRoot,
+    };
+    let model = config.init(3, &device);
+    is_causal(|emg| student_logits(&model, emg, &device));
+}
+
+#[test]
+fn logits_of_the_integer_student_do_not_change_with_later_samples() {
+    let dimensions = Dimensions {
+        width: 64,
+        layers: 2,
+        span: usual_span(2),
+        vocabulary: Vocabulary::Three,
+    };
+    let bytes = random_model(dimensions, 5).to_bytes().unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    is_causal(|emg| integer_logits(&model, emg).unwrap());
+}
