@@ -14,6 +14,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 mod error;
+#[cfg(test)]
+pub(crate) mod kill;
 
 pub use error::RunError;
 
@@ -106,7 +108,10 @@ impl RunFolder {
             .append(true)
             .open(&path)
             .map_err(io)?;
-        writeln!(file, "{json}").map_err(io)
+        writeln!(file, "{json}").map_err(io)?;
+        #[cfg(test)]
+        kill::point();
+        Ok(())
     }
 
     /// Keeps the lines of a metrics file that `keep` accepts: a resumed run writes those after its checkpoint again.
@@ -269,6 +274,16 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     };
     let mut partial = path.as_os_str().to_owned();
     partial.push(".partial");
+    #[cfg(test)]
+    {
+        fs::write(&partial, &bytes[..bytes.len() / 2]).map_err(io)?;
+        kill::point();
+    }
     fs::write(&partial, bytes).map_err(io)?;
-    fs::rename(&partial, path).map_err(io)
+    #[cfg(test)]
+    kill::point();
+    fs::rename(&partial, path).map_err(io)?;
+    #[cfg(test)]
+    kill::point();
+    Ok(())
 }

@@ -192,3 +192,6 @@ impl<'a> Files<'a> {
         self.run.save_json(&self.state, state)
     }
 }
+
+#[cfg(test)]
+mod tests;
