@@ -16,7 +16,7 @@ use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use myointent::run::preset::Preset;
 use shared::model::file::Model;
-use small::{folder, recordings, small_preset};
+use small::{folder, myointent, recordings, small_preset};
 
 /// A folder with recordings and a preset.
 struct Bench {
@@ -149,8 +149,7 @@ fn figures(file: &Path) -> Vec<(String, f32)> {
 }
 
 fn weights(run: &Path) -> Vec<u8> {
-    let line = ["export", "--run", run.to_str().unwrap()].map(str::to_owned);
-    succeeds(&line);
+    assert!(myointent(&["export", "--run", run.to_str().unwrap()]));
     fs::read(run.join("teacher.safetensors")).unwrap()
 }
 

@@ -77,7 +77,13 @@ fn trained(folder: &Path, resume: bool) -> (Vec<f32>, String) {
         .init(&device);
     let run = RunFolder::open(folder).unwrap();
     let interrupt = Interrupt::default();
-    let model = fit(&Line { device }, model, CONFIG, &run, resume, &interrupt).unwrap();
+    let training = Training {
+        run: &run,
+        made_from: Fingerprint::of_bytes(b"recordings"),
+        resume,
+        interrupt: &interrupt,
+    };
+    let model = fit(&Line { device }, model, CONFIG, &training).unwrap();
     let metrics = std::fs::read_to_string(folder.join("line.jsonl")).unwrap();
     (read_back(model.valid().weight.val()), metrics)
 }
