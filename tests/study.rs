@@ -125,7 +125,15 @@ fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
         .collect();
     assert_eq!(subjects, all_held_out);
     let tables = folder.join("tables");
-    let write = || research(&["tables", path, "--out", tables.to_str().unwrap()]);
+    let write = || {
+        research(&[
+            "tables",
+            path,
+            "--allow-dirty",
+            "--out",
+            tables.to_str().unwrap(),
+        ])
+    };
     assert!(write());
     let page = |name: &str| fs::read_to_string(tables.join(name)).unwrap();
     assert!(page("tables.md").contains("2 of 2 folds"));

@@ -185,11 +185,12 @@ fn write_synthetic(args: &SynthArguments) -> anyhow::Result<()> {
         seed: args.seed,
     };
     let paths = synthetic::write(&options, &args.out).context("cannot write the recordings")?;
-    println!(
+    writeln!(
+        std::io::stdout(),
         "{} recordings of {} s in {}",
         paths.len(),
         args.seconds,
         args.out.display()
-    );
+    )?;
     Ok(())
 }

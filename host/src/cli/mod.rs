@@ -14,8 +14,11 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use self::steps::{distill, evaluate, export, quantize, quickstart, train};
+use crate::execution::progress;
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
+use crate::run::preset::PresetError;
+use crate::run::resolve::ConfigError;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay.
 #[derive(Debug, Parser)]
@@ -32,7 +35,7 @@ use crate::run::StepError;
                   myointent distill --run runs/mine\n  \
                   myointent quantize --run runs/mine\n  \
                   myointent evaluate --run runs/mine\n\n\
-                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 130 interrupted (continue with --resume)."
+                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 130 interrupted."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -73,6 +76,7 @@ impl Cli {
     /// Runs the command and returns its exit code; an error is printed on standard error.
     #[must_use]
     pub fn run(self) -> ExitCode {
+        let advice = self.command.advice();
         let result = match self.command {
             Command::Quickstart(arguments) => quickstart::run(&arguments),
             Command::Data(command) => data::run(command),
@@ -91,25 +95,54 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("error: {error:#}");
-                exit_code(&error)
+                progress::log(&format!("error: {error:#}"));
+                let interrupted = is_interrupt(&error);
+                if interrupted {
+                    progress::log(advice);
+                }
+                exit_code(&error, interrupted)
             }
         }
     }
 }
 
-/// 130 after Ctrl-C, 1 after any other failure.
+impl Command {
+    /// What to do after an interrupt.
+    const fn advice(&self) -> &'static str {
+        match self {
+            Self::Quickstart(_) | Self::Train(_) | Self::Distill(_) => {
+                "to continue, give the same command and --resume"
+            }
+            _ => "to try again, give the same command",
+        }
+    }
+}
+
+/// 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.
 #[must_use]
-pub fn exit_code(error: &anyhow::Error) -> ExitCode {
-    let interrupted = matches!(error.downcast_ref(), Some(RunError::Interrupted { .. }))
-        || error
-            .downcast_ref::<StepError>()
-            .is_some_and(StepError::is_interrupt);
+pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
         ExitCode::from(130)
+    } else if is_wrong_argument(error) {
+        ExitCode::from(2)
     } else {
         ExitCode::FAILURE
     }
+}
+
+/// Whether the user interrupted.
+#[must_use]
+pub fn is_interrupt(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let run = cause.downcast_ref().is_some_and(RunError::is_interrupt);
+        run || cause.downcast_ref().is_some_and(StepError::is_interrupt)
+    })
+}
+
+/// Whether an argument has a value that cannot be, apart from those that the parser refuses.
+fn is_wrong_argument(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(PresetError::Missing { .. }))
+        || matches!(error.downcast_ref(), Some(ConfigError::Fold { .. }))
 }
 
 /// Whether the reader of the output has closed it: `myointent replay ... | head` is no failure.

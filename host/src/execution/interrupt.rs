@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::progress;
+
 /// A request of the user to stop, shared by all clones.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
@@ -18,7 +20,7 @@ impl Interrupt {
             if requested.swap(true, Ordering::SeqCst) {
                 std::process::exit(130);
             }
-            eprintln!("stopping; press Ctrl-C again to stop at once");
+            progress::log("stopping; press Ctrl-C again to stop at once");
         });
         interrupt
     }

@@ -1,6 +1,8 @@
 //! Infrastructure of long computations: run folder, progress, interrupt, parallel work.
 
+pub mod fingerprint;
 pub mod interrupt;
 pub mod parallel;
 pub mod progress;
+pub mod revision;
 pub mod run_folder;

@@ -1,5 +1,6 @@
 //! Progress on standard error: bars and log lines.
 
+use std::io::{self, Write as _};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -22,7 +23,7 @@ pub(crate) fn bar(length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// Writes a line to the log.
+/// Writes a line to the log. A log that nobody reads any more is no failure.
 pub fn log(line: &str) {
-    eprintln!("{line}");
+    let _ = writeln!(io::stderr(), "{line}");
 }

@@ -11,7 +11,7 @@ use shared::units::{CHANNELS, CleanSample, PATCH};
 use super::{integer_logits, student_logits, teacher_logits};
 use crate::student::model::StudentConfig;
 use crate::teacher::model::TeacherConfig;
-use crate::training::augmentation::Companding;
+use shared::model::dimensions::Companding;
 
 /// Samples of the recording; not a multiple of a patch.
 const SAMPLES: usize = 345;
@@ -74,6 +74,7 @@ fn logits_of_the_float_student_do_not_change_with_later_samples() {
         layers: 2,
         span: 27,
         companding: Companding::SquareRoot,
+        board: true,
     };
     let model = config.init(3, &device);
     is_causal(|emg| student_logits(&model, emg, &device));

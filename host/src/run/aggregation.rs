@@ -1,15 +1,25 @@
 //! The smoother's aggregation mode: chosen on validation subjects, once per run.
 
+use serde::{Deserialize, Serialize};
+
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
+use super::distill::distillation_of;
 use super::error::StepError;
 use super::trials;
 use crate::evaluation::{LookAhead, Truth, score};
+use crate::execution::fingerprint::Fingerprint;
 use crate::student::distillation;
 use crate::teacher;
 
 /// Name of the file that keeps the chosen mode in a run folder.
-pub(super) const AGGREGATION: &str = "aggregation.json";
+const AGGREGATION: &str = "aggregation.json";
+
+/// The content of that file.
+#[derive(Serialize, Deserialize)]
+struct Aggregation {
+    aggregation: LookAhead,
+}
 
 /// The mode with which the student (or the teacher, in a run without a student) follows more transitions of the
 /// validation subjects; all rows on a tie.
@@ -18,17 +28,27 @@ pub(super) const AGGREGATION: &str = "aggregation.json";
 /// When a model is damaged, labels cannot be compared or the folder cannot be written.
 pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
     const NAME: &str = "choosing the aggregation mode";
-    if context.folder.file(AGGREGATION).exists() {
-        return Ok(context.folder.load_json(AGGREGATION)?);
+    let (folder, config) = (&context.folder, &context.config);
+    let weights = if context.has(distillation::NAME) {
+        let settings = distillation_of(&config.preset, distillation::NAME);
+        let lineage = config.student_lineage(&settings, folder)?;
+        folder.weights_fingerprint(distillation::NAME, lineage)?
+    } else if context.has(teacher::training::NAME) {
+        folder.weights_fingerprint(teacher::training::NAME, config.teacher_lineage())?
+    } else {
+        return Ok(LookAhead::AllRows);
+    };
+    let made_from = Fingerprint::of(&(config.streams_lineage(), weights));
+    // One chosen with another model is no mistake: it is chosen again.
+    if let Ok(kept) = folder.load_stamped::<Aggregation>(AGGREGATION, made_from) {
+        return Ok(kept.content.aggregation);
     }
     let trials = trials::validation(&context.config, &context.library);
     let candidate = if context.has(distillation::NAME) {
         let student = context.student(distillation::NAME)?;
         student_candidate(context, NAME, &student, &trials)?
-    } else if context.has(teacher::training::NAME) {
-        teacher_candidate(context, NAME, &trials)?
     } else {
-        return Ok(LookAhead::AllRows);
+        teacher_candidate(context, NAME, &trials)?
     };
     let correct = |look_ahead| -> Result<usize, StepError> {
         let scores = score(
@@ -46,6 +66,9 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     } else {
         LookAhead::AllRows
     };
-    context.folder.save_json(AGGREGATION, &chosen)?;
+    let content = Aggregation {
+        aggregation: chosen,
+    };
+    folder.save_stamped(AGGREGATION, made_from, &content)?;
     Ok(chosen)
 }

@@ -8,10 +8,12 @@ use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 use shared::units::Sample;
 
+use super::lineage;
 use super::preset::Preset;
 use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Recording};
+use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 
 /// Name of the resolved configuration in a run folder.
@@ -39,7 +41,11 @@ pub struct ResolvedConfig {
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Git revision of the working directory, if known.
+    /// Fingerprint of the recordings of everybody who has a role.
+    pub recordings: Fingerprint,
+    /// Fingerprint of the weights that training starts from; none for random ones.
+    pub start_weights: Option<Fingerprint>,
+    /// Source revision of the program that began the run, if known.
     pub git_revision: Option<String>,
 }
 
@@ -77,6 +83,20 @@ impl ResolvedConfig {
     /// When the folder holds none.
     pub fn load(run: &RunFolder) -> Result<Self, RunError> {
         run.load_json(CONFIG)
+    }
+
+    /// Whether a run with this configuration may go on with another one.
+    ///
+    /// # Errors
+    /// [`RunError::OtherConfiguration`] if they differ in anything that decides the outcome.
+    pub(crate) fn must_equal(&self, other: &Self, run: &RunFolder) -> Result<(), RunError> {
+        if self.fingerprint() == other.fingerprint() {
+            return Ok(());
+        }
+        Err(RunError::OtherConfiguration {
+            path: run.file(CONFIG),
+            difference: lineage::difference(self, other).unwrap_or_default(),
+        })
     }
 
     /// Samples that labels of a data set are shifted by.

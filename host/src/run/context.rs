@@ -7,12 +7,16 @@ use burn::module::Module as _;
 use burn::tensor::Device;
 
 use super::config::ResolvedConfig;
+use super::distill::distillation_of;
+use super::lineage;
 use crate::dataset::Library;
+use crate::execution::fingerprint::Fingerprint;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::run_folder::{RunError, RunFolder};
 use crate::student::model::Student;
 use crate::teacher;
 use crate::teacher::model::Teacher;
+use crate::training::fit::Training;
 
 /// A run: its folder, its configuration, its recordings and the device that it computes on.
 pub struct RunContext {
@@ -31,7 +35,9 @@ pub struct RunContext {
 }
 
 impl RunContext {
-    /// Begins or continues a run: writes the configuration into the folder.
+    /// Begins a run: removes the checkpoints of an earlier one, which must not be continued, and writes the
+    /// configuration into the folder. Models and results of an earlier run stay, and are refused where they do not
+    /// belong to this one.
     ///
     /// # Errors
     /// When the folder cannot be written.
@@ -41,11 +47,38 @@ impl RunContext {
         library: impl Into<Arc<Library>>,
         device: Device,
     ) -> Result<Self, RunError> {
+        folder.remove_checkpoints()?;
         config.save(&folder)?;
         Ok(Self {
             folder,
             config,
             library: library.into(),
+            device,
+            resume: false,
+            interrupt: Interrupt::default(),
+        })
+    }
+
+    /// Goes on with the run in a folder.
+    ///
+    /// # Errors
+    /// When the recordings are not those that it began with.
+    pub fn continue_run(
+        folder: RunFolder,
+        config: ResolvedConfig,
+        library: impl Into<Arc<Library>>,
+        device: Device,
+    ) -> Result<Self, RunError> {
+        let library = library.into();
+        if lineage::recordings(&library, &config.split) != config.recordings {
+            return Err(RunError::OtherRecordings {
+                path: folder.path().to_owned(),
+            });
+        }
+        Ok(Self {
+            folder,
+            config,
+            library,
             device,
             resume: false,
             interrupt: Interrupt::default(),
@@ -77,7 +110,7 @@ impl RunContext {
     /// The trained teacher, without gradients.
     ///
     /// # Errors
-    /// When it is missing or of another shape.
+    /// When it is missing, not this run's, or of another shape.
     pub(crate) fn teacher(&self) -> Result<Teacher, RunError> {
         load_teacher(&self.folder, &self.config, &self.inference_device())
     }
@@ -85,16 +118,27 @@ impl RunContext {
     /// A trained student by the name of its files, without gradients.
     ///
     /// # Errors
-    /// When it is missing or of another shape.
+    /// When it is missing, not this run's, or of another shape.
     pub(crate) fn student(&self, name: &str) -> Result<Student, RunError> {
         load_student(&self.folder, &self.config, name, &self.inference_device())
+    }
+
+    /// A training whose weights depend on this, and on its own settings.
+    #[must_use]
+    pub fn training(&self, made_from: Fingerprint) -> Training<'_> {
+        Training {
+            run: &self.folder,
+            made_from,
+            resume: self.resume,
+            interrupt: &self.interrupt,
+        }
     }
 }
 
 /// The trained teacher of a run folder, on a device without gradients.
 ///
 /// # Errors
-/// When it is missing or of another shape.
+/// When it is missing, not this run's, or of another shape.
 pub(crate) fn load_teacher(
     folder: &RunFolder,
     config: &ResolvedConfig,
@@ -104,6 +148,7 @@ pub(crate) fn load_teacher(
     folder
         .load_model(
             teacher::training::NAME,
+            config.teacher_lineage(),
             preset.teacher.init(preset.classes, device),
         )
         .map(|model| model.valid())
@@ -112,7 +157,7 @@ pub(crate) fn load_teacher(
 /// A trained student of a run folder by the name of its files, on a device without gradients.
 ///
 /// # Errors
-/// When it is missing or of another shape.
+/// When it is missing, not this run's, or of another shape.
 pub(crate) fn load_student(
     folder: &RunFolder,
     config: &ResolvedConfig,
@@ -120,7 +165,8 @@ pub(crate) fn load_student(
     device: &Device,
 ) -> Result<Student, RunError> {
     let preset = &config.preset;
+    let made_from = config.student_lineage(&distillation_of(preset, name), folder)?;
     folder
-        .load_model(name, preset.student.init(preset.classes, device))
+        .load_model(name, made_from, preset.student.init(preset.classes, device))
         .map(|model| model.valid())
 }

@@ -2,13 +2,14 @@
 
 use shared::units::CleanSample;
 
-use super::aggregation::AGGREGATION;
 use super::context::RunContext;
 use super::error::StepError;
-use super::quantize::FIGURES;
+use super::preflight::refuse_impossible;
+use super::preset::Preset;
 use super::soft_targets::soft_targets;
 use crate::student::distillation::{self, Distillation};
 use crate::student::learner::StudentLearner;
+use crate::teacher;
 use crate::training::fit::fit;
 
 /// Trains the student.
@@ -16,14 +17,7 @@ use crate::training::fit::fit;
 /// # Errors
 /// When the teacher is missing, the folder cannot be written or the user interrupts.
 pub fn distill(context: &RunContext) -> Result<(), StepError> {
-    if !context.resume {
-        context.folder.remove_files(&[AGGREGATION, FIGURES])?;
-    }
-    train(
-        context,
-        distillation::NAME,
-        &context.config.preset.distillation,
-    )
+    train(context, distillation::NAME)
 }
 
 /// Trains a second student on the labels alone, to measure the effect of distillation.
@@ -31,15 +25,27 @@ pub fn distill(context: &RunContext) -> Result<(), StepError> {
 /// # Errors
 /// When the folder cannot be written or the user interrupts.
 pub fn train_on_labels(context: &RunContext) -> Result<(), StepError> {
-    let config = Distillation {
-        teacher_share: 0.0,
-        ..context.config.preset.distillation.clone()
-    };
-    train(context, distillation::LABELS_ONLY, &config)
+    train(context, distillation::LABELS_ONLY)
 }
 
-fn train(context: &RunContext, name: &'static str, config: &Distillation) -> Result<(), StepError> {
+/// The settings that a student is trained with, by the name of its files.
+pub(super) fn distillation_of(preset: &Preset, name: &str) -> Distillation {
+    let mut settings = preset.distillation.clone();
+    if name == distillation::LABELS_ONLY {
+        settings.teacher_share = 0.0;
+    }
+    settings
+}
+
+fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let preset = &context.config.preset;
+    let config = &distillation_of(preset, name);
+    refuse_impossible(preset, &context.inference_device())?;
+    if config.teacher_share > 0.0 && !context.has(teacher::training::NAME) {
+        let path = context.folder.weights_path(teacher::training::NAME);
+        return Err(StepError::NoTeacher { path });
+    }
+    let made_from = context.config.student_lineage(config, &context.folder)?;
     let corpus = context.config.training(&context.library);
     let validation = context.config.validation(&context.library);
     if validation.streams.is_empty() {
@@ -70,9 +76,7 @@ fn train(context: &RunContext, name: &'static str, config: &Distillation) -> Res
         &learner,
         model,
         config.train_config(preset.seed),
-        &context.folder,
-        context.resume,
-        &context.interrupt,
+        &context.training(made_from),
     )?;
     Ok(())
 }

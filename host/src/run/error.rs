@@ -33,12 +33,35 @@ pub enum StepError {
     NoTeacher {
         /// File of the teacher's weights.
         path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
     },
     /// The checkpoint to start from cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The weights to start from are not those that the run began with.
+    #[error("{start} was changed since this run began: leave out --resume to begin anew from it")]
+    StartChanged {
+        /// What training starts from.
+        start: PathBuf,
+    },
+    /// No board has room for the student.
+    #[error(
+        "no board can run this student: {0}; make it smaller, or set `student.board = false` in the preset for a model that only a PC runs"
+    )]
+    Board(#[source] ModelError),
+    /// There is no model file.
+    #[error("{path}: no model file; run `myointent quantize` first")]
+    NoModelFile {
+        /// The model file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The model file in the run folder is not that of its student.
+    #[error("{path} is not the model file of this run's student; run `myointent quantize` again")]
+    OtherModelFile {
+        /// The model file.
+        path: PathBuf,
+    },
     /// The model format does not allow the student's dimensions.
     #[error("this student cannot become a model file")]
     Student(#[source] ModelError),
@@ -54,6 +77,6 @@ impl StepError {
     /// Whether the user interrupted.
     #[must_use]
     pub const fn is_interrupt(&self) -> bool {
-        matches!(self, Self::Run(RunError::Interrupted { .. }))
+        matches!(self, Self::Run(error) if error.is_interrupt())
     }
 }

@@ -6,12 +6,13 @@ use super::aggregation::aggregation;
 use super::candidates::{integer_candidate, student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use super::quantize::{FIGURES, Figure, model_bytes};
+use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use super::trials;
 use crate::evaluation::{
     Candidate, EnergyDetector, LookAhead, Measure, Score, Trial, Truth, constant, score_all,
 };
 use crate::execution::progress;
+use crate::execution::run_folder::RunError;
 use crate::student::distillation;
 use crate::teacher;
 
@@ -50,6 +51,8 @@ pub struct Evaluation {
     pub candidates: Vec<Candidate>,
     /// The model file's aggregation mode.
     pub aggregation: LookAhead,
+    /// Whether all models are the run's own, so that the results are kept in its folder.
+    pub is_kept: bool,
 }
 
 /// Computes the logits of further models, which are evaluated beside the run's own.
@@ -66,11 +69,13 @@ pub(crate) fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
 /// Evaluates the models of the run on the held-out subjects, as far as there are: teacher, `more`, float student, the
 /// integer student of the model file `model`, and the students trained on the labels alone; then the floors.
 ///
+/// The results are kept in the run folder, unless the model file is another one than the run's.
+///
 /// # Errors
-/// When there is no model or no recording to evaluate on, or a model is damaged.
+/// When there is no model or no recording to evaluate on, or a model is damaged or not this run's.
 pub fn evaluate(
     context: &RunContext,
-    model: Option<&[u8]>,
+    model: Option<&ModelFile>,
     more: MoreCandidates<'_>,
 ) -> Result<(Results, Evaluation), StepError> {
     let trials = trials::published(&context.config, &context.library);
@@ -79,11 +84,13 @@ pub fn evaluate(
         return Err(StepError::NoTrials);
     }
     let aggregation = aggregation(context)?;
-    let mut published = candidates(context, &trials, model, more)?;
+    let is_kept = model.is_none_or(|model| model.is_own);
+    let bytes = model.map(|model| model.bytes.as_slice());
+    let mut published = candidates(context, &trials, bytes, more)?;
     if published.is_empty() {
         return Err(StepError::NoModel);
     }
-    let mut on_spliced = candidates(context, &spliced, model, more)?;
+    let mut on_spliced = candidates(context, &spliced, bytes, more)?;
     let detector = EnergyDetector::fit(&trials::training(&context.config, &context.library));
     if let Some(detector) = &detector {
         progress::log(&format!(
@@ -108,14 +115,20 @@ pub fn evaluate(
         )?,
         spliced: score_all(&on_spliced, &spliced, vocabulary, &[Truth::LagCompensated])?,
     };
-    context.folder.save_json(RESULTS, &results)?;
-    context.folder.save_json(FIGURES, &figures(&results))?;
+    if is_kept {
+        let made_from = context.config.fingerprint();
+        context.folder.save_stamped(RESULTS, made_from, &results)?;
+        if model.is_some() {
+            save_figures(context, figures(&results))?;
+        }
+    }
     Ok((
         results,
         Evaluation {
             trials,
             candidates: published,
             aggregation,
+            is_kept,
         },
     ))
 }
@@ -128,7 +141,7 @@ fn candidates(
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
     if context.has(teacher::training::NAME) {
-        candidates.push(teacher_candidate(context, TEACHER, trials)?);
+        candidates.extend(if_own(teacher_candidate(context, TEACHER, trials))?);
     }
     candidates.extend(more(trials)?);
     if context.has(distillation::NAME) {
@@ -138,13 +151,29 @@ fn candidates(
     if let Some(bytes) = model {
         candidates.push(integer_candidate(INTEGER, bytes, trials)?);
     }
-    if context.has(distillation::LABELS_ONLY) {
-        let student = context.student(distillation::LABELS_ONLY)?;
+    if context.has(distillation::LABELS_ONLY)
+        && let Some(student) = if_own(context.student(distillation::LABELS_ONLY))?
+    {
         candidates.push(student_candidate(context, LABELS_ONLY, &student, trials)?);
-        let bytes = model_bytes(context, &student, LookAhead::AllRows)?;
+        let bytes = model_bytes(context, &student, LookAhead::AllRows, Vec::new())?;
         candidates.push(integer_candidate(INTEGER_LABELS_ONLY, &bytes, trials)?);
     }
     Ok(candidates)
+}
+
+/// A model that the run's student does not need; none, with a line in the log, if it is left over from another run.
+///
+/// # Errors
+/// When it is damaged.
+pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
+    match model {
+        Ok(model) => Ok(Some(model)),
+        Err(error @ RunError::NotOfThisRun { .. }) => {
+            progress::log(&format!("left out: {error}"));
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
 }
 
 /// The integer student's scores that go into the model file.

@@ -7,6 +7,8 @@ pub mod context;
 pub mod distill;
 mod error;
 pub mod evaluate;
+pub(crate) mod lineage;
+mod preflight;
 pub mod preset;
 pub mod quantize;
 pub mod resolve;

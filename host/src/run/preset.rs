@@ -1,6 +1,7 @@
 //! Presets: the settings of a whole run, from recordings to a model file, as TOML.
 
 mod check;
+mod memory;
 mod source;
 
 use serde::{Deserialize, Serialize};

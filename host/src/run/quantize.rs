@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use shared::model::file::{ProvenanceParts, SmootherDefaults};
+use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
 use shared::stream::smoother::AggregationMode;
 use shared::units::{HOLD, LOOK_AHEAD};
 
@@ -11,6 +11,7 @@ use super::aggregation::aggregation;
 use super::context::RunContext;
 use super::error::StepError;
 use crate::evaluation::LookAhead;
+use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::write_whole;
 use crate::student::distillation;
 use crate::student::model::Student;
@@ -19,7 +20,7 @@ use crate::student::quantization;
 /// Name of the model file in a run folder.
 pub const MODEL: &str = "student.intent";
 /// Name of the file that keeps the [`Figure`]s of the model file in a run folder.
-pub(super) const FIGURES: &str = "figures.json";
+const FIGURES: &str = "figures.json";
 
 /// A score of the model, kept in the model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,17 +31,101 @@ pub(super) struct Figure {
     pub value: f32,
 }
 
+/// The figures of one model file.
+#[derive(Serialize, Deserialize)]
+struct Figures {
+    /// Fingerprint of that file without any figures in it.
+    model: Fingerprint,
+    figures: Vec<Figure>,
+}
+
+/// A model file that a run evaluates.
+pub struct ModelFile {
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// Whether it is what [`quantize`] makes of the run's student, whatever figures it has.
+    pub is_own: bool,
+}
+
+impl ModelFile {
+    /// The model file in the run folder; none in a run without a student.
+    ///
+    /// # Errors
+    /// When it is missing, or that of another student.
+    pub fn of_run(context: &RunContext) -> Result<Option<Self>, StepError> {
+        if !context.has(distillation::NAME) {
+            return Ok(None);
+        }
+        let path = context.folder.file(MODEL);
+        let file = Self::read(context, &path)?;
+        if file.is_own {
+            Ok(Some(file))
+        } else {
+            Err(StepError::OtherModelFile { path })
+        }
+    }
+
+    /// Any model file.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn read(context: &RunContext, path: &Path) -> Result<Self, StepError> {
+        let bytes = std::fs::read(path).map_err(|source| StepError::NoModelFile {
+            path: path.to_owned(),
+            source,
+        })?;
+        let is_own = context.has(distillation::NAME) && {
+            let figures = Model::parse(&bytes)?.header.provenance.metrics;
+            let figures: Vec<Figure> = figures
+                .iter()
+                .map(|(name, value)| Figure {
+                    name: name.to_owned(),
+                    value,
+                })
+                .collect();
+            let student = context.student(distillation::NAME)?;
+            bytes == model_bytes(context, &student, aggregation(context)?, figures)?
+        };
+        Ok(Self { bytes, is_own })
+    }
+}
+
 /// Writes the model file and returns its bytes.
 ///
-/// Its aggregation mode is chosen on the validation subjects.
+/// Its aggregation mode is chosen on the validation subjects. It has the scores of the last evaluation if that was of
+/// the same model.
 ///
 /// # Errors
-/// When the student is missing or the model format does not allow its dimensions.
+/// When the student is missing or not this run's, or the model format does not allow its dimensions.
 pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> {
     let student = context.student(distillation::NAME)?;
-    let bytes = model_bytes(context, &student, aggregation(context)?)?;
+    let aggregation = aggregation(context)?;
+    let made_from = context.config.fingerprint();
+    let model = model_without_figures(context)?;
+    let figures = match context.folder.load_stamped::<Figures>(FIGURES, made_from) {
+        Ok(kept) if kept.content.model == model => kept.content.figures,
+        _ => Vec::new(),
+    };
+    let bytes = model_bytes(context, &student, aggregation, figures)?;
     write_whole(out, &bytes)?;
     Ok(bytes)
+}
+
+/// Keeps the scores of the run's own model file for its header.
+pub(super) fn save_figures(context: &RunContext, figures: Vec<Figure>) -> Result<(), StepError> {
+    let figures = Figures {
+        model: model_without_figures(context)?,
+        figures,
+    };
+    let made_from = context.config.fingerprint();
+    Ok(context.folder.save_stamped(FIGURES, made_from, &figures)?)
+}
+
+/// What tells the run's model file from others: its fingerprint without figures.
+fn model_without_figures(context: &RunContext) -> Result<Fingerprint, StepError> {
+    let student = context.student(distillation::NAME)?;
+    let bytes = model_bytes(context, &student, aggregation(context)?, Vec::new())?;
+    Ok(Fingerprint::of_bytes(&bytes))
 }
 
 /// Bytes of the model file of a student.
@@ -48,14 +133,10 @@ pub(super) fn model_bytes(
     context: &RunContext,
     student: &Student,
     aggregation: LookAhead,
+    figures: Vec<Figure>,
 ) -> Result<Vec<u8>, StepError> {
     let preset = &context.config.preset;
     let split = &context.config.split;
-    let figures: Vec<Figure> = if context.folder.file(FIGURES).exists() {
-        context.folder.load_json(FIGURES)?
-    } else {
-        Vec::new()
-    };
     let provenance = ProvenanceParts {
         data_sets: data_sets(&split.training),
         subjects_seen: context.config.subjects_seen(),

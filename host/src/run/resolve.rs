@@ -9,11 +9,13 @@ use rand_chacha::ChaCha8Rng;
 use thiserror::Error;
 
 use super::config::{Fold, Lag, ResolvedConfig};
+use super::lineage;
 use super::preset::{LabelLag, Preset};
 use crate::dataset::folds::{self, Protocol};
 use crate::dataset::labels::lag;
 use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
 use crate::dataset::{DataSet, Library, Recording};
+use crate::execution::revision::revision;
 use crate::execution::run_folder::{RunError, RunFolder};
 use crate::teacher::checkpoint::{self, CheckpointError};
 
@@ -109,9 +111,11 @@ impl ResolvedConfig {
             preset,
             data: data.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
             strict,
+            recordings: lineage::recordings(library, &split),
             split,
             lags,
-            git_revision: git_revision(),
+            start_weights: None,
+            git_revision: revision().map(str::to_owned),
         })
     }
 
@@ -179,6 +183,7 @@ impl ResolvedConfig {
             });
         }
         self.seen_before = seen;
+        self.start_weights = Some(lineage::start_weights(start)?);
         self.start = Some(std::path::absolute(start).unwrap_or_else(|_| start.to_owned()));
         Ok(())
     }
@@ -261,16 +266,6 @@ fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<D
             (data_set, lag)
         })
         .collect()
-}
-
-/// Git revision of the working directory.
-fn git_revision() -> Option<String> {
-    let output = std::process::Command::new("git")
-        .args(["describe", "--always", "--dirty", "--abbrev=12"])
-        .output()
-        .ok()?;
-    let revision = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| revision.trim().to_owned())
 }
 
 #[cfg(test)]

@@ -5,12 +5,14 @@ use shared::units::{CleanSample, PATCH};
 
 use super::context::RunContext;
 use super::error::StepError;
+use crate::execution::fingerprint::Fingerprint;
 use crate::execution::parallel;
-use crate::execution::run_folder::write_whole;
+use crate::execution::run_folder::{Artefact, RunError};
 use crate::inference::teacher_logits;
 use crate::teacher;
 
 const FILE: &str = "soft-targets.bin";
+const LOGITS: &str = "logits";
 
 /// The teacher's logits at every patch of the training streams.
 ///
@@ -20,16 +22,16 @@ pub(super) fn soft_targets(
     context: &RunContext,
     streams: &[&[CleanSample]],
 ) -> Result<Vec<Vec<LookBackLogits>>, StepError> {
-    let checkpoint = context.folder.weights_path(teacher::training::NAME);
-    let weights = std::fs::read(&checkpoint).map_err(|source| StepError::NoTeacher {
-        path: checkpoint,
-        source,
-    })?;
-    let key = crc32(&weights);
-    let path = context.folder.file(FILE);
-    if let Some(targets) = std::fs::read(&path)
-        .ok()
-        .and_then(|bytes| unpack(&bytes, key, streams))
+    let (folder, config) = (&context.folder, &context.config);
+    // The teacher's lineage has the streams in it.
+    let weights = folder.weights_fingerprint(teacher::training::NAME, config.teacher_lineage())?;
+    let made_from = Fingerprint::of(&(config.teacher_lineage(), weights));
+    let path = folder.file(FILE);
+    // Targets of another teacher are no mistake: they are computed again.
+    if let Ok(mut kept) = folder.load_artefact(&path)
+        && kept.made_from == made_from
+        && let Ok(bytes) = kept.take(LOGITS)
+        && let Some(targets) = unpack(&bytes, streams)
     {
         return Ok(targets);
     }
@@ -43,26 +45,21 @@ pub(super) fn soft_targets(
         &context.interrupt,
         |emg| teacher_logits(&model, shape, emg, &device),
     )?;
-    write_whole(&path, &pack(&targets, key))?;
+    let artefact = Artefact::new(made_from, &())
+        .map_err(|error| RunError::content(&path, error))?
+        .with(LOGITS, pack(&targets));
+    folder.save_artefact(&path, &artefact)?;
     Ok(targets)
 }
 
-fn crc32(bytes: &[u8]) -> u32 {
-    crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
+fn pack(targets: &[Vec<LookBackLogits>]) -> Vec<u8> {
+    let values = targets.iter().flatten().flatten().flatten();
+    values.flat_map(|value| value.to_le_bytes()).collect()
 }
 
-fn pack(targets: &[Vec<LookBackLogits>], key: u32) -> Vec<u8> {
-    let mut bytes = key.to_le_bytes().to_vec();
-    for value in targets.iter().flatten().flatten().flatten() {
-        bytes.extend(value.to_le_bytes());
-    }
-    bytes
-}
-
-fn unpack(bytes: &[u8], key: u32, streams: &[&[CleanSample]]) -> Option<Vec<Vec<LookBackLogits>>> {
-    let (found, bytes) = bytes.split_first_chunk::<4>()?;
+fn unpack(bytes: &[u8], streams: &[&[CleanSample]]) -> Option<Vec<Vec<LookBackLogits>>> {
     let patches: usize = streams.iter().map(|emg| emg.len() / PATCH).sum();
-    if u32::from_le_bytes(*found) != key || bytes.len() != patches * size_of::<LookBackLogits>() {
+    if bytes.len() != patches * size_of::<LookBackLogits>() {
         return None;
     }
     let (values, _) = bytes.as_chunks::<4>();
@@ -82,14 +79,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kept_targets_are_used_for_the_same_weights_and_streams_alone() {
+    fn kept_targets_are_used_for_the_same_streams_alone() {
         let stream = [[0; 8]; 25];
         let mut targets = vec![vec![LookBackLogits::default(); 2]];
         targets[0][1][5][2] = 1.5;
-        let bytes = pack(&targets, 7);
-        assert_eq!(unpack(&bytes, 7, &[&stream]), Some(targets));
-        assert_eq!(unpack(&bytes, 8, &[&stream]), None);
-        assert_eq!(unpack(&bytes, 7, &[&stream[..9]]), None);
-        assert_eq!(unpack(&bytes[..bytes.len() - 1], 7, &[&stream]), None);
+        let bytes = pack(&targets);
+        assert_eq!(unpack(&bytes, &[&stream]), Some(targets));
+        assert_eq!(unpack(&bytes, &[&stream[..9]]), None);
+        assert_eq!(unpack(&bytes[..bytes.len() - 1], &[&stream]), None);
     }
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::context::RunContext;
 use super::error::StepError;
+use super::lineage;
+use super::preflight::refuse_impossible;
 use crate::execution::progress;
-use crate::execution::run_folder::RunFolder;
 use crate::teacher;
 use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
@@ -18,6 +19,7 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
     let preset = &context.config.preset;
     let corpus = context.config.training(&context.library);
     let validation = context.config.validation(&context.library);
+    refuse_impossible(preset, &context.inference_device())?;
     if validation.streams.is_empty() {
         return Err(StepError::NoValidation);
     }
@@ -28,13 +30,20 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
         validation.streams.len(),
         validation.seconds(),
     ));
+    let made_from = context.config.teacher_lineage();
     context.device.seed(preset.seed);
     let mut model = preset.teacher.init(preset.classes, &context.device);
     if let Some(start) = &context.config.start {
+        if lineage::start_weights(start).ok() != context.config.start_weights {
+            let start = start.clone();
+            return Err(StepError::StartChanged { start });
+        }
         model = load_start(start, model)?;
     }
     if preset.teacher_training.epochs == 0 {
-        context.folder.save_model(teacher::training::NAME, &model)?;
+        context
+            .folder
+            .save_model(teacher::training::NAME, made_from, &model)?;
         return Ok(());
     }
     let learner = TeacherLearner::new(
@@ -45,14 +54,15 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
         preset.seed,
         &context.device,
     );
-    learner.train(model, &context.folder, context.resume, &context.interrupt)?;
+    learner.train(model, &context.training(made_from))?;
     Ok(())
 }
 
 /// The weights that training starts from: another run's teacher, or a checkpoint in the reference's format.
 fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
-        return Ok(RunFolder::existing(start)?.load_model(teacher::training::NAME, model)?);
+        let (folder, origin) = RunContext::find(start)?;
+        return Ok(folder.load_model(teacher::training::NAME, origin.teacher_lineage(), model)?);
     }
     Ok(teacher::checkpoint::load(start, model)?)
 }

@@ -25,6 +25,13 @@ pub struct StudentConfig {
     pub span: usize,
     /// Companding of the input.
     pub companding: Companding,
+    /// Whether a board has to have room for it; otherwise only a PC runs it.
+    #[serde(default = "yes")]
+    pub board: bool,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 impl StudentConfig {

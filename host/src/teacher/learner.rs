@@ -11,10 +11,9 @@ use super::model::{Teacher, TeacherInput, TeacherOutput};
 use super::training::{ADAPTED, NAME, TeacherTraining};
 use super::window::{Example, WindowShape, examples};
 use crate::dataset::corpus::Corpus;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::run_folder::{RunError, RunFolder};
+use crate::execution::run_folder::RunError;
 use crate::training::augmentation::Variation;
-use crate::training::fit::fit;
+use crate::training::fit::{Training, fit};
 use crate::training::learner::{Learner, SHARDS, WeightedMetric};
 use crate::training::loss::cross_entropy;
 use crate::training::tensor::{best_class, read_back};
@@ -62,17 +61,15 @@ impl<'a> TeacherLearner<'a> {
     pub(crate) fn train(
         &self,
         model: Teacher,
-        run: &RunFolder,
-        resume: bool,
-        interrupt: &Interrupt,
+        training: &Training<'_>,
     ) -> Result<Teacher, RunError> {
         let config = self.config.train_config(self.seed);
         let Some(lora) = self.config.lora else {
-            return fit(self, model, config, run, resume, interrupt);
+            return fit(self, model, config, training);
         };
-        let adapted = fit(self, lora.adapt(model), config, run, resume, interrupt)?;
+        let adapted = fit(self, lora.adapt(model), config, training)?;
         let merged = adapted.valid().materialize();
-        run.save_model(NAME, &merged)?;
+        training.run.save_model(NAME, training.made_from, &merged)?;
         Ok(merged)
     }
 

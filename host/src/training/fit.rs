@@ -1,22 +1,23 @@
 //! The training loop: epochs, schedule, checkpoints, resume, interrupt.
 
-use burn::module::Module;
-use burn::optim::ModuleOptimizer;
+use burn::module::Module as _;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
+use super::checkpoint::{Checkpoint, Progress, Store};
 use super::ema::Ema;
-use super::learner::Learner;
+use super::learner::{Learner, WeightedMetric};
 use super::metrics::{EpochMetrics, RunningMeans};
 use super::optimizer::{gradients, optimizer};
 use super::schedule::{LearningRate, LrSchedule};
+use crate::execution::fingerprint::Fingerprint;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
-use crate::execution::run_folder::{RunError, RunFolder};
+use crate::execution::run_folder::{RunError, RunFolder, load_model_bytes, model_bytes};
 
 /// How a model is trained.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TrainConfig {
     /// Number of epochs.
     pub epochs: usize,
@@ -33,162 +34,148 @@ pub struct TrainConfig {
     pub seed: u64,
 }
 
-/// What a resumed run needs to know beside weights and optimizer.
-#[derive(Debug, Default, Serialize, Deserialize)]
-struct State {
-    epochs_done: usize,
-    step: usize,
-    /// Lowest validation loss so far.
-    best: Option<f64>,
+/// Where a training keeps its files, and what they belong to.
+#[derive(Clone, Copy, Debug)]
+pub struct Training<'a> {
+    /// The run folder.
+    pub run: &'a RunFolder,
+    /// All that the trained weights depend on, apart from [`TrainConfig`] and the learner's name and steps.
+    pub made_from: Fingerprint,
+    /// Whether to continue after the last complete epoch.
+    pub resume: bool,
+    /// The user's request to stop.
+    pub interrupt: &'a Interrupt,
 }
 
-/// Trains and returns the checkpoint of the lowest validation loss, `NAME.bpk` in the run folder.
+/// Trains and returns the weights of the lowest validation loss, which are then in the run folder as `NAME.bpk`.
 ///
-/// With `resume` a run continues after its last complete epoch. Each epoch draws from a generator of
-/// its own, so a resumed run gives the same weights as an uninterrupted one.
+/// Each epoch draws from a generator of its own and ends with a checkpoint, so a resumed training gives the same
+/// weights as an uninterrupted one.
 ///
 /// # Errors
-/// When the folder cannot be written or the user interrupts.
+/// When the checkpoint to resume from is another training's, a loss is infinite or no number, the folder cannot be
+/// written or the user interrupts.
 pub fn fit<L: Learner>(
     learner: &L,
     model: L::Model,
     config: TrainConfig,
-    run: &RunFolder,
-    resume: bool,
-    interrupt: &Interrupt,
+    training: &Training<'_>,
 ) -> Result<L::Model, RunError> {
-    let name = learner.name();
-    let files = Files::of(name, run);
-    let steps = learner.steps();
+    let (name, steps, run) = (learner.name(), learner.steps(), training.run);
     let schedule = LearningRate::new(
         config.learning_rate,
         config.lr_schedule,
         config.epochs * steps.max(1),
     );
-    let (mut model, mut optimizer, mut state) =
-        files.start(model, optimizer(config.weight_decay), resume)?;
-    let mut ema = files.ema(&model, config.ema_decay, state.step)?;
+    let store = Store {
+        run,
+        name,
+        made_from: Fingerprint::of(&(training.made_from, name, config, steps)),
+    };
+    if !training.resume {
+        store.clear()?;
+    }
+    let fresh = optimizer(config.weight_decay);
+    let mut checkpoint = match store.load(&model, fresh.clone())? {
+        Some(checkpoint) => checkpoint,
+        None => Checkpoint {
+            progress: Progress::default(),
+            optimizer: fresh,
+            average: (config.ema_decay > 0.0).then(|| model.clone()),
+            best: Vec::new(),
+            model,
+        },
+    };
+    let mut step = checkpoint.progress.step;
+    let mut ema = checkpoint
+        .average
+        .as_ref()
+        .map(|average| Ema::new(average, config.ema_decay, step));
 
-    for epoch in state.epochs_done..config.epochs {
+    for epoch in checkpoint.progress.epochs.len() + 1..=config.epochs {
         let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
-        rng.set_stream(1 + epoch as u64);
-        let title = format!("{name} epoch {}/{}", epoch + 1, config.epochs);
+        rng.set_stream(epoch as u64);
+        let title = format!("{name} epoch {epoch}/{}", config.epochs);
         let items = learner.epoch(&mut rng);
         let bar = progress::bar(items.len(), &title);
-        let mut training = RunningMeans::default();
+        let mut means = RunningMeans::default();
         let mut rate = 0.0;
         for item in items {
-            if interrupt.requested() {
+            if training.interrupt.requested() {
                 return Err(run.interrupted());
             }
-            rate = schedule.rate(state.step);
-            let (gradients, metrics) = gradients(learner, &model, learner.shards(&item, &mut rng));
-            model = optimizer.step(rate, model, gradients);
-            state.step += 1;
+            rate = schedule.rate(step);
+            let (gradients, metrics) =
+                gradients(learner, &checkpoint.model, learner.shards(&item, &mut rng));
+            finite(name, epoch, "training", &metrics)?;
+            checkpoint.model = checkpoint.optimizer.step(rate, checkpoint.model, gradients);
+            step += 1;
             if let Some(ema) = &mut ema {
-                ema.add(&model);
+                ema.add(&checkpoint.model);
             }
-            training.add(&metrics);
-            bar.set_message(training.to_string());
+            means.add(&metrics);
+            bar.set_message(means.to_string());
             bar.inc(1);
         }
         bar.finish_and_clear();
 
-        let average = ema.as_ref().map(|ema| ema.apply(model.clone()));
-        let kept = average.as_ref().unwrap_or(&model);
+        checkpoint.average = ema.as_ref().map(|ema| ema.apply(checkpoint.model.clone()));
+        let kept = checkpoint.average.as_ref().unwrap_or(&checkpoint.model);
         let (loss, metrics) = learner.validate(&kept.valid());
+        let selecting = WeightedMetric {
+            name: "selecting",
+            mean: loss,
+            weight: 1.0,
+        };
+        finite(name, epoch, "validation", &[selecting])?;
         let mut validation = RunningMeans::default();
         validation.add(&metrics);
-        progress::log(&format!(
-            "{title}: train {training}; validation {validation}"
-        ));
-        if state.best.is_none_or(|best| loss < best) {
-            state.best = Some(loss);
-            run.save_model(name, kept)?;
+        progress::log(&format!("{title}: train {means}; validation {validation}"));
+        let best = checkpoint.progress.best_loss;
+        if best.is_none_or(|best| loss < best) {
+            checkpoint.progress.best_loss = Some(loss);
+            checkpoint.best = model_bytes(&run.checkpoint_path(name), kept)?;
         }
-        if average.is_some() {
-            run.save_model(&files.ema, kept)?;
-        }
-        state.epochs_done = epoch + 1;
-        let line = EpochMetrics {
-            epoch: epoch + 1,
-            step: state.step,
+        checkpoint.progress.step = step;
+        checkpoint.progress.epochs.push(EpochMetrics {
+            epoch,
+            step,
             learning_rate: rate,
-            train: training.by_name(),
+            train: means.by_name(),
             validation_loss: loss,
             validation: validation.by_name(),
-        };
-        files.save(&model, &optimizer, &line, &state)?;
+        });
+        store.save(&checkpoint)?;
     }
-    run.load_model(name, model)
+    let best = load_model_bytes(
+        &run.checkpoint_path(name),
+        checkpoint.best,
+        checkpoint.model,
+    )?;
+    run.save_model(name, training.made_from, &best)?;
+    Ok(best)
 }
 
-/// The files of one training in a run folder.
-struct Files<'a> {
-    run: &'a RunFolder,
-    /// Weights after the last complete epoch.
-    last: String,
-    /// Average of the weights after the last complete epoch.
-    ema: String,
-    optimizer: String,
-    state: String,
-    metrics: String,
-}
-
-impl<'a> Files<'a> {
-    fn of(name: &str, run: &'a RunFolder) -> Self {
-        Self {
-            run,
-            last: format!("{name}-last"),
-            ema: format!("{name}-ema"),
-            optimizer: format!("{name}-optimizer"),
-            state: format!("{name}-state.json"),
-            metrics: format!("{name}.jsonl"),
-        }
-    }
-
-    /// Where training starts: as given, or where an interrupted run stopped.
-    fn start<M: Module>(
-        &self,
-        mut model: M,
-        mut optimizer: ModuleOptimizer,
-        resume: bool,
-    ) -> Result<(M, ModuleOptimizer, State), RunError> {
-        let mut state = State::default();
-        if resume && self.run.file(&self.state).exists() {
-            state = self.run.load_json(&self.state)?;
-            model = self.run.load_model(&self.last, model)?;
-            optimizer = self.run.load_optimizer(&self.optimizer, optimizer)?;
-        }
-        self.run.retain_lines(&self.metrics, |line| {
-            line["epoch"].as_u64() <= Some(state.epochs_done as u64)
-        })?;
-        Ok((model, optimizer, state))
-    }
-
-    /// The average of the weights after so many steps; none if none is kept.
-    fn ema<M: Module>(&self, model: &M, decay: f64, steps: usize) -> Result<Option<Ema>, RunError> {
-        if decay <= 0.0 {
-            return Ok(None);
-        }
-        let average = match steps {
-            0 => model.clone(),
-            _ => self.run.load_model(&self.ema, model.clone())?,
-        };
-        Ok(Some(Ema::new(&average, decay, steps)))
-    }
-
-    /// Saves all that a resumed run starts from; the state last, which says that the rest is whole.
-    fn save<M: Module>(
-        &self,
-        model: &M,
-        optimizer: &ModuleOptimizer,
-        line: &EpochMetrics,
-        state: &State,
-    ) -> Result<(), RunError> {
-        self.run.save_model(&self.last, model)?;
-        self.run.save_optimizer(&self.optimizer, optimizer)?;
-        self.run.append(&self.metrics, line)?;
-        self.run.save_json(&self.state, state)
+/// Refuses metrics, each a part of the loss, that are infinite or no number.
+fn finite(
+    name: &str,
+    epoch: usize,
+    what: &str,
+    metrics: &[WeightedMetric],
+) -> Result<(), RunError> {
+    let wrong = metrics
+        .iter()
+        .find(|metric| metric.weight > 0.0 && !metric.mean.is_finite());
+    match wrong {
+        None => Ok(()),
+        Some(metric) => Err(RunError::Diverged {
+            name: name.to_owned(),
+            epoch,
+            what: format!("{what} loss ({})", metric.name),
+            loss: metric.mean,
+        }),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,6 +2,7 @@
 //! weight averaging, the loss, dropout, augmentation.
 
 pub mod augmentation;
+mod checkpoint;
 pub mod dropout;
 mod ema;
 pub mod fit;

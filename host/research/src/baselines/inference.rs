@@ -11,9 +11,11 @@ use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, Network, TraHg
 use super::windows::PaddedStream;
 use myointent::evaluation::Candidate;
 use myointent::evaluation::Trial;
+use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::parallel;
 use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::context::RunContext;
+use myointent::run::evaluate::if_own;
 use myointent::training::dropout::Dropout;
 use myointent::training::tensor::read_back;
 
@@ -54,31 +56,39 @@ pub(crate) struct TrainedBaseline {
 }
 
 impl TrainedBaseline {
-    /// Loads a baseline from a run folder; none if it has not been trained there.
+    /// Loads a baseline that was trained on these streams from a run folder; none if it has not been trained there.
     ///
     /// The device is one without gradients.
     ///
     /// # Errors
-    /// When its files are damaged or of another shape.
+    /// When its files are damaged, of other streams or of another shape.
     pub(crate) fn load(
         baseline: Baseline,
         run: &RunFolder,
+        streams: Fingerprint,
         classes: usize,
         device: &Device,
     ) -> Result<Option<Self>, RunError> {
         if !run.file(&baseline.model_file()).exists() {
             return Ok(None);
         }
-        let from = (baseline, run, device);
+        let features: FeatureExtraction = run
+            .load_stamped(&baseline.features_file(), streams)?
+            .content;
+        let made_from = features.lineage(streams);
+        let from = (baseline, run, made_from, device);
         let model: Box<dyn Predict> = match baseline {
-            Baseline::Lda => Box::new(run.load_json::<Lda>(&baseline.model_file())?),
+            Baseline::Lda => {
+                let file = run.load_stamped::<Lda>(&baseline.model_file(), made_from)?;
+                Box::new(file.content)
+            }
             Baseline::Mlp => load(MlpConfig::default().init(classes, device), from)?,
             Baseline::Lstm => load(LstmBaselineConfig::default().init(classes, device), from)?,
             Baseline::EdTcn => load(EdTcnConfig::default().init(classes, device), from)?,
             Baseline::TraHgr => load(TraHgrConfig::default().init(classes, device), from)?,
         };
         Ok(Some(Self {
-            features: run.load_json(&baseline.features_file())?,
+            features,
             classes,
             model,
         }))
@@ -108,10 +118,12 @@ impl TrainedBaseline {
 /// Loads trained weights into a network with random ones.
 fn load<N: Network + Send + 'static>(
     network: N,
-    (baseline, run, device): (Baseline, &RunFolder, &Device),
+    (baseline, run, made_from, device): (Baseline, &RunFolder, Fingerprint, &Device),
 ) -> Result<Box<dyn Predict>, RunError> {
     Ok(Box::new(NetworkOnDevice {
-        network: run.load_model(baseline.file_stem(), network)?.valid(),
+        network: run
+            .load_model(baseline.file_stem(), made_from, network)?
+            .valid(),
         device: device.clone(),
     }))
 }
@@ -125,10 +137,11 @@ pub(crate) fn candidates(
     trials: &[Trial],
 ) -> Result<Vec<Candidate>, RunError> {
     let (folder, classes) = (&context.folder, context.config.preset.classes);
-    let device = context.inference_device();
+    let (device, streams) = (context.inference_device(), context.config.streams_lineage());
     let mut candidates = Vec::new();
     for baseline in Baseline::ALL {
-        let Some(trained) = TrainedBaseline::load(baseline, folder, classes, &device)? else {
+        let trained = TrainedBaseline::load(baseline, folder, streams, classes, &device);
+        let Some(trained) = if_own(trained)?.flatten() else {
             continue;
         };
         let logits = parallel::map(

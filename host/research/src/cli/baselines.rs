@@ -1,5 +1,6 @@
 //! `myointent-research baselines`: the paper's five baselines.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::bail;
@@ -70,7 +71,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     baselines.retain(|baseline| arguments.only.is_empty() || arguments.only.contains(baseline));
     train_all(&context, &baselines, &settings)?;
     for baseline in baselines {
-        println!("{}", context.folder.file(&baseline.model_file()).display());
+        let model = context.folder.file(&baseline.model_file());
+        writeln!(std::io::stdout(), "{}", model.display())?;
     }
     Ok(())
 }
@@ -88,8 +90,14 @@ fn context(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> 
         );
     }
     let library = arguments.data.load(&preset)?;
-    let data = arguments.data.data.as_deref();
-    let config = ResolvedConfig::new(preset, &library, data, arguments.data.strict, None)?;
+    let data = arguments.data.folder();
+    let config = ResolvedConfig::new(
+        preset,
+        &library,
+        data.as_deref(),
+        arguments.data.strict,
+        None,
+    )?;
     Ok(RunContext {
         interrupt: Interrupt::listen(),
         ..RunContext::begin(folder, config, library, arguments.backend.device())?

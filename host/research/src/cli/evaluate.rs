@@ -1,16 +1,15 @@
 //! `myointent-research evaluate`: teacher, baselines and students of a run, side by side.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
 
 use myointent::cli::arguments::{BackendArguments, open_run};
 use myointent::report::run_report::{self, REPORT};
 use myointent::report::scores::tables;
 use myointent::run::evaluate::evaluate;
-use myointent::run::quantize::MODEL;
+use myointent::run::quantize::ModelFile;
 
 use crate::baselines::inference::candidates;
 
@@ -35,13 +34,9 @@ pub(super) struct Arguments {
 /// When a model is damaged or the folder cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
-    let path = context.folder.file(MODEL);
-    let model = match std::fs::read(&path) {
-        Ok(bytes) => Some(bytes),
-        Err(error) if error.kind() == ErrorKind::NotFound => None,
-        Err(error) => return Err(error).with_context(|| path.display().to_string()),
-    };
-    let (results, judged) = evaluate(&context, model.as_deref(), &|trials| {
+    // A run with baselines alone is evaluated too.
+    let model = ModelFile::of_run(&context)?;
+    let (results, judged) = evaluate(&context, model.as_ref(), &|trials| {
         Ok(candidates(&context, trials)?)
     })?;
     let page = context.folder.file(REPORT);

@@ -10,7 +10,9 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use myointent::cli::is_broken_pipe;
+use myointent::execution::progress;
 
+use crate::baselines::settings::SettingsError;
 use crate::baselines::training::TrainingError;
 use crate::comparison::study::JobError;
 
@@ -19,7 +21,7 @@ use crate::comparison::study::JobError;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 success, 1 failure, 2 wrong arguments, 130 interrupted (continue with --resume; `study` continues by itself)."
+    after_help = "Exit codes: 0 success, 1 failure, 2 wrong arguments, 130 interrupted."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -44,6 +46,11 @@ impl Cli {
     /// Runs the command, prints its error if it fails, and returns the exit code.
     #[must_use]
     pub fn run(self) -> ExitCode {
+        let advice = match &self.command {
+            Command::Baselines(_) => "to continue, give the same command and --resume",
+            Command::Study(_) => "to continue, give the same command",
+            _ => "to try again, give the same command",
+        };
         let result = match self.command {
             Command::Baselines(arguments) => baselines::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
@@ -55,26 +62,36 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("error: {error:#}");
+                progress::log(&format!("error: {error:#}"));
+                if is_interrupt(&error) {
+                    progress::log(advice);
+                }
                 exit_code(&error)
             }
         }
     }
 }
 
-/// 130 after Ctrl-C, 1 after any other failure.
+/// 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.
 fn exit_code(error: &anyhow::Error) -> ExitCode {
-    let interrupted = error
+    let missing = error
+        .downcast_ref()
+        .is_some_and(|error| matches!(error, SettingsError::Missing { .. }));
+    if missing {
+        ExitCode::from(2)
+    } else {
+        myointent::cli::exit_code(error, is_interrupt(error))
+    }
+}
+
+fn is_interrupt(error: &anyhow::Error) -> bool {
+    error
         .downcast_ref::<JobError>()
         .is_some_and(JobError::is_interrupt)
         || error
             .downcast_ref::<TrainingError>()
-            .is_some_and(TrainingError::is_interrupt);
-    if interrupted {
-        ExitCode::from(130)
-    } else {
-        myointent::cli::exit_code(error)
-    }
+            .is_some_and(TrainingError::is_interrupt)
+        || myointent::cli::is_interrupt(error)
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::bail;
 use clap::{Args, ValueEnum as _};
 
 use crate::baselines::settings::find_preset;
@@ -13,6 +12,7 @@ use crate::comparison::variant::{Variant, data_sets};
 use myointent::cli::arguments::{BackendArguments, DataArguments};
 use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
+use myointent::run::resolve::ConfigError;
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
@@ -67,13 +67,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut readable = preset.clone();
     readable.data.data_sets = data_sets(variants, &preset);
     let library = Arc::new(arguments.data.load(&readable)?);
+    let data = arguments.data.folder();
     let study = Study {
         folder: &arguments.study,
         preset: &preset,
         protocol: arguments.protocol,
         baselines: &baselines,
         library,
-        data: arguments.data.data.as_deref(),
+        data: data.as_deref(),
         strict: arguments.data.strict,
         device: arguments.backend.device(),
         interrupt: &interrupt,
@@ -88,10 +89,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             .filter(|fold| !variant.has_folds() || selected(fold))
             .collect();
         if jobs.is_empty() {
-            bail!(
-                "{variant} has folds 1 to {}: --fold is out of range",
-                folds.len()
-            );
+            return Err(ConfigError::Fold {
+                number: arguments.fold.unwrap_or_default(),
+                of: folds.len(),
+            }
+            .into());
         }
         for fold in jobs {
             if arguments.list {
@@ -114,7 +116,7 @@ fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> Stri
     option("preset", arguments.preset.clone());
     option("study", arguments.study.display().to_string());
     option("protocol", arguments.protocol.to_string());
-    if let Some(data) = &arguments.data.data {
+    if let Some(data) = arguments.data.folder() {
         option("data", data.display().to_string());
     }
     option("variant", variant.to_string());

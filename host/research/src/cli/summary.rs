@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::comparison::results::VariantResults;
 use crate::comparison::tables::folds;
+use myointent::execution::progress;
 use myointent::execution::run_folder::RunFolder;
 use myointent::report::scores::tables;
 use myointent::run::evaluate::Results;
@@ -51,7 +52,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let variant = VariantResults::load(&arguments.folder)?;
     let warnings = variant.warnings();
     for warning in &warnings {
-        eprintln!("WARNING: {warning}");
+        progress::log(&format!("WARNING: {warning}"));
     }
     let summary = Summary {
         variant: &variant.name,

@@ -3,11 +3,13 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Args;
 
 use crate::comparison::results::{StudyResults, VariantResults};
 use crate::comparison::tables::page;
-use myointent::execution::run_folder::{RunFolder, write_whole};
+use myointent::execution::progress;
+use myointent::execution::run_folder::write_whole;
 
 /// Arguments of `tables`.
 #[derive(Debug, Args)]
@@ -25,6 +27,10 @@ pub(super) struct Arguments {
     /// Folder to write to.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Write tables although a run was made by a program whose source had changes that were not committed. Nobody can
+    /// make such numbers again.
+    #[arg(long)]
+    allow_dirty: bool,
 }
 
 /// Writes the tables.
@@ -33,18 +39,22 @@ pub(super) struct Arguments {
 /// When runs cannot be read, folds do not belong together or the folder cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let study = StudyResults::load(&arguments.study)?;
+    if !arguments.allow_dirty {
+        study.refuse_dirty()?;
+    }
     for warning in study.variants.values().flat_map(VariantResults::warnings) {
-        eprintln!("WARNING: {warning}");
+        progress::log(&format!("WARNING: {warning}"));
     }
     let page = page(&study);
-    let folder = RunFolder::open(&arguments.out)?;
+    let folder = &arguments.out;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let mut out = std::io::stdout().lock();
     for sheet in page.sheets() {
-        let path = folder.file(&format!("{}.csv", sheet.name));
+        let path = folder.join(format!("{}.csv", sheet.name));
         write_whole(&path, &sheet.csv()?)?;
         writeln!(out, "{}", path.display())?;
     }
-    let path = folder.file("tables.md");
+    let path = folder.join("tables.md");
     write_whole(&path, page.markdown().as_bytes())?;
     writeln!(out, "{}", path.display())?;
     Ok(())

@@ -18,9 +18,9 @@ use myointent::run::StepError;
 use myointent::run::config::{CONFIG, ResolvedConfig};
 use myointent::run::context::RunContext;
 use myointent::run::distill::{distill, train_on_labels};
-use myointent::run::evaluate::{RESULTS, evaluate};
+use myointent::run::evaluate::{RESULTS, Results, evaluate};
 use myointent::run::preset::Preset;
-use myointent::run::quantize::{MODEL, quantize};
+use myointent::run::quantize::{MODEL, ModelFile, quantize};
 use myointent::run::resolve::{ConfigError, FoldChoice};
 use myointent::run::train::train;
 use myointent::teacher;
@@ -119,11 +119,12 @@ impl Study<'_> {
     pub(crate) fn run(&self, variant: Variant, fold: Option<usize>) -> Result<(), JobError> {
         let path = self.path(variant, fold);
         let folder = RunFolder::open(&path)?;
-        if folder.file(RESULTS).exists() {
+        let config = self.config(variant, fold, &folder)?;
+        let made_from = config.fingerprint();
+        if folder.load_stamped::<Results>(RESULTS, made_from).is_ok() {
             progress::log(&format!("{}: already evaluated", path.display()));
             return Ok(());
         }
-        let config = self.config(variant, fold, &folder)?;
         progress::log(&format!(
             "{}: held out: {}",
             path.display(),
@@ -149,11 +150,12 @@ impl Study<'_> {
                 train_on_labels(&context)?;
                 train_all(&context, &Baseline::ALL, self.baselines)?;
             }
-            Some(quantize(&context, &context.folder.file(MODEL))?)
+            quantize(&context, &context.folder.file(MODEL))?;
+            ModelFile::of_run(&context)?
         } else {
             None
         };
-        evaluate(&context, model.as_deref(), &|trials| {
+        evaluate(&context, model.as_ref(), &|trials| {
             Ok(candidates(&context, trials)?)
         })?;
         Ok(())
@@ -190,11 +192,9 @@ impl Study<'_> {
             config.start_from(&start)?;
         }
         match ResolvedConfig::load(folder) {
-            Ok(saved) if saved.preset != config.preset || saved.split != config.split => {
-                Err(JobError::OtherRun {
-                    path: folder.file(CONFIG),
-                })
-            }
+            Ok(saved) if saved.fingerprint() != config.fingerprint() => Err(JobError::OtherRun {
+                path: folder.file(CONFIG),
+            }),
             Ok(saved) => Ok(saved),
             Err(RunError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
                 config.save(folder)?;

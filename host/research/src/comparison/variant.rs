@@ -169,6 +169,8 @@ fn student_preset(mut preset: Preset, width: usize, layers: usize) -> Preset {
     preset.student.d_model = width;
     preset.student.layers = layers;
     preset.student.span = usual_span(layers);
+    // The question is what size gains, on whatever computer.
+    preset.student.board = false;
     preset.data.data_sets.clear();
     preset.data.balance = 0.5;
     preset.distillation.patches = 2 * WINDOW_PATCHES;

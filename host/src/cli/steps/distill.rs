@@ -1,5 +1,6 @@
 //! `myointent distill`: the student.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -15,7 +16,8 @@ pub struct Arguments {
     /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Weight of the soft targets in the loss, instead of the preset's; 0 trains on the labels alone.
+    /// Weight of the soft targets in the loss, instead of the preset's; 0 trains on the labels alone. Changes the
+    /// run's configuration: results and model file of the student before are no longer this run's.
     #[arg(long, value_name = "0..1", value_parser = share)]
     teacher_share: Option<f64>,
     /// Train a second student on the labels alone, for comparison with the distilled one.
@@ -45,8 +47,15 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ..open_run(&arguments.run, arguments.backend)?
     };
     if let Some(share) = arguments.teacher_share {
-        context.config.preset.distillation.teacher_share = share;
-        context.config.save(&context.folder)?;
+        let mut config = context.config.clone();
+        config.preset.distillation.teacher_share = share;
+        if arguments.resume {
+            context.config.must_equal(&config, &context.folder)?;
+        } else {
+            // Another student, and so other results; the teacher stays the same.
+            config.save(&context.folder)?;
+            context.config = config;
+        }
     }
     let name = if arguments.labels_only {
         distill::train_on_labels(&context)?;
@@ -55,6 +64,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         distill::distill(&context)?;
         distillation::NAME
     };
-    println!("{}", context.folder.weights_path(name).display());
+    let weights = context.folder.weights_path(name);
+    writeln!(std::io::stdout(), "{}", weights.display())?;
     Ok(())
 }

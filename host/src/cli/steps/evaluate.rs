@@ -3,15 +3,13 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, open_run};
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
-use crate::run::quantize::MODEL;
-use crate::student::distillation;
+use crate::run::quantize::ModelFile;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
@@ -28,7 +26,7 @@ pub struct Arguments {
     /// Run folder of `myointent quantize`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Model file to evaluate; the run folder's if not given.
+    /// Model file to evaluate; the run folder's if not given. The results of another model are printed and not kept.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Print results.json instead of tables.
@@ -44,24 +42,16 @@ pub struct Arguments {
 /// When a model is missing or damaged.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
-    let path = arguments
-        .model
-        .clone()
-        .unwrap_or_else(|| context.folder.file(MODEL));
     // A run with a teacher alone is evaluated too.
-    let expected = arguments.model.is_some() || context.has(distillation::NAME);
-    let model = expected
-        .then(|| std::fs::read(&path))
-        .transpose()
-        .with_context(|| {
-            format!(
-                "{}: no model file; run `myointent quantize` first",
-                path.display()
-            )
-        })?;
-    let (results, evaluation) = evaluate(&context, model.as_deref(), &no_more)?;
+    let model = match &arguments.model {
+        Some(path) => Some(ModelFile::read(&context, path)?),
+        None => ModelFile::of_run(&context)?,
+    };
+    let (results, evaluation) = evaluate(&context, model.as_ref(), &no_more)?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &evaluation, &page)?;
+    if evaluation.is_kept {
+        run_report::write(&context, &results, &evaluation, &page)?;
+    }
     let mut out = std::io::stdout().lock();
     if arguments.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;
@@ -70,7 +60,11 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             writeln!(out, "{}", table.plain())?;
         }
         writeln!(out, "held out: {}", results.held_out.join(", "))?;
-        writeln!(out, "report:   {}", page.display())?;
+        if evaluation.is_kept {
+            writeln!(out, "report:   {}", page.display())?;
+        } else {
+            writeln!(out, "not kept: the model file is not that of this run")?;
+        }
     }
     Ok(())
 }

@@ -1,10 +1,12 @@
 //! `myointent export`: the teacher's weights for other programs.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, open_run};
+use crate::cli::arguments::{BackendArguments, find_run};
+use crate::run::context::load_teacher;
 use crate::teacher::checkpoint;
 
 /// Arguments of `export`.
@@ -29,12 +31,16 @@ pub struct Arguments {
 /// # Errors
 /// When the run folder holds no teacher or the file cannot be written.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let context = open_run(&arguments.run, arguments.backend)?;
+    let (mut folder, config) = find_run(&arguments.run)?;
+    if arguments.out.is_none() {
+        folder = folder.locked()?;
+    }
     let out = arguments
         .out
         .clone()
-        .unwrap_or_else(|| context.folder.file("teacher.safetensors"));
-    checkpoint::save(&out, &context.teacher()?, &context.config.subjects_seen())?;
-    println!("{}", out.display());
+        .unwrap_or_else(|| folder.file("teacher.safetensors"));
+    let teacher = load_teacher(&folder, &config, &arguments.backend.device().inner())?;
+    checkpoint::save(&out, &teacher, &config.subjects_seen())?;
+    writeln!(std::io::stdout(), "{}", out.display())?;
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `myointent quantize`: the model file.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -31,6 +32,11 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .clone()
         .unwrap_or_else(|| context.folder.file(MODEL));
     let bytes = quantize(&context, &out)?;
-    println!("{} ({} bytes)", out.display(), bytes.len());
+    writeln!(
+        std::io::stdout(),
+        "{} ({} bytes)",
+        out.display(),
+        bytes.len()
+    )?;
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::cli::arguments::{BackendArguments, DataArguments, recordings};
+use crate::cli::arguments::{BackendArguments, DataArguments, resume_run};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
@@ -18,17 +18,13 @@ use crate::run::context::RunContext;
 use crate::run::distill::distill;
 use crate::run::evaluate::{INTEGER, Results, evaluate, no_more};
 use crate::run::preset::Preset;
-use crate::run::quantize::{MODEL, quantize};
+use crate::run::quantize::{MODEL, ModelFile, quantize};
 use crate::run::train::train;
-
-/// Folders that are searched for recordings if none is given.
-const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Recordings are read from --data, or else $MYOINTENT_DATA, ./data or ../shared/data; without any of them,\n\
-    synthetic ones are generated. The last lines of the output name them and the held-out subjects.\n\n\
+    after_help = "The last lines of the output name the recordings and the held-out subjects.\n\n\
     Examples:\n  myointent quickstart --data recordings\n  \
     myointent quickstart --preset cpu --data recordings --run runs/cpu"
 )]
@@ -36,13 +32,14 @@ pub struct Arguments {
     /// Run folder to write checkpoints, metrics, model file and report to.
     #[arg(long, value_name = "DIR", default_value = "runs/quickstart")]
     run: PathBuf,
-    /// Built-in preset or a TOML file.
-    #[arg(long, default_value = "quickstart")]
-    preset: String,
+    /// Built-in preset or a TOML file; quickstart if not given.
+    #[arg(long)]
+    preset: Option<String>,
     /// Seed of all random numbers, instead of the preset's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Continue an interrupted quickstart of this run folder.
+    /// Continue an interrupted quickstart of this run folder. Options that decide the outcome may be left out; if given,
+    /// they must be those that the run began with.
     #[arg(long)]
     resume: bool,
     /// Train the teacher even if the preset's student does not learn from it.
@@ -62,14 +59,9 @@ pub struct Arguments {
 /// # Errors
 /// When recordings, preset or folder cannot be used.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut preset = Preset::find(&arguments.preset)?;
+    let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("quickstart"))?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);
-    let found = DEFAULT_FOLDERS
-        .iter()
-        .map(Path::new)
-        .find(|folder| folder.is_dir());
-    let data = arguments.data.data.as_deref().or(found);
-    let context = begin(arguments, preset, data)?;
+    let context = begin(arguments, preset)?;
     log_start(&context);
 
     if arguments.teacher || context.config.preset.distillation.teacher_share > 0.0 {
@@ -77,8 +69,9 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     distill(&context)?;
     let model = context.folder.file(MODEL);
-    let bytes = quantize(&context, &model)?;
-    let (results, evaluation) = evaluate(&context, Some(&bytes), &no_more)?;
+    quantize(&context, &model)?;
+    let file = ModelFile::of_run(&context)?;
+    let (results, evaluation) = evaluate(&context, file.as_ref(), &no_more)?;
     // Again, now with the scores in the header.
     quantize(&context, &model)?;
     let page = context.folder.file(REPORT);
@@ -137,20 +130,28 @@ fn by_data_set(subjects: &[String]) -> String {
     sets.join("; ")
 }
 
-fn begin(arguments: &Arguments, preset: Preset, data: Option<&Path>) -> anyhow::Result<RunContext> {
-    let strict = arguments.data.strict;
-    let library = recordings(data, strict, &preset)?;
-    let folder = RunFolder::open(&arguments.run)?;
-    let config = if arguments.resume {
-        ResolvedConfig::load(&folder)?
-    } else {
-        ResolvedConfig::new(preset, &library, data, strict, None)?
-    };
+fn begin(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> {
+    let run = &arguments.run;
+    if arguments.resume && !repeated(arguments) {
+        return resume_run(run, arguments.backend, &arguments.data, None);
+    }
+    let library = arguments.data.load(&preset)?;
+    let (data, strict) = (arguments.data.folder(), arguments.data.strict);
+    let config = ResolvedConfig::new(preset, &library, data.as_deref(), strict, None)?;
+    if arguments.resume {
+        let repeated = Some((config, library));
+        return resume_run(run, arguments.backend, &arguments.data, repeated);
+    }
+    let folder = RunFolder::open(run)?;
     Ok(RunContext {
-        resume: arguments.resume,
         interrupt: Interrupt::listen(),
         ..RunContext::begin(folder, config, library, arguments.backend.device())?
     })
+}
+
+/// Whether the command repeats options that decide the outcome.
+fn repeated(arguments: &Arguments) -> bool {
+    arguments.preset.is_some() || arguments.seed.is_some() || arguments.data.strict
 }
 
 fn log_start(context: &RunContext) {

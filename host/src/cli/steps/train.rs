@@ -1,10 +1,12 @@
 //! `myointent train`: the teacher.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, DataArguments, open_run};
+use crate::cli::arguments::{BackendArguments, DataArguments, resume_run};
+use crate::dataset::Library;
 use crate::dataset::folds::Protocol;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
@@ -25,22 +27,22 @@ use crate::teacher;
     myointent train --preset mine.toml --data mine --from runs/loso/fold-1 --run runs/tuned"
 )]
 pub struct Arguments {
-    /// Built-in preset (quickstart, cpu, paper) or a TOML file.
-    #[arg(long, default_value = "cpu")]
-    preset: String,
+    /// Built-in preset (quickstart, cpu, paper) or a TOML file; cpu if not given.
+    #[arg(long)]
+    preset: Option<String>,
     /// Run folder to write checkpoints and metrics to.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
     /// Fine-tune the teacher of this run, or a checkpoint of the reference (.pth, .safetensors), with the
     /// preset's fine-tuning settings.
-    #[arg(long, value_name = "RUN|FILE", conflicts_with = "resume")]
+    #[arg(long, value_name = "RUN|FILE")]
     from: Option<PathBuf>,
     /// Train low-rank adapters alone (LoRA).
     #[arg(long, requires = "from")]
     lora: bool,
     /// Cross-validation: `loso` holds out one subject of each data set, `4-fold` (or any number) a
     /// fourth of them; without it, the preset's lists decide.
-    #[arg(long, requires = "fold", conflicts_with = "resume")]
+    #[arg(long, requires = "fold")]
     protocol: Option<Protocol>,
     /// Fold of the cross-validation, from 1 on; folds are independent.
     #[arg(long, requires = "protocol")]
@@ -48,7 +50,8 @@ pub struct Arguments {
     /// Seed of all random numbers, instead of the preset's.
     #[arg(long)]
     seed: Option<u64>,
-    /// Continue after the last complete epoch of this run folder.
+    /// Continue after the last complete epoch of this run folder. Options that decide the outcome may be left out; if
+    /// given, they must be those that the run began with.
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -63,10 +66,9 @@ pub struct Arguments {
 /// When recordings, preset or folder cannot be used.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = if arguments.resume {
-        RunContext {
-            resume: true,
-            ..open_run(&arguments.run, arguments.backend)?
-        }
+        let repeated = repeated(arguments).then(|| resolve(arguments));
+        let (run, data) = (&arguments.run, &arguments.data);
+        resume_run(run, arguments.backend, data, repeated.transpose()?)?
     } else {
         begin(arguments)?
     };
@@ -75,18 +77,23 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         context.config.split.held_out.join(", ")
     ));
     train::train(&context)?;
-    println!(
-        "{}",
-        context
-            .folder
-            .weights_path(teacher::training::NAME)
-            .display()
-    );
+    let weights = context.folder.weights_path(teacher::training::NAME);
+    writeln!(std::io::stdout(), "{}", weights.display())?;
     Ok(())
 }
 
-fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
-    let mut preset = Preset::find(&arguments.preset)?;
+/// Whether the command repeats options that decide the outcome.
+fn repeated(arguments: &Arguments) -> bool {
+    arguments.preset.is_some()
+        || arguments.from.is_some()
+        || arguments.protocol.is_some()
+        || arguments.seed.is_some()
+        || arguments.data.strict
+}
+
+/// The configuration that the options give, and the recordings.
+fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
+    let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("cpu"))?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);
     let library = arguments.data.load(&preset)?;
     if arguments.from.is_some() {
@@ -96,13 +103,18 @@ fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
     let mut config = ResolvedConfig::new(
         preset,
         &library,
-        arguments.data.data.as_deref(),
+        arguments.data.folder().as_deref(),
         arguments.data.strict,
         fold.map(|(protocol, number)| FoldChoice { protocol, number }),
     )?;
     if let Some(start) = &arguments.from {
         config.start_from(start)?;
     }
+    Ok((config, library))
+}
+
+fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
+    let (config, library) = resolve(arguments)?;
     let folder = RunFolder::open(&arguments.run)?;
     let device = arguments.backend.device();
     Ok(RunContext {

@@ -4,6 +4,12 @@ use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
 
 use super::Preset;
+use super::memory::LIMIT;
+
+/// Most epochs of a training.
+const EPOCHS: usize = 1_000_000;
+/// Most seconds of spliced recordings of a subject.
+const DAY: f64 = 86_400.0;
 
 /// A value that a run cannot use.
 pub(super) struct Invalid {
@@ -44,6 +50,7 @@ impl Preset {
             .or_else(|| self.invalid_distillation())
             .or_else(|| self.invalid_augmentation())
             .or_else(|| self.invalid_data())
+            .or_else(|| self.too_large())
     }
 
     fn invalid_teacher(&self) -> Option<Invalid> {
@@ -181,6 +188,28 @@ impl Preset {
             })
     }
 
+    /// Sizes that no memory holds, and numbers of epochs that nobody sees the end of.
+    fn too_large(&self) -> Option<Invalid> {
+        let gibibytes = |bytes: f64| format!("of about {:.0} GiB", bytes / f64::from(1 << 30));
+        let memory = |key, bytes: f64| {
+            (bytes > LIMIT).then(|| Invalid {
+                key,
+                found: gibibytes(bytes),
+                expected: "a step of 64 GiB at most: smaller dimensions or a smaller batch",
+            })
+        };
+        let epochs = [
+            ("teacher_training.epochs", self.teacher_training.epochs),
+            ("fine_tuning.epochs", self.fine_tuning.epochs),
+            ("distillation.epochs", self.distillation.epochs),
+        ];
+        epochs
+            .into_iter()
+            .find_map(|(key, epochs)| require(epochs <= EPOCHS, key, epochs, "at most 1000000"))
+            .or_else(|| memory("teacher", self.teacher_bytes()))
+            .or_else(|| memory("student", self.student_bytes()))
+    }
+
     fn invalid_data(&self) -> Option<Invalid> {
         let data = &self.data;
         let seconds = data.spliced_seconds;
@@ -204,10 +233,10 @@ impl Preset {
                 "0 to 1",
             ),
             require(
-                seconds.is_finite() && seconds >= 0.0 && (seconds >= 10.0 || data.as_published),
+                (0.0..=DAY).contains(&seconds) && (seconds >= 10.0 || data.as_published),
                 "data.spliced_seconds",
                 seconds,
-                "10 or more, or as_published = true",
+                "10 to 86400, or as_published = true",
             ),
         ]
         .into_iter()

@@ -14,6 +14,7 @@ use super::time_domain::{
 };
 use crate::baselines::Baseline;
 use crate::baselines::windows::{FrameLayout, WindowSamples};
+use myointent::execution::fingerprint::Fingerprint;
 
 /// Orders of TraHGR's low-pass filters.
 pub(crate) const FILTER_ORDERS: [usize; 3] = [1, 3, 5];
@@ -41,6 +42,11 @@ impl FeatureExtraction {
             lstm_step,
             scaling: None,
         }
+    }
+
+    /// What a baseline is made from that is trained with these features of these streams.
+    pub(crate) fn lineage(&self, streams: Fingerprint) -> Fingerprint {
+        Fingerprint::of(&(streams, self))
     }
 
     /// Whether the baseline's features are z-scored.

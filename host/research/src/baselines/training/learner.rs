@@ -13,7 +13,7 @@ use super::{Setup, TrainingError};
 use crate::baselines::networks::Network;
 use crate::baselines::windows::Window;
 use myointent::training::dropout::Dropout;
-use myointent::training::fit::TrainConfig;
+use myointent::training::fit::{TrainConfig, Training};
 use myointent::training::learner::{Learner, SHARDS, WeightedMetric};
 use myointent::training::schedule::LrSchedule;
 use myointent::training::tensor::read_back;
@@ -23,6 +23,7 @@ pub(super) fn fit<N: Network>(
     data: TrainingData,
     network: N,
     setup: &Setup<'_>,
+    place: &Training<'_>,
 ) -> Result<(), TrainingError> {
     let settings = setup.settings;
     let config = TrainConfig {
@@ -39,14 +40,7 @@ pub(super) fn fit<N: Network>(
         device: setup.device,
         network: PhantomData,
     };
-    myointent::training::fit::fit(
-        &learner,
-        network,
-        config,
-        setup.run,
-        setup.resume,
-        setup.interrupt,
-    )?;
+    myointent::training::fit::fit(&learner, network, config, place)?;
     Ok(())
 }
 

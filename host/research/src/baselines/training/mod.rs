@@ -9,14 +9,14 @@ use burn::tensor::Device;
 
 use self::data::TrainingData;
 use super::Baseline;
+use super::features::FeatureExtraction;
 use super::lda::Lda;
 use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, TraHgrConfig};
 use super::settings::BaselineSettings;
 use myointent::dataset::corpus::Corpus;
-use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
-use myointent::execution::run_folder::RunFolder;
 use myointent::run::context::RunContext;
+use myointent::training::fit::Training;
 use myointent::training::tensor::best_class;
 
 pub(crate) use error::TrainingError;
@@ -34,12 +34,8 @@ struct Setup<'a> {
     seed: u64,
     /// Device with gradients.
     device: &'a Device,
-    /// Where the model is saved.
-    run: &'a RunFolder,
-    /// Whether to continue after the last complete epoch.
-    resume: bool,
-    /// Set by Ctrl-C.
-    interrupt: &'a Interrupt,
+    /// Where the model is saved; it is made from the streams of the run.
+    place: Training<'a>,
 }
 
 /// Trains baselines on the recordings and the split of a run.
@@ -57,9 +53,7 @@ pub(crate) fn train_all(
         settings,
         seed: context.config.preset.seed,
         device: &context.device,
-        run: &context.folder,
-        resume: context.resume,
-        interrupt: &context.interrupt,
+        place: context.training(context.config.streams_lineage()),
     };
     baselines
         .iter()
@@ -70,36 +64,40 @@ pub(crate) fn train_all(
 /// the network of the lowest validation loss.
 fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
     let mut data = TrainingData::new(baseline, setup)?;
-    if !setup.resume {
-        // A model must never lie beside the feature extraction of another run.
-        let state = format!("{}-state.json", baseline.file_stem());
-        let stale = [baseline.model_file(), baseline.features_file(), state];
-        setup
-            .run
-            .remove_files(&stale.each_ref().map(String::as_str))?;
-    }
     data.fit_scaling();
-    setup
-        .run
-        .save_json(&baseline.features_file(), data.features())?;
+    let (run, streams) = (setup.place.run, setup.place.made_from);
+    let file = baseline.features_file();
+    run.save_stamped(&file, streams, data.features())?;
+    // As it is read later: the model is bound to these very numbers.
+    let features = run.load_stamped::<FeatureExtraction>(&file, streams)?;
+    let place = &Training {
+        made_from: features.content.lineage(streams),
+        ..setup.place
+    };
     let (classes, device) = (data.classes(), setup.device);
     device.seed(setup.seed);
     match baseline {
-        Baseline::Lda => fit_lda(&data, setup),
-        Baseline::Mlp => learner::fit(data, MlpConfig::default().init(classes, device), setup),
-        Baseline::Lstm => learner::fit(
-            data,
-            LstmBaselineConfig::default().init(classes, device),
-            setup,
-        ),
-        Baseline::EdTcn => learner::fit(data, EdTcnConfig::default().init(classes, device), setup),
+        Baseline::Lda => fit_lda(&data, place),
+        Baseline::Mlp => {
+            let network = MlpConfig::default().init(classes, device);
+            learner::fit(data, network, setup, place)
+        }
+        Baseline::Lstm => {
+            let network = LstmBaselineConfig::default().init(classes, device);
+            learner::fit(data, network, setup, place)
+        }
+        Baseline::EdTcn => {
+            let network = EdTcnConfig::default().init(classes, device);
+            learner::fit(data, network, setup, place)
+        }
         Baseline::TraHgr => {
-            learner::fit(data, TraHgrConfig::default().init(classes, device), setup)
+            let network = TraHgrConfig::default().init(classes, device);
+            learner::fit(data, network, setup, place)
         }
     }
 }
 
-fn fit_lda(data: &TrainingData, setup: &Setup<'_>) -> Result<(), TrainingError> {
+fn fit_lda(data: &TrainingData, place: &Training<'_>) -> Result<(), TrainingError> {
     let lda = Lda::fit(&data.training_examples(), data.classes())?;
     let validation = data.validation_examples();
     let correct = validation
@@ -110,7 +108,8 @@ fn fit_lda(data: &TrainingData, setup: &Setup<'_>) -> Result<(), TrainingError> 
         Baseline::Lda.name(),
         correct.count() as f64 / validation.len() as f64
     ));
-    setup.run.save_json(&Baseline::Lda.model_file(), &lda)?;
+    let file = Baseline::Lda.model_file();
+    place.run.save_stamped(&file, place.made_from, &lda)?;
     Ok(())
 }
 

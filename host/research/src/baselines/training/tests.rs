@@ -4,6 +4,9 @@ use super::*;
 use crate::baselines::inference::TrainedBaseline;
 use crate::baselines::networks::lock_random_weights;
 use myointent::dataset::corpus::Stream;
+use myointent::execution::fingerprint::Fingerprint;
+use myointent::execution::interrupt::Interrupt;
+use myointent::execution::run_folder::RunFolder;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use shared::intent::{Intent, Vocabulary};
@@ -38,18 +41,22 @@ fn accuracy_after(baseline: Baseline, settings: &BaselineSettings) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     let run = RunFolder::open(folder.path()).unwrap();
     let device = Device::default().autodiff();
+    let streams = Fingerprint::of(&"synthetic");
     let setup = Setup {
         training: &training,
         validation: &unseen,
         settings,
         seed: 42,
         device: &device,
-        run: &run,
-        resume: false,
-        interrupt: &Interrupt::default(),
+        place: Training {
+            run: &run,
+            made_from: streams,
+            resume: false,
+            interrupt: &Interrupt::default(),
+        },
     };
     train(baseline, &setup).unwrap();
-    let trained = TrainedBaseline::load(baseline, &run, 3, &device.inner())
+    let trained = TrainedBaseline::load(baseline, &run, streams, 3, &device.inner())
         .unwrap()
         .unwrap();
     let stream = &unseen.streams[0];

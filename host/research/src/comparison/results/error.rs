@@ -37,6 +37,16 @@ pub(crate) enum ResultsError {
         /// The run folder.
         run: PathBuf,
     },
+    /// Results of a program that nobody can build again.
+    #[error(
+        "{run} was made by revision {revision}, whose source had changes that were not committed: commit them, build and run again, or give --allow-dirty"
+    )]
+    Dirty {
+        /// The run folder.
+        run: PathBuf,
+        /// The revision.
+        revision: String,
+    },
     /// Results that are older than the configuration.
     #[error(
         "{run}: {subject} is held out in only one of config.json and results.json: run `myointent-research evaluate --run {run}` again"

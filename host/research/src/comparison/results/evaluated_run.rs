@@ -1,5 +1,6 @@
 //! One evaluated run: one fold of a variant.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::error::ResultsError;
@@ -16,6 +17,8 @@ pub(crate) struct EvaluatedRun {
     pub(crate) config: ResolvedConfig,
     /// Its scores.
     pub(crate) results: Results,
+    /// Source revision of the program that evaluated it, if known.
+    evaluated_by: Option<String>,
 }
 
 impl EvaluatedRun {
@@ -29,11 +32,12 @@ impl EvaluatedRun {
         if !folder.file(RESULTS).exists() {
             return Err(ResultsError::NotEvaluated { run: path });
         }
-        let results = folder.load_json(RESULTS)?;
+        let results = folder.load_stamped(RESULTS, config.fingerprint())?;
         Ok(Self {
             path,
             config,
-            results,
+            results: results.content,
+            evaluated_by: results.revision,
         })
     }
 
@@ -42,8 +46,12 @@ impl EvaluatedRun {
         self.config.fold.unwrap_or(Fold { number: 1, of: 1 })
     }
 
-    /// Source revision of the run, if known.
-    pub(crate) fn revision(&self) -> &str {
-        self.config.git_revision.as_deref().unwrap_or("unknown")
+    /// Source revisions of the programs that began the run and that evaluated it, each once.
+    pub(crate) fn revisions(&self) -> BTreeSet<&str> {
+        let began = self.config.git_revision.as_deref();
+        let evaluated = self.evaluated_by.as_deref();
+        [began, evaluated]
+            .map(|revision| revision.unwrap_or("unknown"))
+            .into()
     }
 }

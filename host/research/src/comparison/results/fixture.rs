@@ -11,7 +11,8 @@ use myointent::evaluation::metric::event::summary::{EventSummary, SubjectEvents}
 use myointent::evaluation::metric::offset;
 use myointent::evaluation::metric::summary::{SubjectScore, Summary};
 use myointent::evaluation::{ALL, LookAhead, Score, Truth};
-use myointent::execution::run_folder::RunFolder;
+use myointent::execution::fingerprint::Fingerprint;
+use myointent::execution::run_folder::{RunFolder, Stamped};
 use myointent::run::config::{Fold, ResolvedConfig};
 use myointent::run::evaluate::{RESULTS, Results, TEACHER};
 use myointent::run::preset::Preset;
@@ -68,6 +69,8 @@ impl Fixture {
                     test: Vec::new(),
                 },
                 lags: BTreeMap::new(),
+                recordings: Fingerprint::of_bytes(b"recordings"),
+                start_weights: None,
                 git_revision: Some("abc".to_owned()),
             },
             scores: Vec::new(),
@@ -125,6 +128,11 @@ impl SyntheticFold {
         }
         let folder = RunFolder::open(&self.path).unwrap();
         self.config.save(&folder).unwrap();
+        let results = Stamped {
+            made_from: self.config.fingerprint(),
+            revision: self.config.git_revision.clone(),
+            content: results,
+        };
         folder.save_json(RESULTS, &results).unwrap();
         self.path
     }

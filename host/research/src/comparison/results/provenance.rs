@@ -10,7 +10,8 @@ impl VariantResults {
     /// The source of the numbers in one line: preset, seed, revisions, folds, subjects.
     pub(crate) fn provenance(&self) -> String {
         let config = &self.runs[0].config;
-        let revisions: BTreeSet<&str> = self.runs.iter().map(EvaluatedRun::revision).collect();
+        let revisions: BTreeSet<&str> =
+            self.runs.iter().flat_map(EvaluatedRun::revisions).collect();
         let revisions: Vec<&str> = revisions.into_iter().collect();
         let trained = self.runs.iter().map(|run| run.config.split.training.len());
         let (least, most) = trained.fold((usize::MAX, 0), |(least, most), count| {

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::error::ResultsError;
+use myointent::execution::revision::is_dirty;
+
 use super::variant_results::{VariantResults, sub_folders};
 
 /// The results of all variants of a study.
@@ -41,5 +43,26 @@ impl StudyResults {
             path: path.to_owned(),
             variants,
         })
+    }
+
+    /// Refuses runs of a program whose source had changes that were not committed.
+    ///
+    /// # Errors
+    /// [`ResultsError::Dirty`] for the first.
+    pub(crate) fn refuse_dirty(&self) -> Result<(), ResultsError> {
+        let runs = self.variants.values().flat_map(|variant| &variant.runs);
+        let mut dirty = runs.flat_map(|run| {
+            let revisions = run.revisions().into_iter();
+            revisions
+                .filter(|revision| is_dirty(revision))
+                .map(move |revision| (run, revision))
+        });
+        match dirty.next() {
+            None => Ok(()),
+            Some((run, revision)) => Err(ResultsError::Dirty {
+                run: run.path.clone(),
+                revision: revision.to_owned(),
+            }),
+        }
     }
 }

@@ -36,7 +36,7 @@ pub(crate) fn folds<'a>(variants: impl IntoIterator<Item = &'a VariantResults>) 
                 config.split.training.len().to_string(),
                 run.results.aggregation.name().to_owned(),
                 lags.collect::<Vec<_>>().join(", "),
-                run.revision().to_owned(),
+                Vec::from_iter(run.revisions()).join(" and "),
                 config.split.validation.join(", "),
                 config.split.held_out.join(", "),
             ];

@@ -1,0 +1,210 @@
+//! What the files of a run are made from, as fingerprints.
+//!
+//! A file is bound to what decides its content and to no more: another `teacher_share` makes another student, not
+//! another teacher. Paths and the program's revision decide nothing.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::intent::Intent;
+
+use super::config::{Fold, ResolvedConfig};
+use super::context::RunContext;
+use crate::dataset::split::Split;
+use crate::dataset::{DataSet, Library, Recording};
+use crate::execution::fingerprint::Fingerprint;
+use crate::execution::run_folder::{RunError, RunFolder};
+use crate::run::preset::DataSelection;
+use crate::student::distillation::Distillation;
+use crate::student::model::StudentConfig;
+use crate::teacher;
+use crate::teacher::model::TeacherConfig;
+use crate::teacher::training::TeacherTraining;
+
+/// What decides the streams that models are trained and evaluated on.
+#[derive(Serialize)]
+struct Streams<'a> {
+    seed: u64,
+    classes: usize,
+    data: &'a DataSelection,
+    split: &'a Split,
+    lags: BTreeMap<DataSet, usize>,
+    recordings: Fingerprint,
+}
+
+/// What decides a teacher's weights.
+#[derive(Serialize)]
+struct TeacherInputs<'a> {
+    streams: Streams<'a>,
+    teacher: &'a TeacherConfig,
+    training: &'a TeacherTraining,
+    start: Option<Fingerprint>,
+}
+
+/// What decides a student's weights.
+#[derive(Serialize)]
+struct StudentInputs<'a> {
+    streams: Streams<'a>,
+    student: &'a StudentConfig,
+    distillation: &'a Distillation,
+    /// Weights of the teacher that it learns from; none if from the labels alone.
+    teacher: Option<Fingerprint>,
+}
+
+/// What decides what a run's models score.
+#[derive(Serialize)]
+struct Everything<'a> {
+    variant: &'a str,
+    fold: Option<Fold>,
+    teacher: TeacherInputs<'a>,
+    student: &'a StudentConfig,
+    distillation: &'a Distillation,
+}
+
+impl ResolvedConfig {
+    /// What results are made from: the whole configuration.
+    #[must_use]
+    pub fn fingerprint(&self) -> Fingerprint {
+        Fingerprint::of(&Everything {
+            variant: &self.variant,
+            fold: self.fold,
+            teacher: self.teacher_inputs(),
+            student: &self.preset.student,
+            distillation: &self.preset.distillation,
+        })
+    }
+
+    /// What a model is made from that is neither teacher nor student: the streams.
+    #[must_use]
+    pub fn streams_lineage(&self) -> Fingerprint {
+        Fingerprint::of(&self.streams())
+    }
+
+    /// What the teacher is made from.
+    #[must_use]
+    pub(crate) fn teacher_lineage(&self) -> Fingerprint {
+        Fingerprint::of(&self.teacher_inputs())
+    }
+
+    /// What a student is made from that is trained in `run` with these settings. With soft targets that includes the
+    /// weights of the teacher there.
+    ///
+    /// # Errors
+    /// When that teacher is missing or not this run's.
+    pub(crate) fn student_lineage(
+        &self,
+        distillation: &Distillation,
+        run: &RunFolder,
+    ) -> Result<Fingerprint, RunError> {
+        let teacher = if distillation.teacher_share > 0.0 {
+            let lineage = self.teacher_lineage();
+            Some(run.weights_fingerprint(teacher::training::NAME, lineage)?)
+        } else {
+            None
+        };
+        Ok(Fingerprint::of(&StudentInputs {
+            streams: self.streams(),
+            student: &self.preset.student,
+            distillation,
+            teacher,
+        }))
+    }
+
+    fn teacher_inputs(&self) -> TeacherInputs<'_> {
+        TeacherInputs {
+            streams: self.streams(),
+            teacher: &self.preset.teacher,
+            training: &self.preset.teacher_training,
+            start: self.start_weights,
+        }
+    }
+
+    fn streams(&self) -> Streams<'_> {
+        Streams {
+            seed: self.preset.seed,
+            classes: self.preset.classes,
+            data: &self.preset.data,
+            split: &self.split,
+            lags: self
+                .lags
+                .iter()
+                .map(|(&data_set, lag)| (data_set, lag.samples))
+                .collect(),
+            recordings: self.recordings,
+        }
+    }
+}
+
+/// Fingerprint of the recordings of everybody who has a role.
+pub(crate) fn recordings(library: &Library, split: &Split) -> Fingerprint {
+    let used: Vec<&Recording> = library
+        .recordings
+        .iter()
+        .filter(|recording| split.role(&recording.subject).is_some())
+        .collect();
+    let each: Vec<_> = used
+        .into_par_iter()
+        .map(|recording| {
+            let samples = recording.samples.iter().flatten();
+            let samples: Vec<u8> = samples.map(|value| value.cast_unsigned()).collect();
+            let label = |label: &Option<Intent>| label.map_or(u8::MAX, |intent| intent as u8);
+            let labels: Vec<u8> = recording.labels.iter().map(label).collect();
+            (
+                &recording.subject,
+                &recording.name,
+                Fingerprint::of_bytes(&samples),
+                Fingerprint::of_bytes(&labels),
+            )
+        })
+        .collect();
+    Fingerprint::of(&each)
+}
+
+/// Fingerprint of the weights that a training starts from: another run's teacher, or a checkpoint's file.
+///
+/// # Errors
+/// When they are missing, or not of the run in whose folder they are.
+pub(crate) fn start_weights(start: &Path) -> Result<Fingerprint, RunError> {
+    if start.is_dir() {
+        let (folder, origin) = RunContext::find(start)?;
+        return folder.weights_fingerprint(teacher::training::NAME, origin.teacher_lineage());
+    }
+    let bytes = std::fs::read(start).map_err(|source| RunError::io(start, source))?;
+    Ok(Fingerprint::of_bytes(&bytes))
+}
+
+/// The first setting in which two configurations differ, by dotted key.
+pub(crate) fn difference(one: &ResolvedConfig, other: &ResolvedConfig) -> Option<String> {
+    let value = |config: &ResolvedConfig| {
+        let mut value = serde_json::to_value(config).unwrap_or_default();
+        if let Some(fields) = value.as_object_mut() {
+            for decides_nothing in ["data", "start", "strict", "git_revision"] {
+                fields.remove(decides_nothing);
+            }
+        }
+        value
+    };
+    first_difference("", &value(one), &value(other))
+}
+
+fn first_difference(
+    key: &str,
+    one: &serde_json::Value,
+    other: &serde_json::Value,
+) -> Option<String> {
+    use serde_json::Value::{Null, Object};
+    if one == other {
+        return None;
+    }
+    if let (Object(fields), Object(others)) = (one, other) {
+        return fields.keys().chain(others.keys()).find_map(|name| {
+            let dot = if key.is_empty() { "" } else { "." };
+            let (one, other) = (fields.get(name), others.get(name));
+            let key = format!("{key}{dot}{name}");
+            first_difference(&key, one.unwrap_or(&Null), other.unwrap_or(&Null))
+        });
+    }
+    Some(format!("{key} {one} / {other}"))
+}

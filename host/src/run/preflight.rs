@@ -1,0 +1,34 @@
+//! What must be possible before hours of training.
+
+use burn::tensor::Device;
+use shared::model::encoder::DeviceEncoder;
+use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
+use shared::stream::smoother::AggregationMode;
+use shared::units::{HOLD, LOOK_AHEAD};
+
+use super::error::StepError;
+use super::preset::Preset;
+use crate::student::quantization;
+
+/// Refuses a student that cannot become a model file, or that no board can run: one with random weights is written,
+/// read and loaded, by the code that will do so with the trained one.
+///
+/// # Errors
+/// [`StepError::Student`], [`StepError::Board`].
+pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), StepError> {
+    let student = preset.student.init(preset.classes, device);
+    let smoother = SmootherDefaults {
+        aggregation: AggregationMode::AllRowsFrom,
+        look_ahead: LOOK_AHEAD,
+        hold: HOLD,
+    };
+    let provenance = ProvenanceParts::default();
+    let (config, vocabulary) = (&preset.student, preset.vocabulary());
+    let bytes = quantization::quantize(&student, config, vocabulary, smoother, provenance)
+        .map_err(StepError::Student)?;
+    let model = Model::parse(&bytes).map_err(StepError::Student)?;
+    if preset.student.board {
+        DeviceEncoder::new(&model).map_err(StepError::Board)?;
+    }
+    Ok(())
+}

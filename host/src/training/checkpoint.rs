@@ -1,0 +1,142 @@
+//! Where a training stands after an epoch: one file, and so one rename, from which it goes on bit for bit.
+
+use burn::module::Module;
+use burn::optim::ModuleOptimizer;
+use burn::tensor::Bytes;
+use serde::{Deserialize, Serialize};
+
+use super::metrics::EpochMetrics;
+use crate::execution::fingerprint::Fingerprint;
+use crate::execution::run_folder::{
+    Artefact, RunError, RunFolder, load_model_bytes, model_bytes, write_whole,
+};
+
+const MODEL: &str = "model";
+const OPTIMIZER: &str = "optimizer";
+/// The average of the weights, in a training that keeps one.
+const AVERAGE: &str = "average";
+/// The weights of the lowest validation loss.
+const BEST: &str = "best";
+
+/// How far a training has come.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub(super) struct Progress {
+    /// Optimizer steps.
+    pub(super) step: usize,
+    /// Lowest validation loss; none before the first epoch is complete.
+    pub(super) best_loss: Option<f64>,
+    /// Metrics of every epoch.
+    pub(super) epochs: Vec<EpochMetrics>,
+}
+
+/// Everything that a training goes on from.
+pub(super) struct Checkpoint<M> {
+    pub(super) progress: Progress,
+    pub(super) model: M,
+    pub(super) optimizer: ModuleOptimizer,
+    /// Average of the weights, if one is kept.
+    pub(super) average: Option<M>,
+    /// The model of the lowest validation loss, as bytes: a clone would share the statistics of its batch norms.
+    pub(super) best: Vec<u8>,
+}
+
+/// The files of one training in a run folder.
+pub(super) struct Store<'a> {
+    pub(super) run: &'a RunFolder,
+    /// Name of the training.
+    pub(super) name: &'a str,
+    /// What the training is determined by: all that its weights depend on, and how it is trained.
+    pub(super) made_from: Fingerprint,
+}
+
+/// A line of the metrics file.
+#[derive(Serialize)]
+struct Line<'a> {
+    made_from: Fingerprint,
+    #[serde(flatten)]
+    metrics: &'a EpochMetrics,
+}
+
+impl Store<'_> {
+    /// Removes what an earlier training left.
+    pub(super) fn clear(&self) -> Result<(), RunError> {
+        let paths = [
+            self.run.checkpoint_path(self.name),
+            self.run.metrics_path(self.name),
+        ];
+        let names: Vec<_> = paths
+            .iter()
+            .filter_map(|path| path.file_name()?.to_str())
+            .collect();
+        self.run.remove_files(&names)
+    }
+
+    /// The last checkpoint; none before the first epoch was complete.
+    ///
+    /// # Errors
+    /// [`RunError::OtherTraining`] if it is another training's.
+    pub(super) fn load<M: Module>(
+        &self,
+        model: &M,
+        optimizer: ModuleOptimizer,
+    ) -> Result<Option<Checkpoint<M>>, RunError> {
+        let path = self.run.checkpoint_path(self.name);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let mut artefact = self.run.load_artefact(&path)?;
+        if artefact.made_from != self.made_from {
+            return Err(RunError::OtherTraining { path });
+        }
+        let content = |reason: String| RunError::content(&path, reason);
+        let progress: Progress = artefact.about().map_err(content)?;
+        let average = artefact.take(AVERAGE).ok();
+        let mut part = |name| artefact.take(name).map_err(content);
+        let weights = |bytes| load_model_bytes(&path, bytes, model.clone());
+        let optimizer = optimizer
+            .from_bytes(Bytes::from_bytes_vec(part(OPTIMIZER)?))
+            .map_err(|error| content(error.to_string()))?;
+        let checkpoint = Checkpoint {
+            progress,
+            optimizer,
+            model: weights(part(MODEL)?)?,
+            best: part(BEST)?,
+            average: average.map(weights).transpose()?,
+        };
+        self.save_metrics(&checkpoint.progress)?;
+        Ok(Some(checkpoint))
+    }
+
+    /// Saves a checkpoint in place of the last one, and then the metrics for readers.
+    pub(super) fn save<M: Module>(&self, checkpoint: &Checkpoint<M>) -> Result<(), RunError> {
+        let path = self.run.checkpoint_path(self.name);
+        let optimizer = checkpoint.optimizer.into_bytes();
+        let optimizer = optimizer.map_err(|error| RunError::content(&path, error))?;
+        let mut artefact = Artefact::new(self.made_from, &checkpoint.progress)
+            .map_err(|error| RunError::content(&path, error))?
+            .with(MODEL, model_bytes(&path, &checkpoint.model)?)
+            .with(OPTIMIZER, optimizer.to_vec())
+            .with(BEST, checkpoint.best.clone());
+        if let Some(average) = &checkpoint.average {
+            artefact = artefact.with(AVERAGE, model_bytes(&path, average)?);
+        }
+        self.run.save_artefact(&path, &artefact)?;
+        self.save_metrics(&checkpoint.progress)
+    }
+
+    /// The metrics are part of the checkpoint; this file of them is written anew from it.
+    fn save_metrics(&self, progress: &Progress) -> Result<(), RunError> {
+        let path = self.run.metrics_path(self.name);
+        let mut text = String::new();
+        for metrics in &progress.epochs {
+            let line = Line {
+                made_from: self.made_from,
+                metrics,
+            };
+            text +=
+                &serde_json::to_string(&line).map_err(|error| RunError::content(&path, error))?;
+            text.push('\n');
+        }
+        write_whole(&path, text.as_bytes())
+    }
+}
