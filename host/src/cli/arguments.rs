@@ -119,6 +119,20 @@ pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunCon
     })
 }
 
+/// All recordings below a path, whatever their data set.
+///
+/// # Errors
+/// When nothing can be read, or a file is damaged and `strict`.
+pub(crate) fn every_recording(path: &Path, strict: bool) -> anyhow::Result<Library> {
+    let options = LoadOptions {
+        strict,
+        data_sets: Vec::new(),
+    };
+    let library = load(path, &options).map_err(refused)?;
+    log_found(&library, path);
+    Ok(library)
+}
+
 /// The run in a folder, which nobody else writes into from now on.
 fn lock_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
     let folder = find_run(path)?.0.locked()?;
@@ -208,6 +222,12 @@ pub(crate) fn recordings(
         library => library,
     }
     .map_err(refused)?;
+    log_found(&library, path);
+    Ok(library)
+}
+
+/// Logs how much was found, and what was left out.
+fn log_found(library: &Library, path: &Path) {
     if let Some(first) = library.skipped.first() {
         progress::log(&format!(
             "damaged files left out: {} (`myointent data inspect` lists them); the first: {first}",
@@ -219,7 +239,6 @@ pub(crate) fn recordings(
         library.recordings.len(),
         path.display()
     ));
-    Ok(library)
 }
 
 /// What stops a load, with the option that leaves damaged files out.

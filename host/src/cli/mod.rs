@@ -2,6 +2,7 @@
 
 pub mod arguments;
 mod data;
+mod evaluate_models;
 mod info;
 mod predict;
 mod presets;
@@ -58,7 +59,7 @@ enum Command {
     /// Write the teacher's weights as safetensors, with the names of ReactEMG's code; the model file for a board is
     /// written by `quantize`.
     Export(export::Arguments),
-    /// Evaluate teacher, float student and integer student on the held-out subjects.
+    /// Evaluate a run's models on its held-out subjects, or model files on any recordings.
     Evaluate(evaluate::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),

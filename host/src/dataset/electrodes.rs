@@ -56,6 +56,7 @@ mod tests {
                 samples: vec![sample],
                 labels: vec![None],
                 notes: Vec::new(),
+                other_movement: Vec::new(),
             };
             assert_eq!(recording.aligned_samples()[0][2], 50, "{data_set:?}");
         }

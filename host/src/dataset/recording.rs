@@ -1,5 +1,6 @@
 //! One recording, and which published set it belongs to.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use shared::intent::Intent;
@@ -65,11 +66,42 @@ pub struct Recording {
     pub samples: Vec<Sample>,
     /// One label per sample in the six-class vocabulary; none where no intent of the six is known.
     pub labels: Vec<Option<Intent>>,
+    /// Movement that is none of the six intents (pointing, pronation, ...): ranges of samples in order,
+    /// none touching another, without labels. As late as the labels, [`DataSet::label_lag`].
+    ///
+    /// Everything else without a label is unknown: it may be any movement, or rest.
+    pub other_movement: Vec<Range<usize>>,
     /// Known limits of the recording, a sentence each.
     pub notes: Vec<String>,
 }
 
 impl Recording {
+    /// Samples of a person with a label each; without name, path, other movement and notes.
+    #[must_use]
+    pub fn new(
+        data_set: DataSet,
+        subject: impl Into<String>,
+        samples: Vec<Sample>,
+        labels: Vec<Option<Intent>>,
+    ) -> Self {
+        Self {
+            data_set,
+            subject: subject.into(),
+            name: String::new(),
+            path: PathBuf::new(),
+            samples,
+            labels,
+            other_movement: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Subject and name in one, as `myointent` prints it and takes it: `roshambo/03/session01`.
+    #[must_use]
+    pub fn full_name(&self) -> String {
+        format!("{}/{}", self.subject, self.name)
+    }
+
     /// Whether any sample has a label.
     #[must_use]
     pub fn has_labels(&self) -> bool {

@@ -8,6 +8,7 @@ pub mod cell;
 mod confusion;
 mod curves;
 mod latencies;
+pub mod model_report;
 mod page;
 pub mod run_report;
 pub mod scores;
@@ -34,7 +35,9 @@ struct ReportData {
     provenance: Vec<(String, String)>,
     /// Tables, the most important first.
     tables: Vec<Table>,
-    /// Held-out recordings with true and emitted labels.
+    /// Headline of the recordings that are drawn.
+    drawn: String,
+    /// Recordings with true and emitted labels.
     timelines: Vec<Timeline>,
     /// Learning curves, one picture per panel.
     panels: Vec<Panel>,

@@ -50,7 +50,7 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
     if !data.timelines.is_empty() {
         heading(
             &mut page,
-            "A recording of a held-out subject",
+            &data.drawn,
             "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; \
              the emitted label should change near them.",
         );

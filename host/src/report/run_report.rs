@@ -21,7 +21,7 @@ use crate::training::metrics::EpochMetrics;
 pub const REPORT: &str = "report.html";
 
 /// Samples of the recording in the picture: 20 s.
-const SHOWN: usize = 4000;
+pub(super) const SHOWN: usize = 4000;
 
 /// Writes the report of a run's models to `page`, and its timeline to `timeline.svg` beside it.
 ///
@@ -43,6 +43,7 @@ pub fn write(
         ),
         provenance: provenance(config, results),
         tables: tables(results),
+        drawn: "A recording of a held-out subject".to_owned(),
         panels: panels(&context.folder)?,
         notes: notes(),
         ..ReportData::default()
@@ -120,13 +121,13 @@ fn notes() -> Vec<String> {
 }
 
 /// Changes of the true label.
-fn changes(trial: &Trial) -> usize {
+pub(super) fn changes(trial: &Trial) -> usize {
     let labels = &trial.lag_compensated;
     labels.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 
 /// One trial with the labels that a candidate emits for it.
-fn timeline(
+pub(super) fn timeline(
     candidate: &Candidate,
     trials: &[Trial],
     at: usize,

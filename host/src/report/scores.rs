@@ -10,7 +10,7 @@ use crate::evaluation::{ALL, CONSTANT, Difference, ENERGY, LookAhead, Measure, S
 use crate::run::evaluate::{INTEGER, Results};
 
 /// Measures whose differences are shown.
-const COMPARED: [Measure; 3] = [
+pub(super) const COMPARED: [Measure; 3] = [
     Measure::BalancedAccuracy,
     Measure::TransitionAccuracy,
     Measure::Recognition,
@@ -119,7 +119,7 @@ fn rate_alone(score: &Score) -> String {
     mean.map_or_else(|| none().shown, |mean| format!("{:.1}", mean.mean))
 }
 
-fn table(caption: &str, scores: &[&Score]) -> Table {
+pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     // Few data sets mark movements outside the vocabulary.
     let other = scores.iter().any(|s| s.events.other_activations.is_some());
     let mut header = vec![

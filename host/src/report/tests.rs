@@ -117,6 +117,7 @@ fn synthetic_report() -> ReportData {
         })
         .collect();
     ReportData {
+        drawn: "A recording".to_owned(),
         title: "Intent detection on two unseen subjects".into(),
         summary: "Trained on six subjects with \"synthetic\" <EMG>, measured on two others.".into(),
         provenance: [

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use shared::model::file::ModelError;
 use thiserror::Error;
 
+use crate::dataset::split::SplitError;
 use crate::evaluation::EvaluationError;
 use crate::execution::run_folder::RunError;
 use crate::teacher::checkpoint::CheckpointError;
@@ -25,6 +26,27 @@ pub enum StepError {
         "no labelled recording of a held-out subject was found: name subjects under data.held_out"
     )]
     NoTrials,
+    /// Model files of different classes side by side.
+    #[error("{first} and {other} have different classes: evaluate them one at a time")]
+    DifferentClasses {
+        /// A model.
+        first: String,
+        /// One of other classes.
+        other: String,
+    },
+    /// Nobody is left to evaluate on.
+    #[error(
+        "no labelled recording is left: {seen} people were seen by the model in training (--seen evaluates them too), {test} are test people (--test-people)"
+    )]
+    NobodyToEvaluate {
+        /// People left out because a model has seen them.
+        seen: usize,
+        /// Test people left out.
+        test: usize,
+    },
+    /// An unknown name.
+    #[error(transparent)]
+    Name(#[from] SplitError),
     /// There is no model to evaluate.
     #[error("no model in this run folder: train one first")]
     NoModel,

@@ -8,6 +8,7 @@ pub mod distill;
 mod error;
 pub mod evaluate;
 pub(crate) mod lineage;
+pub mod model_evaluation;
 mod preflight;
 pub mod preset;
 pub mod quantize;

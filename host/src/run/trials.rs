@@ -2,9 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use shared::intent::Vocabulary;
 use shared::stream::preprocess::clean;
+use shared::units::Sample;
 
 use super::config::ResolvedConfig;
+use crate::dataset::labels::lag;
+use crate::dataset::labels::runs::runs;
 use crate::dataset::split::Role;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
@@ -52,21 +56,48 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
 }
 
 fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> {
+    let vocabulary = config.preset.vocabulary();
     config
         .labelled_recordings(library, role)
         .into_iter()
         .map(|recording| {
-            let raw = config.samples(recording);
-            Trial {
-                data_set: recording.data_set,
-                subject: recording.subject.clone(),
-                name: recording.name.clone(),
-                emg: clean(raw.iter().copied()).collect(),
-                raw,
-                published: Some(recording.labels_in(config.preset.vocabulary())),
-                lag_compensated: config.lag_compensated_labels(recording),
-                other_movement: Vec::new(),
-            }
+            let lag = config.lag(recording.data_set);
+            trial(recording, config.samples(recording), vocabulary, lag)
         })
         .collect()
+}
+
+/// A recording as it is evaluated: `raw` samples, labels in a vocabulary, shifted by `lag` samples.
+///
+/// Intents outside the vocabulary count as movement outside it.
+pub(super) fn trial(
+    recording: &Recording,
+    raw: Vec<Sample>,
+    vocabulary: Vocabulary,
+    lag: usize,
+) -> Trial {
+    let published = recording.labels_in(vocabulary);
+    let length = raw.len();
+    let mut other_movement = vec![false; length];
+    let outside = runs(&recording.labels)
+        .into_iter()
+        .filter(|run| run.label.is_some_and(|intent| !vocabulary.contains(intent)));
+    let outside = outside.map(|run| run.start..run.end);
+    for range in recording.other_movement.iter().cloned().chain(outside) {
+        let [start, end] = [range.start, range.end].map(|at| (at + lag).min(length));
+        other_movement[start..end].fill(true);
+    }
+    if !other_movement.contains(&true) {
+        other_movement.clear();
+    }
+    Trial {
+        data_set: recording.data_set,
+        subject: recording.subject.clone(),
+        name: recording.name.clone(),
+        emg: clean(raw.iter().copied()).collect(),
+        raw,
+        lag_compensated: lag::compensated(&published, lag),
+        published: Some(published),
+        other_movement,
+    }
 }

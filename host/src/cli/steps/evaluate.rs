@@ -1,11 +1,13 @@
-//! `myointent evaluate`: teacher, float student and integer student on held-out subjects.
+//! `myointent evaluate`: a run's models on its held-out subjects, or model files on any recordings.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use anyhow::bail;
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, open_run};
+use crate::cli::evaluate_models;
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
@@ -20,16 +22,22 @@ use crate::run::quantize::ModelFile;
     misses. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
     ones. raw: share of samples. [a, b]: 95 % interval of the mean over subjects. Floors: a constant `relax`, and an\n\
     energy detector fitted to the training subjects. docs/metrics.md has the definitions; results.json in the run folder\n\
-    has all numbers, with every aggregation mode and every subject."
+    has all numbers, with every aggregation mode and every subject.\n\n\
+    Examples:\n  myointent evaluate --run runs/mine\n  \
+    myointent evaluate --model models/three-class.intent --data DIR\n  \
+    myointent evaluate --model a.intent --model b.intent --data DIR --subjects roshambo,ss-stm/sub3 --csv people.csv"
 )]
 pub struct Arguments {
     /// Run folder of `myointent quantize`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Model file to evaluate; the run folder's if not given. The results of another model are printed and not kept.
+    /// Model file to evaluate; the run folder's if not given. The results of another model are printed and not kept. With
+    /// --data several may be given.
     #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
-    /// Print results.json instead of tables.
+    model: Vec<PathBuf>,
+    #[command(flatten)]
+    models: evaluate_models::Options,
+    /// Print JSON instead of tables.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -41,9 +49,17 @@ pub struct Arguments {
 /// # Errors
 /// When a model is missing or damaged.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(data) = &arguments.models.data {
+        return evaluate_models::run(&arguments.model, data, &arguments.models, arguments.json);
+    }
+    let model = match &arguments.model[..] {
+        [] => None,
+        [path] => Some(path),
+        _ => bail!("several models need --data DIR: a run folder is evaluated with one"),
+    };
     let context = open_run(&arguments.run, arguments.backend)?;
     // A run with a teacher alone is evaluated too.
-    let model = match &arguments.model {
+    let model = match model {
         Some(path) => Some(ModelFile::read(&context, path)?),
         None => ModelFile::of_run(&context)?,
     };

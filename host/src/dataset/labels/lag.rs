@@ -10,8 +10,9 @@
 //! sample from which e stays on the far side of the half-way level for 50 ms.
 
 use shared::intent::Intent;
-use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
+use shared::units::SAMPLE_PERIOD_MS;
 
+use super::envelope::Envelope;
 use super::runs::{Run, runs};
 use crate::dataset::recording::{DataSet, Recording};
 use crate::statistics::median;
@@ -65,7 +66,7 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let mut onsets = Vec::new();
     let mut releases = Vec::new();
     for recording in recordings {
-        let envelope = envelope(&recording.samples);
+        let envelope = Envelope::new(&recording.samples).all(SMOOTHING);
         for pair in runs(&recording.labels).windows(2) {
             let list = match (pair[0].label, pair[1].label) {
                 (Some(Intent::Relax), Some(_)) => &mut onsets,
@@ -123,33 +124,9 @@ fn lag_of(envelope: &[f64], before: &Run, after: &Run) -> Option<f64> {
     Some(crossing as f64 - change as f64)
 }
 
-/// The envelope, one value per sample, centred.
-fn envelope(samples: &[Sample]) -> Vec<f64> {
-    let count = samples.len();
-    let mut sums = vec![[0u32; CHANNELS]; count + 1];
-    for (at, sample) in samples.iter().enumerate() {
-        for channel in 0..CHANNELS {
-            sums[at + 1][channel] = sums[at][channel] + u32::from(sample[channel].unsigned_abs());
-        }
-    }
-    (0..count)
-        .map(|at| {
-            let (from, to) = (
-                at.saturating_sub(SMOOTHING / 2),
-                (at + SMOOTHING / 2).min(count),
-            );
-            let width = (to - from) as f64;
-            (0..CHANNELS)
-                .map(|c| (f64::from(sums[to][c] - sums[from][c]) / width).ln_1p())
-                .sum::<f64>()
-                / CHANNELS as f64
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
+    use shared::units::CHANNELS;
 
     use super::*;
 
@@ -169,15 +146,7 @@ mod tests {
                 [sign * if active && !weak { 40 } else { 3 }; CHANNELS]
             })
             .collect();
-        Recording {
-            data_set: DataSet::Synthetic,
-            subject: "s".into(),
-            name: "r".into(),
-            path: PathBuf::new(),
-            samples,
-            labels,
-            notes: Vec::new(),
-        }
+        Recording::new(DataSet::Synthetic, "s", samples, labels)
     }
 
     #[test]

@@ -1,5 +1,9 @@
-//! Labels of a recording: the vocabulary they are taken from, when they change, how late they are.
+//! Labels of a recording: the vocabulary they are taken from, when they change, how late they are, and
+//! where the muscle is active in recordings that are published without labels.
 
+pub(crate) mod activity;
+mod envelope;
 pub mod lag;
+pub(crate) mod motion;
 pub(crate) mod runs;
 pub(crate) mod vocabulary;

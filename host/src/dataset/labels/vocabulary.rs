@@ -63,6 +63,7 @@ mod tests {
             samples: vec![[0; 8]; labels.len()],
             labels,
             notes: Vec::new(),
+            other_movement: Vec::new(),
         }
     }
 

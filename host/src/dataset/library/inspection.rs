@@ -199,6 +199,7 @@ mod tests {
                 samples: (0..800).map(sample).collect(),
                 labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
+                other_movement: Vec::new(),
             }],
             ..Library::default()
         }

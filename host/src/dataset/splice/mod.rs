@@ -73,6 +73,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 samples,
                 labels,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
+                other_movement: Vec::new(),
             });
         }
     }

@@ -28,6 +28,7 @@ fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
         samples: labels.iter().map(|&label| [mark(label); 8]).collect(),
         labels,
         notes: Vec::new(),
+        other_movement: Vec::new(),
     }
 }
 

@@ -40,8 +40,8 @@ pub(crate) fn assign<'r>(
     assignment: &Assignment<'_>,
 ) -> Result<Split, SplitError> {
     let subjects = folds::subjects(recordings);
-    let listed_out = expand("held_out", assignment.held_out, &subjects)?;
-    let listed_in = expand("validation", assignment.validation, &subjects)?;
+    let listed_out = expand("data.held_out", assignment.held_out, &subjects)?;
+    let listed_in = expand("data.validation", assignment.validation, &subjects)?;
     if let Some(&both) = listed_out.intersection(&listed_in).next() {
         return Err(SplitError::TwoRoles(both.to_owned()));
     }
@@ -147,8 +147,11 @@ fn in_circle(circle: &[String], subject: &str) -> bool {
     circle.iter().any(|name| name == person)
 }
 
-/// The subjects that a list names: by themselves, or all of a data set but its test people.
-fn expand<'s>(
+/// The subjects that a list names: by themselves, or all of a data set but its test people. `list` is its name in errors.
+///
+/// # Errors
+/// [`SplitError::Unknown`].
+pub(crate) fn expand<'s>(
     list: &'static str,
     names: &[String],
     subjects: &BTreeMap<DataSet, Vec<&'s str>>,

@@ -5,10 +5,10 @@
 pub enum SplitError {
     /// A name that no recording bears.
     #[error(
-        "data.{list} names {name:?}, which is no subject and no data set of these recordings; nearest: {nearest}"
+        "{list} names {name:?}, which is no subject and no data set of these recordings; nearest: {nearest}"
     )]
     Unknown {
-        /// The list, `held_out` or `validation`.
+        /// The list.
         list: &'static str,
         /// The name.
         name: String,

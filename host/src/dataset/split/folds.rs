@@ -128,6 +128,7 @@ mod tests {
                 samples: Vec::new(),
                 labels: Vec::new(),
                 notes: Vec::new(),
+                other_movement: Vec::new(),
             })
         };
         of(DataSet::Roshambo, roshambo)

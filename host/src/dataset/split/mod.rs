@@ -8,7 +8,7 @@ pub mod circles;
 mod error;
 pub mod folds;
 
-pub(crate) use self::assignment::{Assignment, assign};
+pub(crate) use self::assignment::{Assignment, assign, expand};
 pub use self::error::SplitError;
 use super::recording::Recording;
 

@@ -102,6 +102,7 @@ fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Inte
                 labels: cues.into_iter().map(Some).collect(),
                 samples,
                 notes: Vec::new(),
+                other_movement: Vec::new(),
                 name,
             };
             (recording, muscle)

@@ -14,6 +14,7 @@ fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
             path: PathBuf::new(),
             samples: vec![[0; 8]; 20],
             labels: vec![Some(Intent::Relax); 20],
+            other_movement: Vec::new(),
             notes: Vec::new(),
         })
         .collect()

@@ -58,6 +58,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         labels: vec![intent(class); samples.len()],
         samples,
         notes: notes(part, person),
+        other_movement: Vec::new(),
     })
 }
 

@@ -67,6 +67,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
                 samples,
                 labels,
                 notes: note.map(str::to_owned).into_iter().collect(),
+                other_movement: Vec::new(),
                 name,
             });
         }

@@ -89,6 +89,7 @@ fn recording(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
         samples,
         labels,
         notes,
+        other_movement: Vec::new(),
     }))
 }
 

@@ -47,6 +47,7 @@ pub(crate) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Re
         samples,
         labels,
         notes,
+        other_movement: Vec::new(),
     })
 }
 

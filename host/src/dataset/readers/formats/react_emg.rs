@@ -143,6 +143,7 @@ fn recording(
         samples,
         labels,
         notes,
+        other_movement: Vec::new(),
     })
 }
 

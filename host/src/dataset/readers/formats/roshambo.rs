@@ -61,6 +61,7 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
         samples,
         labels,
         notes: notes(person, session),
+        other_movement: Vec::new(),
     })
 }
 

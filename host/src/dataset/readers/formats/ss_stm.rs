@@ -44,6 +44,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         labels: labels(motion, samples.len()),
         samples,
         notes,
+        other_movement: Vec::new(),
     })
 }
 

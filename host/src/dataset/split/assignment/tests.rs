@@ -12,6 +12,7 @@ fn people(data_set: DataSet, names: &[&str]) -> Vec<Recording> {
         path: PathBuf::new(),
         samples: Vec::new(),
         labels: Vec::new(),
+        other_movement: Vec::new(),
         notes: Vec::new(),
     };
     names

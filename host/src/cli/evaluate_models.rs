@@ -1,0 +1,151 @@
+//! `myointent evaluate --data DIR`: model files on any recordings, without a run folder.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use crate::cli::arguments::every_recording;
+use crate::execution::progress;
+use crate::execution::run_folder::write_whole;
+use crate::report::Table;
+use crate::report::model_report::{self, people_rows, tables};
+use crate::run::model_evaluation::{ModelResults, NamedModel, Selection, evaluate_models};
+
+/// Options of `evaluate` for model files on any recordings.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Model files on any recordings (--data)")]
+pub(in crate::cli) struct Options {
+    /// Evaluate model files on the recordings below DIR; no run folder is read or written.
+    #[arg(long, value_name = "DIR", conflicts_with = "run", requires = "model")]
+    pub(in crate::cli) data: Option<PathBuf>,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long, requires = "data")]
+    strict: bool,
+    /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given. Subjects named here are
+    /// evaluated even if the model has seen them or they are test people.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "data")]
+    subjects: Vec<String>,
+    /// Also evaluate people whom a model was trained on or validated with; they are marked.
+    #[arg(long, requires = "data")]
+    seen: bool,
+    /// Also evaluate test people (host/people.toml), who are for releases.
+    #[arg(long, requires = "data")]
+    test_people: bool,
+    /// Rotate the armband by this many electrodes, 0 to 7.
+    #[arg(long, value_name = "K", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..8))]
+    rotate: u8,
+    /// Page to write, the worst person first.
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "data",
+        default_value = "evaluation.html"
+    )]
+    report: PathBuf,
+    /// CSV file to write: a row for each person and model.
+    #[arg(long, value_name = "FILE", requires = "data")]
+    csv: Option<PathBuf>,
+}
+
+/// Evaluates model files on the recordings below `data`.
+///
+/// # Errors
+/// When a model or the recordings are refused, nobody is left, or a file cannot be written.
+pub(in crate::cli) fn run(
+    models: &[PathBuf],
+    data: &Path,
+    options: &Options,
+    json: bool,
+) -> anyhow::Result<()> {
+    let models = models
+        .iter()
+        .map(|path| named(path))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    for (at, model) in models.iter().enumerate() {
+        if models[..at].iter().any(|other| other.name == model.name) {
+            bail!(
+                "two models are named {}: rename one of the files",
+                model.name
+            );
+        }
+    }
+    let library = every_recording(data, options.strict)?;
+    let selection = Selection {
+        subjects: options.subjects.clone(),
+        seen: options.seen,
+        test: options.test_people,
+        rotation: options.rotate.into(),
+    };
+    let evaluation = evaluate_models(&models, &library, &selection)?;
+    let results = &evaluation.results;
+    warn(results);
+    model_report::write(&evaluation, &data.display().to_string(), &options.report)?;
+    if let Some(path) = &options.csv {
+        write_csv(path, &people_rows(results))?;
+    }
+    let mut out = std::io::stdout().lock();
+    if json {
+        writeln!(out, "{}", serde_json::to_string_pretty(results)?)?;
+        return Ok(());
+    }
+    for table in tables(results) {
+        writeln!(out, "{}", table.plain())?;
+    }
+    writeln!(out, "report: {}", options.report.display())?;
+    Ok(())
+}
+
+fn write_csv(path: &Path, table: &Table) -> anyhow::Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for record in std::iter::once(&table.header).chain(&table.rows) {
+        writer.write_record(record)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(csv::IntoInnerError::into_error)?;
+    Ok(write_whole(path, &bytes)?)
+}
+
+/// A model file; its name in tables is the file's without the extension.
+fn named(path: &Path) -> anyhow::Result<NamedModel> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let name = path.file_stem().unwrap_or(path.as_os_str());
+    Ok(NamedModel {
+        name: name.to_string_lossy().into_owned(),
+        bytes,
+    })
+}
+
+/// Says who was left out, and who should not be looked at.
+fn warn(results: &ModelResults) {
+    let count = |people: usize, what: &str| {
+        if people > 0 {
+            progress::log(&format!("{what}: {people} people"));
+        }
+    };
+    count(
+        results.left_out_seen.len(),
+        "left out, because a model has seen them in training (--seen)",
+    );
+    count(
+        results.left_out_test.len(),
+        "left out, because they are test people (--test-people)",
+    );
+    let evaluated = |wanted: fn(&crate::run::model_evaluation::EvaluatedSubject) -> bool| {
+        results
+            .subjects
+            .iter()
+            .filter(|subject| wanted(subject))
+            .count()
+    };
+    count(
+        evaluated(|subject| !subject.seen_by.is_empty()),
+        "warning: evaluated, although a model has seen them in training",
+    );
+    count(
+        evaluated(|subject| subject.test),
+        "warning: test people are evaluated, who are for releases: choose nothing by their scores",
+    );
+}

@@ -1,0 +1,303 @@
+//! Evaluation of model files on any recordings, without a run folder.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::intent::Vocabulary;
+use shared::model::file::Model;
+use shared::stream::smoother::AggregationMode;
+use shared::units::CHANNELS;
+
+use super::candidates::integer_candidate;
+use super::error::StepError;
+use super::trials::trial;
+use crate::dataset::labels::lag;
+use crate::dataset::split::{circles, expand};
+use crate::dataset::{DataSet, Library, Recording, folds};
+use crate::evaluation::{
+    Candidate, EnergyDetector, LookAhead, Score, Trial, Truth, constant, score,
+};
+
+/// A model file under evaluation, with its name in tables.
+#[derive(Clone, Debug)]
+pub struct NamedModel {
+    /// Name in tables.
+    pub name: String,
+    /// The file's content.
+    pub bytes: Vec<u8>,
+}
+
+/// Whom to evaluate on, and how they wear the armband.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Subjects (`data-set/subject`) and whole data sets; everybody if empty. Whoever is named is evaluated, seen, test
+    /// person or not.
+    pub subjects: Vec<String>,
+    /// Also those whom one of the models was trained on or validated with.
+    pub seen: bool,
+    /// Also test people.
+    pub test: bool,
+    /// Electrodes that the armband is rotated by, 0 to 7, after the data set's own frame is accounted for.
+    pub rotation: usize,
+}
+
+/// A model in the results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EvaluatedModel {
+    /// Name in tables.
+    pub name: String,
+    /// Look-ahead and aggregation mode of the file.
+    pub look_ahead: LookAhead,
+    /// Revision of the program that trained it.
+    pub git_revision: String,
+    /// Seed of its training.
+    pub seed: u64,
+    /// CRC-32 at the end of the file, which identifies it.
+    pub checksum: String,
+}
+
+/// A subject in the results.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct EvaluatedSubject {
+    /// The subject, as `data-set/subject`.
+    pub subject: String,
+    /// Names of the models that were trained on this person or validated with: their scores are too good.
+    pub seen_by: Vec<String>,
+    /// Whether it is a test person.
+    pub test: bool,
+}
+
+/// Scores of model files on recordings, each at its own look-ahead; lag-compensated labels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelResults {
+    /// The models.
+    pub models: Vec<EvaluatedModel>,
+    /// Whom they were evaluated on.
+    pub subjects: Vec<EvaluatedSubject>,
+    /// People left out because a model has seen them.
+    pub left_out_seen: Vec<String>,
+    /// Test people left out.
+    pub left_out_test: Vec<String>,
+    /// Electrodes that the armband was rotated by.
+    pub rotation: usize,
+    /// Samples that labels were shifted by, from the recordings of the set at hand.
+    pub lags: BTreeMap<DataSet, usize>,
+    /// A row for each model and floor, for each data set and over all of them.
+    pub scores: Vec<Score>,
+}
+
+/// Results, and what they were computed from.
+pub struct ModelEvaluation {
+    /// The results.
+    pub results: ModelResults,
+    /// The recordings.
+    pub trials: Vec<Trial>,
+    /// Models and floors.
+    pub candidates: Vec<Candidate>,
+    /// Classes of the models.
+    pub vocabulary: Vocabulary,
+}
+
+/// Evaluates model files on the recordings of a library.
+///
+/// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. The
+/// label lag of a data set is estimated on all its recordings at hand; labels that were found in the muscle activity have
+/// none. The energy detector is fitted, for each person, to all others.
+///
+/// # Errors
+/// When a model is refused, models have different classes, a name is unknown, or nobody is left.
+pub fn evaluate_models(
+    models: &[NamedModel],
+    library: &Library,
+    selection: &Selection,
+) -> Result<ModelEvaluation, StepError> {
+    let parsed = models
+        .iter()
+        .map(|model| Ok(Model::parse(&model.bytes)?))
+        .collect::<Result<Vec<_>, StepError>>()?;
+    let vocabulary = common_vocabulary(models, &parsed)?;
+    let labelled: Vec<&Recording> = library
+        .recordings
+        .iter()
+        .filter(|recording| {
+            !recording.other_movement.is_empty()
+                || recording.labels_in(vocabulary).iter().any(Option::is_some)
+        })
+        .collect();
+    let (subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
+    let lags = lags(&labelled);
+    let trials: Vec<Trial> = labelled
+        .par_iter()
+        .filter(|recording| subjects.iter().any(|own| own.subject == recording.subject))
+        .map(|recording| {
+            let mut samples = recording.aligned_samples();
+            for sample in &mut samples {
+                sample.rotate_right(selection.rotation % CHANNELS);
+            }
+            trial(recording, samples, vocabulary, lags[&recording.data_set])
+        })
+        .collect();
+    let mut candidates = models
+        .iter()
+        .map(|model| integer_candidate(&model.name, &model.bytes, &trials))
+        .collect::<Result<Vec<_>, _>>()?;
+    candidates.push(constant(&trials));
+    candidates.extend(energy_detector(&trials));
+    let models: Vec<EvaluatedModel> = models
+        .iter()
+        .zip(&parsed)
+        .map(|(model, parsed)| evaluated_model(model, parsed))
+        .collect();
+    let mut scores = Vec::new();
+    for (at, candidate) in candidates.iter().enumerate() {
+        let look_ahead = models
+            .get(at)
+            .map_or(LookAhead::None, |model| model.look_ahead);
+        scores.extend(score(
+            candidate,
+            &trials,
+            vocabulary,
+            look_ahead,
+            Truth::LagCompensated,
+        )?);
+    }
+    Ok(ModelEvaluation {
+        results: ModelResults {
+            models,
+            subjects,
+            left_out_seen: left_out.seen,
+            left_out_test: left_out.test,
+            rotation: selection.rotation,
+            lags,
+            scores,
+        },
+        trials,
+        candidates,
+        vocabulary,
+    })
+}
+
+/// The classes of all models.
+fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Vocabulary, StepError> {
+    let classes = |model: &Model<'_>| model.header.dimensions.vocabulary;
+    let first = parsed.first().ok_or(StepError::NoModel)?;
+    let other = parsed
+        .iter()
+        .position(|model| classes(model) != classes(first));
+    match other {
+        None => Ok(classes(first)),
+        Some(at) => Err(StepError::DifferentClasses {
+            first: models[0].name.clone(),
+            other: models[at].name.clone(),
+        }),
+    }
+}
+
+/// People who are not evaluated, by reason.
+#[derive(Default)]
+struct LeftOut {
+    seen: Vec<String>,
+    test: Vec<String>,
+}
+
+fn subjects(
+    models: &[NamedModel],
+    parsed: &[Model<'_>],
+    recordings: &[&Recording],
+    selection: &Selection,
+) -> Result<(Vec<EvaluatedSubject>, LeftOut), StepError> {
+    let known = folds::subjects(recordings.iter().copied());
+    let named = expand("--subjects", &selection.subjects, &known)?;
+    let mut evaluated = Vec::new();
+    let mut left_out = LeftOut::default();
+    for &subject in known.values().flatten() {
+        let is_named = named.contains(subject);
+        if !is_named && !named.is_empty() {
+            continue;
+        }
+        let test = circles::is_test(subject);
+        let saw = |model: &Model<'_>| {
+            let mut seen = model.header.provenance.subjects_seen.iter();
+            seen.any(|seen| seen == subject)
+        };
+        let seen_by: Vec<String> = models
+            .iter()
+            .zip(parsed)
+            .filter(|(_, parsed)| saw(parsed))
+            .map(|(model, _)| model.name.clone())
+            .collect();
+        if test && !selection.test && !is_named {
+            left_out.test.push(subject.to_owned());
+        } else if !seen_by.is_empty() && !selection.seen && !is_named {
+            left_out.seen.push(subject.to_owned());
+        } else {
+            evaluated.push(EvaluatedSubject {
+                subject: subject.to_owned(),
+                seen_by,
+                test,
+            });
+        }
+    }
+    if evaluated.is_empty() {
+        return Err(StepError::NobodyToEvaluate {
+            seen: left_out.seen.len(),
+            test: left_out.test.len(),
+        });
+    }
+    Ok((evaluated, left_out))
+}
+
+/// Samples that the labels of each data set are shifted by.
+fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, usize> {
+    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
+    for &recording in recordings {
+        by_set
+            .entry(recording.data_set)
+            .or_default()
+            .push(recording);
+    }
+    by_set
+        .into_iter()
+        .map(|(data_set, own)| {
+            let estimated = lag::estimate(&own).map(|estimate| estimate.lag_samples);
+            (data_set, estimated.unwrap_or(data_set.label_lag()))
+        })
+        .collect()
+}
+
+/// For each person, the detector fitted to all others; none if somebody has no others to fit to.
+fn energy_detector(trials: &[Trial]) -> Option<Candidate> {
+    let mut people: Vec<&str> = trials.iter().map(|trial| trial.subject.as_str()).collect();
+    people.sort_unstable();
+    people.dedup();
+    let detectors = people
+        .par_iter()
+        .map(|&person| {
+            let others = trials.iter().filter(|trial| trial.subject != person);
+            Some((person, EnergyDetector::fit(others)?))
+        })
+        .collect::<Option<BTreeMap<&str, EnergyDetector>>>()?;
+    Some(EnergyDetector::candidate_of(trials, |trial| {
+        detectors[trial.subject.as_str()]
+    }))
+}
+
+fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {
+    let smoother = &parsed.header.smoother;
+    let provenance = &parsed.header.provenance;
+    let checksum = model.bytes[..parsed.length].last_chunk::<4>();
+    EvaluatedModel {
+        name: model.name.clone(),
+        look_ahead: match (smoother.look_ahead, smoother.aggregation) {
+            (0, _) => LookAhead::None,
+            (_, AggregationMode::AllRowsFrom) => LookAhead::AllRows,
+            (_, AggregationMode::SameInstant) => LookAhead::SameInstant,
+        },
+        git_revision: provenance.git_revision.to_owned(),
+        seed: provenance.seed,
+        checksum: checksum.map_or_else(String::new, |bytes| {
+            format!("{:08x}", u32::from_le_bytes(*bytes))
+        }),
+    }
+}

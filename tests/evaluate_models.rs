@@ -1,0 +1,179 @@
+//! Model files evaluated on any recordings, by the command line, on recordings of one person a file.
+
+#[path = "small.rs"]
+mod small;
+
+use std::fs;
+use std::path::Path;
+
+use myointent::dataset::{LoadOptions, load};
+use myointent::run::model_evaluation::{ModelEvaluation, NamedModel, Selection, evaluate_models};
+use shared::intent::Vocabulary;
+use shared::model::dimensions::Dimensions;
+use shared::model::file::random::random_model;
+use small::{folder, myointent, recordings};
+
+/// A small model that has seen these people.
+fn model(path: &Path, seen: &[&str], vocabulary: Vocabulary) {
+    let dimensions = Dimensions {
+        width: 32,
+        layers: 1,
+        span: 20,
+        vocabulary,
+    };
+    let mut parts = random_model(dimensions, 5);
+    parts.provenance.subjects_seen = seen.iter().map(|&name| name.to_owned()).collect();
+    fs::write(path, parts.to_bytes().unwrap()).unwrap();
+}
+
+fn evaluate(folder: &Path, more: &[&str]) -> bool {
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (data, csv, page) = (path("data"), path("people.csv"), path("page.html"));
+    let mut arguments = vec![
+        "evaluate", "--data", &data, "--csv", &csv, "--report", &page,
+    ];
+    arguments.extend(more);
+    myointent(&arguments)
+}
+
+/// Subject, model and balanced accuracy of each row of the CSV file.
+fn rows(folder: &Path) -> Vec<(String, String, f64)> {
+    let text = fs::read_to_string(folder.join("people.csv")).unwrap();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        (
+            cells[0].to_owned(),
+            cells[1].to_owned(),
+            cells[2].parse().unwrap(),
+        )
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+fn people(folder: &Path) -> Vec<String> {
+    let mut people: Vec<String> = rows(folder)
+        .into_iter()
+        .map(|(subject, _, _)| subject)
+        .collect();
+    people.sort_unstable();
+    people.dedup();
+    people
+}
+
+#[test]
+fn people_whom_a_model_has_seen_are_left_out_unless_asked_for() {
+    let folder = folder("evaluate-seen");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &["synthetic/s1", "synthetic/s3"], Vocabulary::Three);
+    let file = file.to_str().unwrap();
+    assert!(evaluate(&folder, &["--model", file]));
+    assert_eq!(people(&folder), ["synthetic/s2", "synthetic/s4"]);
+    assert!(evaluate(&folder, &["--model", file, "--seen"]));
+    assert_eq!(people(&folder).len(), 4);
+    let text = fs::read_to_string(folder.join("people.csv")).unwrap();
+    let marked = text
+        .lines()
+        .filter(|line| line.ends_with("seen in training by one"));
+    // Both people, under the model, the constant and the energy detector.
+    assert_eq!(marked.count(), 6);
+    assert!(evaluate(
+        &folder,
+        &["--model", file, "--subjects", "synthetic/s1"]
+    ));
+    assert_eq!(people(&folder), ["synthetic/s1"]);
+    assert!(!evaluate(
+        &folder,
+        &["--model", file, "--subjects", "synthetic/s9"]
+    ));
+}
+
+#[test]
+fn several_models_and_the_floors_stand_side_by_side_and_the_page_begins_with_the_worst() {
+    let folder = folder("evaluate-several");
+    recordings(&folder);
+    let files = ["a.intent", "b.intent"].map(|name| folder.join(name));
+    files
+        .each_ref()
+        .map(|file| model(file, &[], Vocabulary::Three));
+    let [a, b] = files.each_ref().map(|file| file.to_str().unwrap());
+    assert!(evaluate(&folder, &["--model", a, "--model", b]));
+    let rows = rows(&folder);
+    let of = |model: &str| -> Vec<f64> {
+        let own = rows.iter().filter(|(_, name, _)| name == model);
+        own.map(|(_, _, balanced)| *balanced).collect()
+    };
+    assert_eq!(of("a"), of("b"));
+    assert_eq!(of("a").len(), 4);
+    assert!(of("a").is_sorted());
+    // Each of three classes is present, and relax is one of them.
+    assert!(
+        of("constant relax")
+            .iter()
+            .all(|&balanced| balanced == 0.333)
+    );
+    assert_eq!(of("energy detector").len(), 4);
+    let page = fs::read_to_string(folder.join("page.html")).unwrap();
+    let worst = &rows.iter().find(|(_, name, _)| name == "a").unwrap().0;
+    let drawn = page.find("EMG and labels: ").unwrap();
+    assert!(
+        page[drawn..].starts_with(&format!("EMG and labels: {worst}")),
+        "{}",
+        &page[drawn..drawn + 60]
+    );
+
+    let six = folder.join("six.intent");
+    model(&six, &[], Vocabulary::Six);
+    assert!(!evaluate(
+        &folder,
+        &["--model", a, "--model", six.to_str().unwrap()]
+    ));
+}
+
+/// The evaluation of one model on the recordings below `folder`.
+fn evaluated(folder: &Path, file: &Path, selection: &Selection) -> ModelEvaluation {
+    let models = [NamedModel {
+        name: "one".to_owned(),
+        bytes: fs::read(file).unwrap(),
+    }];
+    let library = load(&folder.join("data"), &LoadOptions::default()).unwrap();
+    evaluate_models(&models, &library, selection).unwrap()
+}
+
+#[test]
+fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
+    let folder = folder("evaluate-rotated");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    let with = |rotation| {
+        let selection = Selection {
+            rotation,
+            ..Selection::default()
+        };
+        evaluated(&folder, &file, &selection)
+    };
+    let (straight, rotated, full_turn) = (with(0), with(4), with(8));
+    assert_ne!(straight.candidates[0].logits, rotated.candidates[0].logits);
+    assert_eq!(
+        straight.candidates[0].logits,
+        full_turn.candidates[0].logits
+    );
+    let energy = |evaluation: &ModelEvaluation| evaluation.candidates[2].logits.clone();
+    assert_eq!(energy(&straight), energy(&rotated));
+    assert_eq!(straight.trials[0].raw[7][0], rotated.trials[0].raw[7][4]);
+}
+
+#[test]
+fn json_names_models_people_and_scores() {
+    let folder = folder("evaluate-json");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &["synthetic/s1"], Vocabulary::Three);
+    let evaluation = evaluated(&folder, &file, &Selection::default());
+    let json = serde_json::to_value(&evaluation.results).unwrap();
+    assert_eq!(json["left_out_seen"][0], "synthetic/s1");
+    assert_eq!(json["subjects"].as_array().unwrap().len(), 3);
+    assert_eq!(json["models"][0]["seed"], 5);
+    assert_eq!(json["scores"].as_array().unwrap().len(), 3);
+}
