@@ -8,8 +8,16 @@ use std::sync::OnceLock;
 use myointent::dataset::labels::lag;
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::{Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs};
+use myointent::evaluation::metric::event::latency::Latency;
+use myointent::evaluation::{
+    CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
+    Truth, constant, score_all,
+};
+use myointent::inference::integer_logits;
 use myointent_tests::{data, skip};
 use shared::intent::{Intent, Vocabulary};
+use shared::model::file::Model;
+use shared::stream::preprocess::clean;
 
 /// The folder of one set; without it, prints the skip of the test.
 fn folder(test: &str, set: &str) -> Option<PathBuf> {
@@ -294,5 +302,95 @@ fn spliced_recordings_have_every_class_and_no_fixed_order() {
             });
             assert_eq!(straight, direct, "{set} {}", recording.subject);
         }
+    }
+}
+
+/// The recordings with labels shifted by the lag of their data set.
+fn trials(library: &Library) -> Vec<Trial> {
+    let trial = |recording: &Recording| {
+        let labels = recording.labels_in(Vocabulary::Three);
+        let late = std::iter::repeat_n(None, recording.data_set.label_lag());
+        Trial {
+            data_set: recording.data_set,
+            subject: recording.subject.clone(),
+            name: recording.name.clone(),
+            raw: recording.samples.clone(),
+            emg: clean(recording.samples.iter().copied()).collect(),
+            published: None,
+            lag_compensated: late.chain(labels).take(recording.samples.len()).collect(),
+            other_movement: Vec::new(),
+        }
+    };
+    library.recordings.iter().map(trial).collect()
+}
+
+#[test]
+fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made() {
+    let test = "the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made";
+    let Some(library) = read(test, "roshambo") else {
+        return;
+    };
+    let all = trials(&library);
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/three-class.intent");
+    let bytes = std::fs::read(file).unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    let provenance = &model.header.provenance;
+    let left_out = |trial: &Trial| {
+        let mut names = provenance.subjects_left_out.iter();
+        names.any(|name| name == trial.subject)
+    };
+    let (trials, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
+    // The model was trained on the others.
+    assert!(!trials.is_empty() && !training.is_empty());
+    let logits = trials
+        .iter()
+        .map(|trial| integer_logits(&model, &trial.emg).unwrap());
+    let own = Candidate {
+        name: "model".to_owned(),
+        looks_back: true,
+        logits: logits.collect(),
+    };
+    let detector = EnergyDetector::fit(&training).unwrap();
+    let candidates = [own, constant(&trials), detector.candidate(&trials)];
+    let truths = [Truth::LagCompensated];
+    let scores = score_all(&candidates, &trials, Vocabulary::Three, &truths).unwrap();
+    let of = |model: &str, look_ahead: LookAhead| {
+        let mut scores = scores.iter();
+        scores
+            .find(|score| score.model == model && score.look_ahead == look_ahead)
+            .unwrap()
+    };
+    let balanced = |score: &Score| Measure::BalancedAccuracy.mean(score).unwrap().mean;
+    let (constant, energy) = (of(CONSTANT, LookAhead::None), of(ENERGY, LookAhead::None));
+    assert!((balanced(constant) - 1.0 / 3.0).abs() < 1e-9);
+    assert_eq!(
+        (
+            constant.events.recognised,
+            constant.events.flicker.unwrap().mean
+        ),
+        (0, 0.0)
+    );
+    // Ten gestures a recording, of which the first is often cut.
+    let most = 10 * trials.len();
+    assert!((most - trials.len()..=most).contains(&constant.events.gestures));
+    for look_ahead in LookAhead::ALL {
+        let score = of("model", look_ahead);
+        assert!(balanced(score) > balanced(energy) && balanced(energy) > balanced(constant));
+        let difference = Difference::of(Measure::Recognition, score, constant).unwrap();
+        assert!(difference.is_shown(), "{difference:?}");
+        // The hand moves 50 ms or more before a label of the newest patch, and 0.25 s before one with look-ahead.
+        let latency = score.events.latency.unwrap();
+        let Latency::Ms(median) = latency.median else {
+            panic!("{latency:?}")
+        };
+        let least = if look_ahead == LookAhead::None {
+            50.0
+        } else {
+            250.0
+        };
+        assert!(
+            (least..1000.0).contains(&median),
+            "{look_ahead:?}: {median}"
+        );
     }
 }

@@ -36,6 +36,16 @@ pub struct EnergyDetector {
     pub active: Intent,
 }
 
+impl Default for EnergyDetector {
+    /// Fitted to the training people of the shipped model, for evaluations without training people.
+    fn default() -> Self {
+        Self {
+            threshold: threshold(20),
+            active: Intent::Close,
+        }
+    }
+}
+
 impl EnergyDetector {
     /// Fits the detector to training people, with their lag-compensated labels: the threshold with the best mean over
     /// people of (recall of relax + recall of active) / 2, the lowest on ties, and the active class that is the

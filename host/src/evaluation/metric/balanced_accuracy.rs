@@ -3,7 +3,8 @@
 //!
 //! The inner fraction is the recall of a class. A prediction of one label has 1 / classes, however frequent that
 //! label is in the truth; raw accuracy would be its frequency. The samples of all recordings of a subject are
-//! pooled before the recalls are computed, because single recordings often hold a single class.
+//! pooled before the recalls are computed, because single recordings often hold a single class. A truth of one class
+//! has no balanced accuracy: a constant would have 1 on it.
 //!
 //! Source: Brodersen et al., *The balanced accuracy and its posterior distribution*, ICPR 2010.
 
@@ -55,14 +56,14 @@ impl Recalls {
         (samples > 0).then(|| self.correct[intent.class()] as f64 / samples as f64)
     }
 
-    /// Balanced accuracy, 0..=1; none if no sample is labelled.
+    /// Balanced accuracy, 0..=1; none if the truth has fewer than two classes.
     #[must_use]
     pub fn balanced_accuracy(&self) -> Option<f64> {
         let recalls: Vec<f64> = Intent::ALL
             .into_iter()
             .filter_map(|intent| self.recall(intent))
             .collect();
-        (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64)
+        (recalls.len() > 1).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64)
     }
 }
 
@@ -80,6 +81,9 @@ mod tests {
         assert_eq!(recalls.balanced_accuracy(), Some(1.0 / 3.0));
         assert_eq!(recalls.recall(Intent::WaveIn), None);
         assert_eq!(Recalls::default().balanced_accuracy(), None);
+        let relax_alone = Recalls::new(&truth[..90], &truth[..90]).unwrap();
+        assert_eq!(relax_alone.balanced_accuracy(), None);
+        assert_eq!(relax_alone.recall(Intent::Relax), Some(1.0));
         assert!(Recalls::new(&truth, &[]).is_err());
     }
 
@@ -110,7 +114,7 @@ mod tests {
                     recalls.push(right as f64 / own.len() as f64);
                 }
             }
-            let naive = if recalls.is_empty() { None } else {
+            let naive = if recalls.len() < 2 { None } else {
                 Some(recalls.iter().sum::<f64>() / recalls.len() as f64)
             };
             prop_assert_eq!(pooled.balanced_accuracy(), naive);

@@ -63,7 +63,7 @@ pub struct SubjectScore {
     pub subject: String,
     /// Number of recordings.
     pub recordings: usize,
-    /// Mean of the recalls of the classes that the subject's truth contains; none without a true label.
+    /// Mean of the recalls of the classes that the subject's truth contains; none with fewer than two.
     pub balanced_accuracy: Option<f64>,
     /// Mean over the recordings that have true labels.
     pub raw_accuracy: Option<f64>,
@@ -84,7 +84,7 @@ pub struct SubjectScore {
 pub struct Summary {
     /// Each subject, in alphabetical order.
     pub subjects: Vec<SubjectScore>,
-    /// Mean over subjects.
+    /// Mean over subjects that have at least two classes.
     pub balanced_accuracy: Option<MeanSd>,
     /// Mean over subjects.
     pub raw_accuracy: Option<MeanSd>,
