@@ -3,6 +3,8 @@
 pub mod arguments;
 mod data;
 mod info;
+#[cfg(test)]
+mod killed;
 mod predict;
 mod presets;
 pub mod replay;

@@ -175,18 +175,24 @@ pub(crate) fn start_weights(start: &Path) -> Result<Fingerprint, RunError> {
     Ok(Fingerprint::of_bytes(&bytes))
 }
 
-/// The first setting in which two configurations differ, by dotted key.
+/// The first setting in which two configurations differ, by dotted key: of the preset, or else of what follows from it.
 pub(crate) fn difference(one: &ResolvedConfig, other: &ResolvedConfig) -> Option<String> {
     let value = |config: &ResolvedConfig| {
-        let mut value = serde_json::to_value(config).unwrap_or_default();
-        if let Some(fields) = value.as_object_mut() {
-            for decides_nothing in ["data", "start", "strict", "git_revision"] {
-                fields.remove(decides_nothing);
-            }
-        }
-        value
+        let streams = serde_json::to_value(config.streams()).unwrap_or_default();
+        let preset = serde_json::to_value(&config.preset).unwrap_or_default();
+        let start = serde_json::to_value(config.start_weights).unwrap_or_default();
+        [
+            ("", preset),
+            ("start_weights", start),
+            ("split", streams["split"].clone()),
+            ("lags", streams["lags"].clone()),
+            ("recordings", streams["recordings"].clone()),
+        ]
     };
-    first_difference("", &value(one), &value(other))
+    let pairs = value(one).into_iter().zip(value(other));
+    let mut differences =
+        pairs.filter_map(|((key, one), (_, other))| first_difference(key, &one, &other));
+    differences.next()
 }
 
 fn first_difference(
