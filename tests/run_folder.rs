@@ -284,6 +284,39 @@ fn a_killed_process_leaves_no_lock() {
 }
 
 #[test]
+fn an_interrupted_command_advises_what_it_has() {
+    let bench = Bench::new("interrupt");
+    let preset = bench.edited(&[("epochs = 1", "epochs = 1000")]);
+    let line = bench.begin_with("train", preset.to_str().unwrap(), "run", &[]);
+    let mut child = process(&line)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let checkpoint = bench.path("run/teacher.checkpoint");
+    while !checkpoint.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(
+        message.contains("the same command and --resume"),
+        "{message}"
+    );
+    // Not complete: there is no teacher to go on with.
+    fails(&bench.on("distill", "run", &[]));
+}
+
+#[test]
 fn a_loss_that_is_no_number_stops_the_training() {
     let bench = Bench::new("diverged");
     let rates = [

@@ -4,6 +4,8 @@ pub mod arguments;
 mod data;
 mod evaluate_models;
 mod info;
+#[cfg(test)]
+mod killed;
 mod predict;
 mod presets;
 pub mod replay;

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
-use super::distill::distillation_of;
 use super::error::StepError;
 use super::trials;
 use crate::evaluation::{LookAhead, Truth, score};
@@ -30,8 +29,7 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     const NAME: &str = "choosing the aggregation mode";
     let (folder, config) = (&context.folder, &context.config);
     let weights = if context.has(distillation::NAME) {
-        let settings = distillation_of(&config.preset, distillation::NAME);
-        let lineage = config.student_lineage(&settings, folder)?;
+        let lineage = config.student_lineage(distillation::NAME, folder)?;
         folder.weights_fingerprint(distillation::NAME, lineage)?
     } else if context.has(teacher::training::NAME) {
         folder.weights_fingerprint(teacher::training::NAME, config.teacher_lineage())?

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 use shared::units::Sample;
 
-use super::lineage;
 use super::preset::Preset;
 use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::split::Split;
@@ -83,20 +82,6 @@ impl ResolvedConfig {
     /// When the folder holds none.
     pub fn load(run: &RunFolder) -> Result<Self, RunError> {
         run.load_json(CONFIG)
-    }
-
-    /// Whether a run with this configuration may go on with another one.
-    ///
-    /// # Errors
-    /// [`RunError::OtherConfiguration`] if they differ in anything that decides the outcome.
-    pub(crate) fn must_equal(&self, other: &Self, run: &RunFolder) -> Result<(), RunError> {
-        if self.fingerprint() == other.fingerprint() {
-            return Ok(());
-        }
-        Err(RunError::OtherConfiguration {
-            path: run.file(CONFIG),
-            difference: lineage::difference(self, other).unwrap_or_default(),
-        })
     }
 
     /// Samples that labels of a data set are shifted by.

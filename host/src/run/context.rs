@@ -7,7 +7,6 @@ use burn::module::Module as _;
 use burn::tensor::Device;
 
 use super::config::ResolvedConfig;
-use super::distill::distillation_of;
 use super::lineage;
 use crate::dataset::Library;
 use crate::execution::fingerprint::Fingerprint;
@@ -165,7 +164,7 @@ pub(crate) fn load_student(
     device: &Device,
 ) -> Result<Student, RunError> {
     let preset = &config.preset;
-    let made_from = config.student_lineage(&distillation_of(preset, name), folder)?;
+    let made_from = config.student_lineage(name, folder)?;
     folder
         .load_model(name, made_from, preset.student.init(preset.classes, device))
         .map(|model| model.valid())

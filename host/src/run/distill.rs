@@ -5,9 +5,8 @@ use shared::units::CleanSample;
 use super::context::RunContext;
 use super::error::StepError;
 use super::preflight::refuse_impossible;
-use super::preset::Preset;
 use super::soft_targets::soft_targets;
-use crate::student::distillation::{self, Distillation};
+use crate::student::distillation;
 use crate::student::learner::StudentLearner;
 use crate::teacher;
 use crate::training::fit::fit;
@@ -28,24 +27,15 @@ pub fn train_on_labels(context: &RunContext) -> Result<(), StepError> {
     train(context, distillation::LABELS_ONLY)
 }
 
-/// The settings that a student is trained with, by the name of its files.
-pub(super) fn distillation_of(preset: &Preset, name: &str) -> Distillation {
-    let mut settings = preset.distillation.clone();
-    if name == distillation::LABELS_ONLY {
-        settings.teacher_share = 0.0;
-    }
-    settings
-}
-
 fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let preset = &context.config.preset;
-    let config = &distillation_of(preset, name);
+    let config = &context.config.distillation(name);
     refuse_impossible(preset, &context.inference_device())?;
     if config.teacher_share > 0.0 && !context.has(teacher::training::NAME) {
         let path = context.folder.weights_path(teacher::training::NAME);
         return Err(StepError::NoTeacher { path });
     }
-    let made_from = context.config.student_lineage(config, &context.folder)?;
+    let made_from = context.config.student_lineage(name, &context.folder)?;
     let corpus = context.config.training(&context.library);
     let validation = context.config.validation(&context.library);
     if validation.streams.is_empty() {

@@ -10,14 +10,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 use shared::intent::Intent;
 
-use super::config::{Fold, ResolvedConfig};
-use super::context::RunContext;
+use super::config::{CONFIG, Fold, ResolvedConfig};
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::{RunError, RunFolder};
 use crate::run::preset::DataSelection;
-use crate::student::distillation::Distillation;
+use crate::student::distillation::{self, Distillation};
 use crate::student::model::StudentConfig;
 use crate::teacher;
 use crate::teacher::model::TeacherConfig;
@@ -82,22 +81,46 @@ impl ResolvedConfig {
         Fingerprint::of(&self.streams())
     }
 
+    /// Whether a run with this configuration may go on with another one.
+    ///
+    /// # Errors
+    /// [`RunError::OtherConfiguration`] if they differ in anything that decides the outcome.
+    pub(crate) fn must_equal(&self, other: &Self, run: &RunFolder) -> Result<(), RunError> {
+        if self.fingerprint() == other.fingerprint() {
+            return Ok(());
+        }
+        Err(RunError::OtherConfiguration {
+            path: run.file(CONFIG),
+            difference: difference(self, other).unwrap_or_default(),
+        })
+    }
+
+    /// The settings that a student is trained with, by the name of its files.
+    pub(super) fn distillation(&self, name: &str) -> Distillation {
+        let mut settings = self.preset.distillation.clone();
+        if name == distillation::LABELS_ONLY {
+            settings.teacher_share = 0.0;
+        }
+        settings
+    }
+
     /// What the teacher is made from.
     #[must_use]
     pub(crate) fn teacher_lineage(&self) -> Fingerprint {
         Fingerprint::of(&self.teacher_inputs())
     }
 
-    /// What a student is made from that is trained in `run` with these settings. With soft targets that includes the
-    /// weights of the teacher there.
+    /// What a student of `run` is made from, by the name of its files. With soft targets that includes the weights of
+    /// the teacher there.
     ///
     /// # Errors
     /// When that teacher is missing or not this run's.
     pub(crate) fn student_lineage(
         &self,
-        distillation: &Distillation,
+        name: &str,
         run: &RunFolder,
     ) -> Result<Fingerprint, RunError> {
+        let distillation = self.distillation(name);
         let teacher = if distillation.teacher_share > 0.0 {
             let lineage = self.teacher_lineage();
             Some(run.weights_fingerprint(teacher::training::NAME, lineage)?)
@@ -107,7 +130,7 @@ impl ResolvedConfig {
         Ok(Fingerprint::of(&StudentInputs {
             streams: self.streams(),
             student: &self.preset.student,
-            distillation,
+            distillation: &distillation,
             teacher,
         }))
     }
@@ -168,25 +191,32 @@ pub(crate) fn recordings(library: &Library, split: &Split) -> Fingerprint {
 /// When they are missing, or not of the run in whose folder they are.
 pub(crate) fn start_weights(start: &Path) -> Result<Fingerprint, RunError> {
     if start.is_dir() {
-        let (folder, origin) = RunContext::find(start)?;
+        let folder = RunFolder::existing(start)?;
+        let origin = ResolvedConfig::load(&folder)?;
         return folder.weights_fingerprint(teacher::training::NAME, origin.teacher_lineage());
     }
     let bytes = std::fs::read(start).map_err(|source| RunError::io(start, source))?;
     Ok(Fingerprint::of_bytes(&bytes))
 }
 
-/// The first setting in which two configurations differ, by dotted key.
-pub(crate) fn difference(one: &ResolvedConfig, other: &ResolvedConfig) -> Option<String> {
+/// The first setting in which two configurations differ, by dotted key: of the preset, or else of what follows from it.
+fn difference(one: &ResolvedConfig, other: &ResolvedConfig) -> Option<String> {
     let value = |config: &ResolvedConfig| {
-        let mut value = serde_json::to_value(config).unwrap_or_default();
-        if let Some(fields) = value.as_object_mut() {
-            for decides_nothing in ["data", "start", "strict", "git_revision"] {
-                fields.remove(decides_nothing);
-            }
-        }
-        value
+        let streams = serde_json::to_value(config.streams()).unwrap_or_default();
+        let preset = serde_json::to_value(&config.preset).unwrap_or_default();
+        let start = serde_json::to_value(config.start_weights).unwrap_or_default();
+        [
+            ("", preset),
+            ("start_weights", start),
+            ("split", streams["split"].clone()),
+            ("lags", streams["lags"].clone()),
+            ("recordings", streams["recordings"].clone()),
+        ]
     };
-    first_difference("", &value(one), &value(other))
+    let pairs = value(one).into_iter().zip(value(other));
+    let mut differences =
+        pairs.filter_map(|((key, one), (_, other))| first_difference(key, &one, &other));
+    differences.next()
 }
 
 fn first_difference(

@@ -66,3 +66,26 @@ impl StudyResults {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::comparison::results::fixture::Fixture;
+
+    #[test]
+    fn a_run_of_a_source_with_changes_is_refused() {
+        let fixture = Fixture::new();
+        let first = fixture.fold("main", 1, 2).held_out("roshambo/01");
+        first.write();
+        assert!(fixture.study().refuse_dirty().is_ok());
+        let second = fixture.fold("main", 2, 2).held_out("roshambo/02");
+        let dirty = Some("abc-dirty".to_owned());
+        second
+            .config(move |config| config.git_revision = dirty)
+            .write();
+        let refused = fixture.study().refuse_dirty().unwrap_err().to_string();
+        assert!(
+            refused.contains("fold-2 was made by revision abc-dirty"),
+            "{refused}"
+        );
+    }
+}
