@@ -154,3 +154,26 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::library::inspection::Inspection;
+
+    #[test]
+    fn name_takes_what_inspect_prints() {
+        let folder = tempfile::tempdir().unwrap();
+        for file in ["s1_a.csv", "s1_b.csv"] {
+            let text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,2,3,4,5,6,7,8\n";
+            std::fs::create_dir_all(folder.path().join("s1")).unwrap();
+            std::fs::write(folder.path().join("s1").join(file), text).unwrap();
+        }
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let inspection = Inspection::new(&library);
+        let printed = &inspection.suspicions[0].which[1];
+        let found = one_recording(folder.path(), Some(printed)).unwrap();
+        assert_eq!(found.name, "s1_b");
+        let error = one_recording(folder.path(), None).unwrap_err().to_string();
+        assert!(error.contains("--name react-emg/s1/s1_a"), "{error}");
+    }
+}

@@ -136,8 +136,13 @@ fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> 
 fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
     let (rows, classes, settings) = logits(arguments, emg)?;
     let labels = smooth(&rows, emg.len(), classes, settings)?;
-    let mut values = Vec::with_capacity(emg.len() * (classes + 1));
-    for (sample, label) in labels.reference.iter().enumerate() {
+    Ok(of_samples(&labels.reference, &rows, classes))
+}
+
+/// The smoothed label of every sample, and the logits of its patch.
+fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize) -> Matrix {
+    let mut values = Vec::with_capacity(labels.len() * (classes + 1));
+    for (sample, label) in labels.iter().enumerate() {
         values.push(label.map_or(-1.0, |intent| intent.class() as f32));
         match rows.get(sample / PATCH) {
             Some(rows) => values.extend(&rows[0][..classes]),
@@ -147,7 +152,7 @@ fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<
     let columns = std::iter::once("label".to_owned())
         .chain(names(classes, "logit_".to_owned()))
         .collect();
-    Ok(Matrix { columns, values })
+    Matrix { columns, values }
 }
 
 fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
@@ -217,4 +222,18 @@ fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
         .iter()
         .map(|row| row.map(|value| value as i8))
         .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_partial_last_patch_has_no_row() {
+        let rows = vec![[[0.5; Intent::ALL.len()]; LOOK_BACK]; 2];
+        let labels = vec![None; 2 * PATCH + 3];
+        let matrix = of_samples(&labels, &rows, 3);
+        assert!(matrix.values.iter().all(|value| value.is_finite()));
+        assert_eq!(matrix.values.len(), 2 * PATCH * matrix.columns.len());
+    }
 }
