@@ -7,6 +7,10 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 use shared::model::file::{List, Model};
+use shared::stream::smoother::AggregationMode;
+
+use crate::dataset::readers::excerpt::printable;
+use crate::execution::bounded_read;
 
 /// Arguments of `info`.
 #[derive(Debug, Args)]
@@ -25,7 +29,8 @@ pub struct Arguments {
 /// When the file is missing or refused, for the reason that the device reports too.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let bytes = bounded_read::read(path, bounded_read::MODEL)
+        .with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let text = if arguments.json {
         serde_json::to_string_pretty(&json(&model))? + "\n"
@@ -68,16 +73,16 @@ fn json(model: &Model<'_>) -> serde_json::Value {
     })
 }
 
-/// The header, a line for each part of it.
+/// The header, a line for each part of it. Its texts are whoever's made the file: printable characters alone.
 fn lines(model: &Model<'_>) -> String {
     let header = &model.header;
     let (dimensions, smoother, provenance) =
         (&header.dimensions, &header.smoother, &header.provenance);
-    let list = |texts: List<'_, &str>| texts.iter().collect::<Vec<_>>().join(", ");
+    let list = |texts: List<'_, &str>| texts.iter().map(printable).collect::<Vec<_>>().join(", ");
     let mut lines = format!(
         "intents       {}\n\
          encoder       width {}, {} layers, span {} patches, input {:?}\n\
-         smoother      {:?}, look-ahead {} samples, hold {} samples\n\
+         smoother      {}, look-ahead {} samples, hold {} samples\n\
          trained on    {} (seed {}, revision {})\n\
          held out      {}\n",
         intents(model).join(", "),
@@ -85,16 +90,19 @@ fn lines(model: &Model<'_>) -> String {
         dimensions.layers,
         dimensions.span,
         header.companding,
-        smoother.aggregation,
+        match smoother.aggregation {
+            AggregationMode::AllRowsFrom => "sums the logits of all patches from an instant on",
+            AggregationMode::SameInstant => "sums the logits of an instant's own patch",
+        },
         smoother.look_ahead,
         smoother.hold,
         list(provenance.data_sets),
         provenance.seed,
-        provenance.git_revision,
+        printable(provenance.git_revision),
         list(provenance.subjects_left_out),
     );
     for (name, value) in provenance.metrics.iter() {
-        lines += &format!("measured      {name} {value:.3}\n");
+        lines += &format!("measured      {} {value:.3}\n", printable(name));
     }
     lines
 }

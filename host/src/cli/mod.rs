@@ -14,6 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use self::steps::{distill, evaluate, export, quantize, quickstart, train};
+use crate::dataset::readers::excerpt::printable;
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
 
@@ -90,11 +91,17 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("error: {error:#}");
+                eprintln!("error: {}", printable_lines(&format!("{error:#}")));
                 exit_code(&error)
             }
         }
     }
+}
+
+/// A message as a terminal may have it: what it quotes comes from files.
+fn printable_lines(message: &str) -> String {
+    let lines: Vec<String> = message.lines().map(printable).collect();
+    lines.join("\n")
 }
 
 /// 130 after Ctrl-C, 1 after any other failure.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use shared::units::Sample;
 
 use super::readers::error::LoadError;
-use super::readers::open::{Found, open};
+use super::readers::open::{Found, Request, Why, open};
 use super::recording::{DataSet, Recording};
 
 /// What to read.
@@ -33,13 +33,21 @@ impl LoadOptions {
 pub struct Library {
     /// The recordings, ordered by path.
     pub recordings: Vec<Recording>,
-    /// Why each damaged file was left out; empty with [`LoadOptions::strict`].
+    /// Why each damaged or unreadable file was left out; empty with [`LoadOptions::strict`].
     pub skipped: Vec<LoadError>,
     /// Recordings left out because another holds the same samples.
     pub repeats: Vec<Repeat>,
-    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of motions
-    /// outside the six classes.
-    pub ignored: Vec<PathBuf>,
+    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of nobody's.
+    pub ignored: Vec<Ignored>,
+}
+
+/// A file that is not read.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Ignored {
+    /// The file.
+    pub path: PathBuf,
+    /// Why it is not.
+    pub why: Why,
 }
 
 /// A recording left out because its samples are published twice.
@@ -53,23 +61,34 @@ pub struct Repeat {
 
 /// Reads every recording at or below a path: a folder of many sets, one set, or one file.
 ///
+/// A single file of eight channels is read whatever set it is of; in a folder, a file is read only if its layout
+/// says what it is. No file of more than 128 MiB is read, and nothing but regular files.
+///
 /// # Errors
-/// [`LoadError::Damaged`] at the first damaged file in path order with
-/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found;
-/// [`LoadError::Io`] if the file system refuses.
+/// [`LoadError::Damaged`] or [`LoadError::Io`] at the first damaged or unreadable file in path order with
+/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
+/// itself cannot be read.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
-    let files = files(path)?;
-    let found: Vec<_> = files
-        .par_iter()
-        .map(|file| open(file, |data_set| options.wants(data_set)))
+    let (alone, files) = files(path)?;
+    let request = Request {
+        wants: |data_set| options.wants(data_set),
+        alone,
+    };
+    let found: Vec<Result<_, LoadError>> = files
+        .into_par_iter()
+        .map(|file| {
+            let file = file?;
+            let found = open(&file, &request)?;
+            Ok((file, found))
+        })
         .collect();
     let mut library = Library::default();
-    for (file, found) in files.into_iter().zip(found) {
+    for found in found {
         match found {
-            Ok(Found::Recordings(recordings)) => library.recordings.extend(recordings),
-            Ok(Found::Part) => {}
-            Ok(Found::Nothing) => library.ignored.push(file),
-            Err(error @ LoadError::Damaged { .. }) if !options.strict => {
+            Ok((_, Found::Recordings(recordings))) => library.recordings.extend(recordings),
+            Ok((_, Found::Part)) => {}
+            Ok((path, Found::Nothing(why))) => library.ignored.push(Ignored { path, why }),
+            Err(error) if !options.strict && !(alone && error.is_refusal()) => {
                 library.skipped.push(error);
             }
             Err(error) => return Err(error),
@@ -121,24 +140,31 @@ impl Library {
     }
 }
 
-/// Files at or below a path, absolute so that folder names are known, in path order.
-fn files(path: &Path) -> Result<Vec<PathBuf>, LoadError> {
-    let refused = |source| LoadError::Io {
+/// Files at or below a path in path order, absolute so that folder names are known, or why one cannot be read;
+/// and whether the path is that of a single file.
+fn files(path: &Path) -> Result<(bool, Vec<Result<PathBuf, LoadError>>), LoadError> {
+    let root = path.canonicalize().map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
-    };
-    let root = path.canonicalize().map_err(refused)?;
+    })?;
+    let alone = !root.is_dir();
     let mut files = Vec::new();
     for entry in walkdir::WalkDir::new(root)
         .follow_links(true)
         .sort_by_file_name()
     {
-        let entry = entry.map_err(|error| refused(error.into()))?;
-        if entry.file_type().is_file() {
-            files.push(entry.into_path());
+        match entry {
+            // Devices and pipes too: they are refused by name when they are to be read.
+            Ok(entry) if !entry.file_type().is_dir() => files.push(Ok(entry.into_path())),
+            Ok(_) => {}
+            // A link to nowhere, a circle of links, a folder that must not be read.
+            Err(error) => files.push(Err(LoadError::Io {
+                path: error.path().unwrap_or(path).to_owned(),
+                source: error.into(),
+            })),
         }
     }
-    Ok(files)
+    Ok((alone, files))
 }
 
 #[cfg(test)]
