@@ -1,13 +1,15 @@
 //! The published recordings: counts, labels, lag and splices are as their description states. The
 //! recordings themselves are outside the repository.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use myointent::dataset::labels::lag;
 use myointent::dataset::splice::{SpliceOptions, splice};
-use myointent::dataset::{Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs};
+use myointent::dataset::{
+    DataSet, Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs,
+};
 use myointent::evaluation::metric::event::latency::Latency;
 use myointent::evaluation::{
     CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
@@ -18,6 +20,7 @@ use myointent_tests::{data, skip};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::file::Model;
 use shared::stream::preprocess::clean;
+use shared::units::Sample;
 
 /// The folder of one set; without it, prints the skip of the test.
 fn folder(test: &str, set: &str) -> Option<PathBuf> {
@@ -151,15 +154,20 @@ fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
     let Some(library) = myo_readings(test) else {
         return;
     };
-    // Files of a motion outside the six classes are not read, one with the labels of another motion is.
-    let six_classes = |r: &&Recording| !r.name.ends_with("/3");
+    // Files 3 to 6 are motions outside the six classes; one holds the labels of another motion.
+    let outside = |r: &&Recording| ["/3", "/4", "/5", "/6"].iter().any(|n| r.name.ends_with(n));
+    let (outside, six_classes): (Vec<_>, Vec<_>) = library.recordings.iter().partition(outside);
     assert_eq!(
-        (
-            library.subjects().len(),
-            library.recordings.iter().filter(six_classes).count()
-        ),
-        (32, 388)
+        (library.subjects().len(), six_classes.len(), outside.len()),
+        (32, 388, 128)
     );
+    assert!(six_classes.iter().all(|r| r.other_movement.is_empty()));
+    let labelled: Vec<_> = outside.iter().filter(|r| r.has_labels()).collect();
+    assert_eq!(labelled.len(), 1);
+    assert_eq!(labelled[0].full_name(), "myo-readings/69069/1/3");
+    // Of one sitting of 32 people; four people's labels drift.
+    let marked = outside.iter().filter(|r| !r.other_movement.is_empty());
+    assert_eq!(marked.count(), 127 - 16);
     let found: Vec<_> = library
         .skipped
         .iter()
@@ -204,6 +212,10 @@ fn myo_readings_drops_doubled_rows_and_labels_that_drift() {
         let drifts = ["32185", "35622", "46666", "60186"];
         let drifts = drifts.iter().any(|id| recording.subject.ends_with(id));
         let rest = recording.name.ends_with("/0");
+        if !recording.other_movement.is_empty() {
+            assert!(!drifts, "{}", recording.path.display());
+            continue;
+        }
         assert_eq!(
             recording.has_labels(),
             !drifts || rest,
@@ -258,6 +270,345 @@ fn the_estimated_lag_is_the_nominal_one() {
             (found.release_ms - release).abs() <= tolerance,
             "{set}: {found:?}"
         );
+    }
+}
+
+/// Stretches of a label.
+fn stretches(recording: &Recording, label: Option<Intent>) -> usize {
+    let runs = runs(&recording.labels);
+    runs.iter().filter(|run| run.label == label).count()
+}
+
+#[test]
+fn wang_myo_has_twenty_gestures_in_each_file() {
+    let test = "wang_myo_has_twenty_gestures_in_each_file";
+    let Some(library) = read(test, "wang-myo") else {
+        return;
+    };
+    assert_eq!(counts(&library), (17, 170, 24_178));
+    let relax = Some(Intent::Relax);
+    let mut divided = 0;
+    for recording in &library.recordings {
+        let path = recording.path.display();
+        let gesture = match recording.name.as_str() {
+            "1_fist" => Some(Intent::Close),
+            "2_pinch" => Some(Intent::Pinch),
+            "8_open" => Some(Intent::Open),
+            _ => None,
+        };
+        let other = ["3_two", "4_three", "5_thumb_up", "9_point"];
+        let other = other.contains(&recording.name.as_str());
+        let found = match gesture {
+            Some(_) => stretches(recording, gesture),
+            None if other => recording.other_movement.len(),
+            None => 20,
+        };
+        assert_eq!(found, 20, "{path}");
+        assert_eq!(other, !recording.other_movement.is_empty(), "{path}");
+        // Rest before, between and after; a burst too short for a gesture divides it once more.
+        let rests = stretches(recording, relax);
+        assert!((19..=25).contains(&rests), "{path}: {rests}");
+        divided += usize::from(rests > 21);
+        let labels = recording.labels.iter().flatten();
+        assert!(
+            labels
+                .into_iter()
+                .all(|&l| Some(l) == gesture || Some(l) == relax)
+        );
+    }
+    assert!(divided < 12, "{divided}");
+    let seconds = |label| seconds_of(&library.recordings, Some(label)) as f64;
+    let hold = seconds(Intent::Open) / (17.0 * 20.0);
+    assert!((2.5..3.5).contains(&hold), "about 3.1 s each: {hold}");
+}
+
+#[test]
+fn myo_rps_is_labelled_where_the_muscle_is_active() {
+    let test = "myo_rps_is_labelled_where_the_muscle_is_active";
+    let Some(library) = read(test, "myo-rps") else {
+        return;
+    };
+    assert_eq!(counts(&library), (10, 960, 1933));
+    let weak: Vec<_> = library
+        .recordings
+        .iter()
+        .filter(|r| !r.has_labels())
+        .collect();
+    assert!(
+        weak.iter()
+            .all(|r| r.notes.iter().any(|n| n.contains("hardly rises")))
+    );
+    // 33 by the description, 14 of them s3's.
+    assert!((30..=40).contains(&weak.len()), "{}", weak.len());
+    let s3 = weak.iter().filter(|r| r.subject == "myo-rps/s3").count();
+    assert!(s3 >= 12, "{s3}");
+    let labelled: Vec<_> = library
+        .recordings
+        .iter()
+        .filter(|r| r.has_labels())
+        .collect();
+    let gesture = |label: &Option<Intent>| label.is_some_and(|l| l != Intent::Relax);
+    let from_start = labelled.iter().filter(|r| gesture(&r.labels[0])).count();
+    let to_end = labelled
+        .iter()
+        .filter(|r| r.labels.last().is_some_and(gesture))
+        .count();
+    assert!(
+        (25..=60).contains(&from_start),
+        "38 by the description: {from_start}"
+    );
+    assert!(
+        (200..=310).contains(&to_end),
+        "254 by the description: {to_end}"
+    );
+    let active: usize = labelled
+        .iter()
+        .map(|r| r.labels.iter().filter(|l| gesture(l)).count())
+        .sum();
+    let mean = active as f64 / labelled.len() as f64 / 200.0;
+    assert!((1.0..1.4).contains(&mean), "about 1.2 s each: {mean}");
+}
+
+#[test]
+fn epn_has_one_gesture_in_each_file() {
+    let test = "epn_has_one_gesture_in_each_file";
+    let Some(library) = read(test, "epn") else {
+        return;
+    };
+    assert_eq!(counts(&library), (1, 300, 1477));
+    let mut more = 0;
+    for recording in &library.recordings {
+        let rest = recording.name.ends_with("noGesture");
+        let runs = runs(&recording.labels);
+        let relax = runs
+            .iter()
+            .filter(|r| r.label == Some(Intent::Relax))
+            .count();
+        let gestures = runs.iter().filter(|r| r.label.is_some()).count() - relax;
+        assert_eq!(rest, gestures == 0, "{}", recording.path.display());
+        more += usize::from(gestures > 1);
+        assert!(!rest || runs.len() == 1);
+    }
+    assert!(more <= 2, "{more}");
+    for intent in [
+        Intent::Open,
+        Intent::Close,
+        Intent::WaveIn,
+        Intent::WaveOut,
+        Intent::Pinch,
+    ] {
+        // 50 gestures of about 1.4 s, less in slow edges.
+        let seconds = seconds_of(&library.recordings, Some(intent));
+        assert!((35..=90).contains(&seconds), "{intent:?} {seconds}");
+    }
+}
+
+#[test]
+fn myoup_trusts_rest_only_far_from_a_pulse() {
+    let test = "myoup_trusts_rest_only_far_from_a_pulse";
+    let Some(library) = read(test, "myoup") else {
+        return;
+    };
+    assert_eq!(counts(&library), (5, 5, 3086));
+    for recording in &library.recordings {
+        for intent in [Intent::Open, Intent::Close, Intent::WaveIn, Intent::WaveOut] {
+            assert_eq!(
+                stretches(recording, Some(intent)),
+                5,
+                "{}",
+                recording.subject
+            );
+        }
+        assert_eq!(recording.other_movement.len(), 30, "1 to 4, 7 and 8");
+        let runs = runs(&recording.labels);
+        let touching = runs
+            .windows(2)
+            .filter(|p| p[0].label.is_some() && p[1].label.is_some());
+        assert_eq!(touching.count(), 0, "{}", recording.subject);
+    }
+}
+
+#[test]
+fn uci_gestures_are_half_and_stretched() {
+    let test = "uci_gestures_are_half_and_stretched";
+    let Some(library) = read(test, "uci-gestures") else {
+        return;
+    };
+    let (subjects, recordings, seconds) = counts(&library);
+    assert_eq!((subjects, recordings), (25, 49));
+    assert!(seconds.abs_diff(2960) <= 2, "{seconds}");
+    for recording in &library.recordings {
+        assert!(!recording.data_set.trained_by_default());
+        for intent in [
+            Intent::Relax,
+            Intent::Close,
+            Intent::WaveIn,
+            Intent::WaveOut,
+        ] {
+            assert_eq!(
+                stretches(recording, Some(intent)),
+                2,
+                "{}",
+                recording.path.display()
+            );
+        }
+        assert_eq!(
+            recording.other_movement.len(),
+            4,
+            "{}",
+            recording.path.display()
+        );
+    }
+}
+
+#[test]
+fn labels_from_activity_are_muscle_onsets_without_a_lag() {
+    let test = "labels_from_activity_are_muscle_onsets_without_a_lag";
+    for set in ["wang-myo", "myo-rps", "epn"] {
+        let Some(library) = read(test, set) else {
+            continue;
+        };
+        let recordings: Vec<_> = library.recordings.iter().collect();
+        assert_eq!(recordings[0].data_set.label_lag(), 0);
+        assert_eq!(lag::estimate(&recordings), None, "nothing moves them");
+        // As if they were cues: the rule that measures cues finds the muscle where the labels are.
+        let cues: Vec<_> = recordings
+            .iter()
+            .map(|&recording| Recording {
+                data_set: DataSet::ReactEmg,
+                ..recording.clone()
+            })
+            .collect();
+        let found = lag::estimate(&cues.iter().collect::<Vec<_>>()).expect("transitions");
+        for ms in [found.onset_ms, found.release_ms] {
+            assert!(ms.abs() <= 50.0, "{set}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn other_movement_has_no_label() {
+    let test = "other_movement_has_no_label";
+    for set in [
+        "roshambo",
+        "ss-stm",
+        "cote-allard",
+        "wang-myo",
+        "myoup",
+        "uci-gestures",
+    ] {
+        let Some(library) = read(test, set) else {
+            continue;
+        };
+        let mut seconds = 0.0;
+        for recording in &library.recordings {
+            let mut end = 0;
+            for range in &recording.other_movement {
+                assert!(range.start >= end && range.start < range.end, "{set}");
+                assert!(
+                    recording.labels[range.clone()].iter().all(Option::is_none),
+                    "{set}"
+                );
+                end = range.end;
+                seconds += range.len() as f64 / 200.0;
+            }
+            assert!(end <= recording.samples.len());
+        }
+        assert!(seconds > 200.0, "{set}: {seconds}");
+    }
+}
+
+/// Mean over people of a gesture's pattern: ln(1 + mean |x|) by channel, less its mean over channels.
+fn pattern(
+    recordings: &[Recording],
+    samples: impl Fn(&Recording) -> Vec<Sample>,
+    intent: Intent,
+) -> [f64; 8] {
+    let mut people: BTreeMap<&str, ([f64; 8], f64)> = BTreeMap::new();
+    for recording in recordings {
+        let (sums, count) = people.entry(&recording.subject).or_default();
+        let samples = samples(recording);
+        for (sample, _) in samples
+            .iter()
+            .zip(&recording.labels)
+            .filter(|(_, l)| **l == Some(intent))
+        {
+            for (sum, value) in sums.iter_mut().zip(sample) {
+                *sum += f64::from(value.unsigned_abs());
+            }
+            *count += 1.0;
+        }
+    }
+    let mut mean = [0.0; 8];
+    for (sums, count) in people.into_values().filter(|(_, count)| *count > 0.0) {
+        let logs = sums.map(|sum| (sum / count).ln_1p());
+        let level = logs.iter().sum::<f64>() / 8.0;
+        for (mean, log) in mean.iter_mut().zip(logs) {
+            *mean += log - level;
+        }
+    }
+    mean
+}
+
+/// Correlation of two lists of centred patterns.
+fn correlation(a: &[[f64; 8]], b: &[[f64; 8]]) -> f64 {
+    let dot = |a: &[[f64; 8]], b: &[[f64; 8]]| -> f64 {
+        a.iter()
+            .flatten()
+            .zip(b.iter().flatten())
+            .map(|(x, y)| x * y)
+            .sum()
+    };
+    dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()
+}
+
+#[test]
+fn electrode_frames_fit_the_gestures_that_two_sets_share() {
+    let test = "electrode_frames_fit_the_gestures_that_two_sets_share";
+    let waves = &[Intent::Close, Intent::WaveIn, Intent::WaveOut][..];
+    let hands = &[Intent::Open, Intent::Close][..];
+    for (set, reference, intents) in [
+        ("cote-allard", "myo-readings", waves),
+        ("one-subject-myo", "myo-readings", waves),
+        ("epn", "myo-readings", waves),
+        ("myoup", "myo-readings", waves),
+        ("uci-gestures", "myo-readings", waves),
+        ("myo-rps", "roshambo", hands),
+        ("wang-myo", "myoup", hands),
+    ] {
+        let (Some(library), Some(reference)) = (read(test, set), read(test, reference)) else {
+            continue;
+        };
+        let aligned = |library: &Library| -> Vec<[f64; 8]> {
+            let pattern = |&i| pattern(&library.recordings, Recording::aligned_samples, i);
+            intents.iter().map(pattern).collect()
+        };
+        let expected = aligned(&reference);
+        let found = correlation(&aligned(&library), &expected);
+        assert!(found > 0.7, "{set}: {found}");
+        // Of all 16 ways to put a ring on the arm, no other fits better.
+        let as_recorded: Vec<_> = intents
+            .iter()
+            .map(|&i| pattern(&library.recordings, |r| r.samples.clone(), i))
+            .collect();
+        for way in 0..16 {
+            let turned: Vec<_> = as_recorded
+                .iter()
+                .map(|pattern| {
+                    let mut pattern = *pattern;
+                    if way >= 8 {
+                        pattern.reverse();
+                    }
+                    pattern.rotate_right(way % 8);
+                    pattern
+                })
+                .collect();
+            let other = correlation(&turned, &expected);
+            assert!(
+                other <= found + 1e-9,
+                "{set}, way {way}: {other} instead of {found}"
+            );
+        }
     }
 }
 

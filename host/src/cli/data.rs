@@ -9,9 +9,10 @@ use shared::intent::{Intent, Vocabulary};
 use shared::units::SAMPLE_PERIOD_MS;
 
 use super::arguments::refused;
-use crate::dataset::library::inspection::{Inspection, SetInspection};
+use crate::dataset::library::inspection::{Files, Inspection, SetInspection};
+use crate::dataset::readers::excerpt::printable;
 use crate::dataset::synthetic::{self, SynthOptions};
-use crate::dataset::{LoadOptions, load};
+use crate::dataset::{DataSet, LoadOptions, load};
 use crate::report::Table;
 
 /// How many files with the same anomaly are listed; `--json` has all.
@@ -30,19 +31,7 @@ pub enum Command {
 #[derive(Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
-    after_help = "Reads every recording at or below PATH and shows what is in it: a folder of \
-        many data sets, one set, or one file.\n\n\
-        Formats are recognised by the content of the files:\n  \
-        roshambo         *_emg.npy (n, 8) of integers with *_ann.npy, a gesture's name per sample\n  \
-        ss-stm           MxTy.csv, eight decimals a row (count / 128)\n  \
-        cote-allard      classe_N.dat, int16, eight values a sample\n  \
-        myo-readings     G.txt, eight integers and the label a row\n  \
-        one-subject-myo  csv, eight integers a row, classes in metadata.json\n  \
-        emg-epn-612      JSON per user with trainingSamples, testingSamples\n  \
-        react-emg        csv with gt and emg_0..emg_7, or npy with the label first\n\n\
-        Names of folders identify the person: keep the published layout below PATH.\n\nExamples:\n  \
-        myointent data inspect recordings\n  \
-        myointent data inspect recordings/s1/s1_grasp.csv --json"
+    after_help = inspect_help(),
 )]
 pub struct InspectArguments {
     /// File or folder
@@ -53,6 +42,22 @@ pub struct InspectArguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+fn inspect_help() -> String {
+    let readers: String = DataSet::ALL
+        .iter()
+        .map(|set| format!("  {:16} {}\n", set.name(), set.recognised_by()))
+        .collect();
+    format!(
+        "Reads every recording at or below PATH and shows what is in it: a folder of many data sets, one set, or one \
+         file.\n\nFormats are recognised by content and name of the files:\n{readers}\n\
+         Names of folders identify the person: keep the published layout below PATH. A file of eight channels in none \
+         of these layouts is read, as react-emg without labels, if PATH is that file. Nothing is read but regular files \
+         of at most 128 MiB.\n\nExamples:\n  \
+         myointent data inspect recordings\n  \
+         myointent data inspect recordings/s1/s1_grasp.csv --json"
+    )
 }
 
 /// Arguments of `myointent data synth`.
@@ -125,30 +130,61 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
 }
 
 fn tables(inspection: &Inspection) -> String {
-    let mut text = sets(&inspection.sets).plain();
+    let mut text = sets(&inspection.sets).plain() + "\n" + &taken(&inspection.taken).plain();
     for suspicion in &inspection.suspicions {
-        text += &format!("\n{} ({})\n", suspicion.what, suspicion.which.len());
+        text += &format!(
+            "\n{} ({})\n",
+            printable(&suspicion.what),
+            suspicion.which.len()
+        );
         for which in suspicion.which.iter().take(SHOWN) {
-            text += &format!("    {which}\n");
+            text += &format!("    {}\n", printable(which));
         }
         if suspicion.which.len() > SHOWN {
             text += "    ...\n";
         }
     }
-    if inspection.ignored > 0 {
-        text += &format!("\n{} other files, not read\n", inspection.ignored);
+    for ignored in &inspection.ignored {
+        text += &format!(
+            "\n{} files not read, {}: {}{}\n",
+            ignored.files,
+            ignored.what,
+            printable(&ignored.first.display().to_string()),
+            if ignored.files > 1 { ", ..." } else { "" }
+        );
     }
     text
+}
+
+fn taken(taken: &[Files]) -> Table {
+    let caption = "Which reader took how many files, and what it recognises them by.";
+    let mut table = Table::new(caption, ["data set", "files", "recognised by", "first"]);
+    for files in taken {
+        let first = files.first.file_name().unwrap_or_default();
+        table.push([
+            files.what.clone(),
+            files.files.to_string(),
+            files.recognised_by.to_owned(),
+            printable(&first.to_string_lossy()),
+        ]);
+    }
+    table
 }
 
 fn sets(sets: &[SetInspection]) -> Table {
     let columns = [
         &["data set", "subjects", "recordings", "seconds"][..],
         &Intent::ALL.map(Intent::name),
-        &["unlabelled", "transitions", "saturated %", "lag ms"],
+        &[
+            "other",
+            "unlabelled",
+            "transitions",
+            "saturated %",
+            "lag ms",
+        ],
     ];
-    let caption = "Seconds by label; the largest share of a channel that saturates in a \
-        recording; label lag (median).";
+    let caption = "Seconds by label; other: movement that is none of the six intents; the largest share of a \
+        channel that saturates in a recording; label lag (median; onset: the labels are the muscle's onsets).";
     let mut table = Table::new(caption, columns.concat());
     for set in sets {
         let mut row = vec![
@@ -165,10 +201,15 @@ fn sets(sets: &[SetInspection]) -> Table {
             .label_lag
             .map(|lag| lag.lag_samples * SAMPLE_PERIOD_MS as usize);
         row.extend([
+            format!("{:.0}", set.seconds_other_movement),
             format!("{:.0}", set.seconds_unlabelled),
             set.transitions.to_string(),
             format!("{:.1}", 100.0 * set.worst_saturation),
-            lag.map_or_else(String::new, |lag| lag.to_string()),
+            match lag {
+                Some(lag) => lag.to_string(),
+                None if set.labelled_by_activity => "onset".to_owned(),
+                None => String::new(),
+            },
         ]);
         table.push(row);
     }

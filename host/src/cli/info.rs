@@ -1,11 +1,16 @@
 //! `myointent info`: the header of a model file.
 
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
-use shared::model::file::Model;
+use shared::model::file::{List, Model};
+use shared::stream::smoother::AggregationMode;
+
+use crate::dataset::readers::excerpt::printable;
+use crate::execution::bounded_read;
 
 /// Arguments of `info`.
 #[derive(Debug, Args)]
@@ -24,68 +29,146 @@ pub struct Arguments {
 /// When the file is missing or refused, for the reason that the device reports too.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let bytes = bounded_read::read(path, bounded_read::MODEL)
+        .with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
+    let text = if arguments.json {
+        serde_json::to_string_pretty(&json(&model))? + "\n"
+    } else {
+        format!(
+            "{}: {} bytes, checksum correct\n{}",
+            path.display(),
+            model.length,
+            lines(&model)
+        )
+    };
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+fn intents(model: &Model<'_>) -> Vec<&'static str> {
+    let vocabulary = model.header.dimensions.vocabulary;
+    vocabulary.intents().iter().map(|i| i.name()).collect()
+}
+
+fn json(model: &Model<'_>) -> serde_json::Value {
     let header = &model.header;
     let (dimensions, smoother, provenance) =
         (&header.dimensions, &header.smoother, &header.provenance);
-    let intents: Vec<&str> = dimensions
-        .vocabulary
-        .intents()
-        .iter()
-        .map(|intent| intent.name())
-        .collect();
-    let sets: Vec<&str> = provenance.data_sets.iter().collect();
-    let held_out: Vec<&str> = provenance.subjects_left_out.iter().collect();
-    let metrics: Vec<(&str, f32)> = provenance.metrics.iter().collect();
-    let mut out = std::io::stdout().lock();
-    if arguments.json {
-        let value = serde_json::json!({
-            "bytes": model.length,
-            "intents": intents,
-            "width": dimensions.width,
-            "layers": dimensions.layers,
-            "span": dimensions.span,
-            "companding": format!("{:?}", header.companding),
-            "aggregation": format!("{:?}", smoother.aggregation),
-            "look_ahead": smoother.look_ahead,
-            "hold": smoother.hold,
-            "data_sets": sets,
-            "subjects_left_out": held_out,
-            "git_revision": provenance.git_revision,
-            "seed": provenance.seed,
-            "metrics": metrics.iter().copied().collect::<std::collections::BTreeMap<_, _>>(),
-        });
-        writeln!(out, "{}", serde_json::to_string_pretty(&value)?)?;
-        return Ok(());
-    }
-    writeln!(
-        out,
-        "{}: {} bytes, checksum correct",
-        path.display(),
-        model.length
-    )?;
-    writeln!(out, "intents       {}", intents.join(", "))?;
-    writeln!(
-        out,
-        "encoder       width {}, {} layers, span {} patches, input {:?}",
-        dimensions.width, dimensions.layers, dimensions.span, header.companding
-    )?;
-    writeln!(
-        out,
-        "smoother      {:?}, look-ahead {} samples, hold {} samples",
-        smoother.aggregation, smoother.look_ahead, smoother.hold
-    )?;
-    writeln!(
-        out,
-        "trained on    {} (seed {}, revision {})",
-        sets.join(", "),
+    serde_json::json!({
+        "bytes": model.length,
+        "intents": intents(model),
+        "width": dimensions.width,
+        "layers": dimensions.layers,
+        "span": dimensions.span,
+        "companding": format!("{:?}", header.companding),
+        "aggregation": format!("{:?}", smoother.aggregation),
+        "look_ahead": smoother.look_ahead,
+        "hold": smoother.hold,
+        "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
+        "subjects_left_out": provenance.subjects_left_out.iter().collect::<Vec<_>>(),
+        "git_revision": provenance.git_revision,
+        "seed": provenance.seed,
+        "metrics": provenance.metrics.iter().collect::<BTreeMap<_, _>>(),
+    })
+}
+
+/// The header, a line for each part of it. Its texts are whoever's made the file: printable characters alone.
+fn lines(model: &Model<'_>) -> String {
+    let header = &model.header;
+    let (dimensions, smoother, provenance) =
+        (&header.dimensions, &header.smoother, &header.provenance);
+    let list = |texts: List<'_, &str>| texts.iter().map(printable).collect::<Vec<_>>().join(", ");
+    let mut lines = format!(
+        "intents       {}\n\
+         encoder       width {}, {} layers, span {} patches, input {:?}\n\
+         smoother      {}, look-ahead {} samples, hold {} samples\n\
+         trained on    {} (seed {}, revision {})\n\
+         held out      {}\n",
+        intents(model).join(", "),
+        dimensions.width,
+        dimensions.layers,
+        dimensions.span,
+        header.companding,
+        match smoother.aggregation {
+            AggregationMode::AllRowsFrom => "sums the logits of all patches from an instant on",
+            AggregationMode::SameInstant => "sums the logits of an instant's own patch",
+        },
+        smoother.look_ahead,
+        smoother.hold,
+        list(provenance.data_sets),
         provenance.seed,
-        provenance.git_revision
-    )?;
-    writeln!(out, "held out      {}", held_out.join(", "))?;
-    for (name, value) in metrics {
-        writeln!(out, "measured      {name} {value:.3}")?;
+        printable(provenance.git_revision),
+        list(provenance.subjects_left_out),
+    );
+    for (name, value) in provenance.metrics.iter() {
+        lines += &format!("measured      {} {value:.3}\n", printable(name));
     }
-    Ok(())
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::intent::Vocabulary;
+    use shared::model::dimensions::Dimensions;
+    use shared::model::file::random::random_model;
+
+    use super::*;
+
+    /// A model whose texts clear the screen and set its colour.
+    fn hostile() -> Vec<u8> {
+        let dimensions = Dimensions {
+            vocabulary: Vocabulary::Three,
+            width: 32,
+            layers: 1,
+            span: 10,
+        };
+        let mut parts = random_model(dimensions, 1);
+        let texts = &mut parts.provenance;
+        texts.data_sets = vec!["\u{1b}[2Jroshambo".into()];
+        texts.subjects_left_out = vec!["a\u{9b}31m\u{202e}".into()];
+        texts.git_revision = "\r\n\u{7}".into();
+        texts.metrics = vec![("\u{1b}]0;x\u{7}".into(), 0.5)];
+        parts.to_bytes().unwrap()
+    }
+
+    #[test]
+    fn texts_of_a_model_reach_no_terminal_raw() {
+        let bytes = hostile();
+        let lines = lines(&Model::parse(&bytes).unwrap());
+        let raw = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
+        assert!(!lines.contains(raw), "{lines:?}");
+        assert_eq!(lines.lines().count(), 6, "{lines}");
+        assert!(lines.contains(r"\u{1b}[2Jroshambo"), "{lines}");
+    }
+
+    #[test]
+    fn the_smoother_is_told_in_words() {
+        let bytes = hostile();
+        let lines = lines(&Model::parse(&bytes).unwrap());
+        assert!(!lines.contains("AllRowsFrom"), "{lines}");
+        assert!(
+            lines.contains("smoother      sums the logits of "),
+            "{lines}"
+        );
+    }
+
+    /// Opening a pipe that nobody writes to waits forever, and a device gives bytes without end.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_in_place_of_a_model_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("model.intent");
+        let made = std::process::Command::new("mkfifo").arg(&model).status();
+        assert!(made.unwrap().success());
+        let (sender, receiver) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            let arguments = Arguments { model, json: false };
+            let _ = sender.send(run(&arguments).unwrap_err().to_string());
+        });
+        let error = receiver
+            .recv_timeout(std::time::Duration::from_secs(5))
+            .expect("an answer within 5 s");
+        assert!(error.contains("model.intent"), "{error}");
+    }
 }

@@ -17,6 +17,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use self::steps::{distill, evaluate, export, quantize, quickstart, train};
+use crate::dataset::readers::excerpt::printable;
 use crate::execution::progress;
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
@@ -98,7 +99,10 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                progress::log(&format!("error: {error:#}"));
+                progress::log(&format!(
+                    "error: {}",
+                    printable_lines(&format!("{error:#}"))
+                ));
                 let interrupted = is_interrupt(&error);
                 if interrupted {
                     progress::log(advice);
@@ -119,6 +123,12 @@ impl Command {
             _ => "to try again, give the same command",
         }
     }
+}
+
+/// A message as a terminal may have it: what it quotes comes from files.
+fn printable_lines(message: &str) -> String {
+    let lines: Vec<String> = message.lines().map(printable).collect();
+    lines.join("\n")
 }
 
 /// 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.

@@ -13,6 +13,7 @@ use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 use crate::dataset::{LoadOptions, Recording, load};
+use crate::execution::bounded_read;
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
@@ -29,7 +30,7 @@ pub struct Arguments {
     /// A recording: any format that `data inspect` reads, one recording in it.
     #[arg(value_name = "RECORDING")]
     recording: PathBuf,
-    /// Which recording, if the path holds several, as data-set/subject/name.
+    /// Which recording, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
     /// Replay in real time.
@@ -46,7 +47,8 @@ pub struct Arguments {
 /// When the model is refused or the recording cannot be read.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let bytes = bounded_read::read(path, bounded_read::MODEL)
+        .with_context(|| path.display().to_string())?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let recording = one_recording(&arguments.recording, arguments.name.as_deref())?;
     let mut out = BufWriter::new(std::io::stdout().lock());
@@ -132,13 +134,15 @@ fn replay(
 /// When there is none, or several without a name.
 pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Result<Recording> {
     let mut library = load(path, &LoadOptions::default())?;
-    let full = |recording: &Recording| format!("{}/{}", recording.subject, recording.name);
     if let Some(name) = name {
         library
             .recordings
-            .retain(|recording| full(recording) == name);
+            .retain(|recording| recording.full_name() == name);
     }
     match library.recordings.len() {
+        0 if name.is_none() && !library.skipped.is_empty() => {
+            Err(library.skipped.swap_remove(0).into())
+        }
         0 => bail!(
             "{}: found no recording{}",
             path.display(),
@@ -146,11 +150,34 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
         ),
         1 => Ok(library.recordings.remove(0)),
         several => {
-            let first = full(&library.recordings[0]);
+            let first = library.recordings[0].full_name();
             bail!(
-                "{}: expected one recording, found {several}: give one file, or --name such as {first}",
+                "{}: expected one recording, found {several}: give one file, or choose with --name {first}",
                 path.display()
             )
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::library::inspection::Inspection;
+
+    #[test]
+    fn name_takes_what_inspect_prints() {
+        let folder = tempfile::tempdir().unwrap();
+        for file in ["s1_a.csv", "s1_b.csv"] {
+            let text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,2,3,4,5,6,7,8\n";
+            std::fs::create_dir_all(folder.path().join("s1")).unwrap();
+            std::fs::write(folder.path().join("s1").join(file), text).unwrap();
+        }
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let inspection = Inspection::new(&library);
+        let printed = &inspection.suspicions[0].which[1];
+        let found = one_recording(folder.path(), Some(printed)).unwrap();
+        assert_eq!(found.name, "s1_b");
+        let error = one_recording(folder.path(), None).unwrap_err().to_string();
+        assert!(error.contains("--name react-emg/s1/s1_a"), "{error}");
     }
 }

@@ -1,9 +1,10 @@
 //! Recordings of muscle activity and their labels: read, checked, divided by person, cut and
 //! joined.
 //!
-//! One reader per published format; [`load`] recognises the format by the content of the files.
-//! Labels are the cue that the person saw, not the muscle activity: [`labels::lag`] estimates how
-//! much later the muscle acts. Nothing here resamples, filters or scales a sample.
+//! One reader per published format; [`load`] recognises the format by content and name of the files.
+//! Labels are mostly the cue that the person saw, not the muscle activity: [`labels::lag`] estimates
+//! how much later the muscle acts. Where a set has no times, the muscle activity itself gives the
+//! labels. Nothing here resamples, filters or scales a sample, but for `uci-gestures`, half of which is lost.
 
 pub mod corpus;
 mod electrodes;
@@ -18,8 +19,9 @@ pub mod split;
 pub mod synthetic;
 
 pub use labels::runs::{Run, runs};
-pub use library::{Library, LoadOptions, Repeat, load};
+pub use library::{Ignored, Library, LoadOptions, Repeat, load};
 pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;
+pub use readers::open::Why;
 pub use recording::{DataSet, Recording};
 pub use split::folds;

@@ -22,6 +22,16 @@ pub enum DataSet {
     MyoReadings,
     /// Eddy et al., LibEMG's demonstration set, 2023.
     OneSubjectMyo,
+    /// Wang, open-access dataset of sEMG, 2024.
+    WangMyo,
+    /// Lohr, rock and paper of `myo-dataset`, 2020.
+    MyoRps,
+    /// Tsagkas et al., MyoUP, exercise 2, 2019.
+    Myoup,
+    /// One user recorded in the way of EMG-EPN-612, published by Escuela Politécnica Nacional, 2022.
+    Epn,
+    /// Lobov et al., EMG data for gestures (UCI), 2018: half of its samples are lost.
+    UciGestures,
     /// Benalcazar et al., EMG-EPN-612, 2020.
     #[serde(rename = "emg-epn-612")]
     EmgEpn612,
@@ -32,6 +42,23 @@ pub enum DataSet {
 }
 
 impl DataSet {
+    /// Every set, as they are listed.
+    pub const ALL: [Self; 13] = [
+        Self::Roshambo,
+        Self::SsStm,
+        Self::CoteAllard,
+        Self::MyoReadings,
+        Self::OneSubjectMyo,
+        Self::WangMyo,
+        Self::MyoRps,
+        Self::Myoup,
+        Self::Epn,
+        Self::UciGestures,
+        Self::EmgEpn612,
+        Self::ReactEmg,
+        Self::Synthetic,
+    ];
+
     /// Name in subjects (`roshambo/03`), tables and presets.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -41,10 +68,29 @@ impl DataSet {
             Self::CoteAllard => "cote-allard",
             Self::MyoReadings => "myo-readings",
             Self::OneSubjectMyo => "one-subject-myo",
+            Self::WangMyo => "wang-myo",
+            Self::MyoRps => "myo-rps",
+            Self::Myoup => "myoup",
+            Self::Epn => "epn",
+            Self::UciGestures => "uci-gestures",
             Self::EmgEpn612 => "emg-epn-612",
             Self::ReactEmg => "react-emg",
             Self::Synthetic => "synthetic",
         }
+    }
+
+    /// Whether training may use the set without being told to.
+    ///
+    /// `uci-gestures` shows which muscles are active, but not what a sample looks like.
+    #[must_use]
+    pub const fn trained_by_default(self) -> bool {
+        !matches!(self, Self::UciGestures)
+    }
+
+    /// Whether its labels are muscle onsets, found in the recordings themselves, and not cues: they have no lag.
+    #[must_use]
+    pub const fn labelled_by_activity(self) -> bool {
+        matches!(self, Self::WangMyo | Self::MyoRps | Self::Epn)
     }
 }
 

@@ -18,6 +18,7 @@ use super::arguments::BackendArguments;
 use super::replay::one_recording;
 use crate::dataset::npy::{self, Values};
 use crate::evaluation::smooth;
+use crate::execution::bounded_read;
 use crate::execution::run_folder::{RunFolder, write_whole};
 use crate::inference::{integer_logits, student_logits, teacher_logits};
 use crate::run::config::ResolvedConfig;
@@ -40,7 +41,8 @@ enum Which {
 #[derive(Debug, Args)]
 #[command(
     after_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
-    time (-1 before the first), and the logits of the sample's patch when it was the newest.\n\
+    time (-1 before the first), and the logits of the sample's patch when it was the newest. The last samples, fewer\n\
+    than a patch of 10, have no logits and no row.\n\
     For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
     Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
     myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
@@ -63,7 +65,7 @@ pub struct Arguments {
     /// A recording, in any format that `myointent data inspect` reads.
     #[arg(long, conflicts_with = "window", required_unless_present = "window")]
     recording: Option<PathBuf>,
-    /// Which recording, if the path holds several, as data-set/subject/name.
+    /// Which recording, if the path holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long)]
     name: Option<String>,
     /// One window of raw samples as npy, 600 x 8.
@@ -99,7 +101,8 @@ fn logits(
     emg: &[CleanSample],
 ) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
     if let Some(path) = &arguments.model {
-        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        let bytes = bounded_read::read(path, bounded_read::MODEL)
+            .with_context(|| path.display().to_string())?;
         let model =
             Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
         let classes = model.header.dimensions.vocabulary.classes();
@@ -136,18 +139,22 @@ fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> 
 fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
     let (rows, classes, settings) = logits(arguments, emg)?;
     let labels = smooth(&rows, emg.len(), classes, settings)?;
-    let mut values = Vec::with_capacity(emg.len() * (classes + 1));
-    for (sample, label) in labels.reference.iter().enumerate() {
-        values.push(label.map_or(-1.0, |intent| intent.class() as f32));
-        match rows.get(sample / PATCH) {
-            Some(rows) => values.extend(&rows[0][..classes]),
-            None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
+    Ok(of_samples(&labels.reference, &rows, classes))
+}
+
+/// The smoothed label of every sample of a whole patch, and the logits of its patch.
+fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize) -> Matrix {
+    let mut values = Vec::with_capacity(labels.len() * (classes + 1));
+    for (labels, rows) in labels.chunks_exact(PATCH).zip(rows) {
+        for label in labels {
+            values.push(label.map_or(-1.0, |intent| intent.class() as f32));
+            values.extend(&rows[0][..classes]);
         }
     }
     let columns = std::iter::once("label".to_owned())
         .chain(names(classes, "logit_".to_owned()))
         .collect();
-    Ok(Matrix { columns, values })
+    Matrix { columns, values }
 }
 
 fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
@@ -217,4 +224,18 @@ fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
         .iter()
         .map(|row| row.map(|value| value as i8))
         .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_partial_last_patch_has_no_row() {
+        let rows = vec![[[0.5; Intent::ALL.len()]; LOOK_BACK]; 2];
+        let labels = vec![None; 2 * PATCH + 3];
+        let matrix = of_samples(&labels, &rows, 3);
+        assert!(matrix.values.iter().all(|value| value.is_finite()));
+        assert_eq!(matrix.values.len(), 2 * PATCH * matrix.columns.len());
+    }
 }

@@ -22,6 +22,7 @@ use shared::units::Sample;
 
 use super::envelope::Envelope;
 use super::motion::{Motion, Truth};
+use crate::dataset::recording::{DataSet, Recording};
 use crate::statistics::median;
 
 /// Samples of the moving average that finds bursts: 200 ms.
@@ -43,7 +44,7 @@ const BURST: usize = 80;
 const EDGE: usize = 100;
 
 /// Note of a recording that cannot be labelled.
-pub(crate) const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
+const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
 
 /// What the muscle does at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,10 +54,31 @@ enum Activity {
     Uncertain,
 }
 
-/// Labels a recording of one motion: relax where the muscle is quiet, `motion` where it is active.
+/// A recording of one motion, labelled from its muscle activity; without name and path.
+pub(crate) fn labelled(
+    data_set: DataSet,
+    person: &str,
+    samples: Vec<Sample>,
+    motion: Motion,
+) -> Recording {
+    let subject = format!("{}/{person}", data_set.name());
+    let truth = label(&samples, motion);
+    let notes = truth.is_none().then(|| WEAK.to_owned());
+    let truth = truth.unwrap_or_else(|| Truth {
+        labels: vec![None; samples.len()],
+        ..Truth::default()
+    });
+    Recording {
+        other_movement: truth.other_movement,
+        notes: notes.into_iter().collect(),
+        ..Recording::new(data_set, subject, samples, truth.labels)
+    }
+}
+
+/// Labels samples of one motion: relax where the muscle is quiet, `motion` where it is active.
 ///
 /// None if the contrast is too weak.
-pub(crate) fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
+fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
     let motions = activity(samples)?
         .into_iter()
         .map(|activity| match activity {
@@ -81,11 +103,13 @@ fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
         let loud = median(&coarse[burst.clone()])?;
         let low = levels.quiet + 0.25 * (loud - levels.quiet);
         let high = levels.quiet + 0.75 * (loud - levels.quiet);
-        let below = |level: f64, range: Range<usize>| range.rev().find(|&at| coarse[at] < level);
-        let rise_from = below(low, before..burst.start).map_or(before, |at| at + 1);
-        let fall_to = (burst.end..after)
-            .find(|&at| coarse[at] < low)
-            .unwrap_or(after);
+        let quiet = |at: &usize| coarse[*at] < low;
+        let loud = |at: &usize| coarse[*at] >= high;
+        let rise_from = (before..burst.start)
+            .rev()
+            .find(quiet)
+            .map_or(before, |at| at + 1);
+        let fall_to = (burst.end..after).find(quiet).unwrap_or(after);
         if burst.len() < BURST {
             activity[rise_from..fall_to].fill(Activity::Uncertain);
             continue;
@@ -93,27 +117,22 @@ fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
         let onset = onset(&envelope, levels.half_way(), burst.start);
         let release = release(&envelope, levels.half_way(), burst.end, samples.len());
         activity[onset..release].fill(Activity::Active);
-        let rise_to = burst.clone().find(|&at| coarse[at] >= high);
-        let fall_from = below_reversed(&coarse, high, burst);
-        for (starts, edge) in [
-            (burst.start > 0, rise_from..rise_to.unwrap_or(burst.end)),
+        let rise_to = burst.clone().find(loud).unwrap_or(burst.end);
+        let fall_from = burst
+            .clone()
+            .rev()
+            .find(loud)
+            .map_or(burst.start, |at| at + 1);
+        for (inside, edge) in [
+            (burst.start > 0, rise_from..rise_to),
             (burst.end < samples.len(), fall_from..fall_to),
         ] {
-            if starts && edge.len() > EDGE {
+            if inside && edge.len() > EDGE {
                 activity[edge].fill(Activity::Uncertain);
             }
         }
     }
     Some(activity)
-}
-
-/// After the last sample of a burst at a level.
-fn below_reversed(coarse: &[f64], level: f64, burst: &Range<usize>) -> usize {
-    burst
-        .clone()
-        .rev()
-        .find(|&at| coarse[at] >= level)
-        .map_or(burst.start, |at| at + 1)
 }
 
 /// A recording's own levels of the envelope.

@@ -31,8 +31,9 @@ impl DataSet {
     /// Nominal label lag in samples: [`estimate`] over all subjects of the published recordings.
     ///
     /// Training estimates it on its own training subjects; this is the fallback when none of them
-    /// has a transition. Sets of steady holds have no transition that could be late; EMG-EPN-612
-    /// and ROAM-EMG were segmented by their authors and count as 0.
+    /// has a transition. Sets of steady holds have no transition that could be late, and neither have the labels
+    /// of `myoup` and `uci-gestures`, which lie inside the activity; EMG-EPN-612 and ROAM-EMG were segmented by
+    /// their authors and count as 0. Labels from muscle activity are not late by definition.
     #[must_use]
     pub const fn label_lag(self) -> usize {
         match self {
@@ -40,7 +41,15 @@ impl DataSet {
             Self::SsStm => 145,
             Self::MyoReadings => 54,
             Self::Synthetic => 50,
-            Self::CoteAllard | Self::OneSubjectMyo | Self::EmgEpn612 | Self::ReactEmg => 0,
+            Self::CoteAllard
+            | Self::OneSubjectMyo
+            | Self::WangMyo
+            | Self::MyoRps
+            | Self::Myoup
+            | Self::Epn
+            | Self::UciGestures
+            | Self::EmgEpn612
+            | Self::ReactEmg => 0,
         }
     }
 }
@@ -60,12 +69,14 @@ pub struct LagEstimate {
 
 /// Estimates the lag over recordings of one data set; pass training subjects only.
 ///
-/// None if no change between rest and a gesture has a crossing.
+/// None if no change between rest and a gesture has a crossing, and where the labels are muscle onsets
+/// themselves: they must not be moved by what noise leaves of them.
 #[must_use]
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let mut onsets = Vec::new();
     let mut releases = Vec::new();
-    for recording in recordings {
+    let cued = |recording: &&&Recording| !recording.data_set.labelled_by_activity();
+    for recording in recordings.iter().filter(cued) {
         let envelope = Envelope::new(&recording.samples).all(SMOOTHING);
         for pair in runs(&recording.labels).windows(2) {
             let list = match (pair[0].label, pair[1].label) {
@@ -165,6 +176,16 @@ mod tests {
     fn without_contrast_there_is_no_estimate() {
         assert_eq!(estimate(&[&recording(20, true)]), None);
         assert_eq!(estimate(&[]), None);
+    }
+
+    #[test]
+    fn muscle_onsets_have_no_lag_to_estimate() {
+        let data_set = DataSet::WangMyo;
+        let onsets = Recording {
+            data_set,
+            ..recording(20, false)
+        };
+        assert_eq!((estimate(&[&onsets]), data_set.label_lag()), (None, 0));
     }
 
     #[test]

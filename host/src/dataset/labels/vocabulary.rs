@@ -1,8 +1,10 @@
 //! Labels of six classes in a vocabulary of three or six.
 
+use std::ops::Range;
+
 use shared::intent::{Intent, Vocabulary};
 
-use super::runs::runs;
+use super::runs::{Run, runs};
 use crate::dataset::recording::{DataSet, Recording};
 
 impl Recording {
@@ -21,6 +23,18 @@ impl Recording {
             may_still_hold = outside && self.data_set.releases_at_unknown_times();
         }
         labels
+    }
+
+    /// Movement that is no intent of a vocabulary: other movement, and intents outside the vocabulary. Ranges of
+    /// samples in order, as late as the labels.
+    #[must_use]
+    pub fn movement_outside(&self, vocabulary: Vocabulary) -> Vec<Range<usize>> {
+        let outside = |run: &Run| run.label.is_some_and(|intent| !vocabulary.contains(intent));
+        let mut ranges = self.other_movement.clone();
+        let intents = runs(&self.labels).into_iter().filter(outside);
+        ranges.extend(intents.map(|run| run.start..run.end));
+        ranges.sort_unstable_by_key(|range| range.start);
+        ranges
     }
 }
 
@@ -45,8 +59,6 @@ pub(crate) fn smallest<'a>(labels: impl IntoIterator<Item = &'a Option<Intent>>)
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
 
     const R: Option<Intent> = Some(Intent::Relax);
@@ -55,16 +67,7 @@ mod tests {
 
     fn recording(data_set: DataSet) -> Recording {
         let labels = vec![R, W, R, C, R];
-        Recording {
-            data_set,
-            subject: String::new(),
-            name: String::new(),
-            path: PathBuf::new(),
-            samples: vec![[0; 8]; labels.len()],
-            labels,
-            notes: Vec::new(),
-            other_movement: Vec::new(),
-        }
+        Recording::new(data_set, "", vec![[0; 8]; labels.len()], labels)
     }
 
     #[test]
@@ -73,6 +76,15 @@ mod tests {
         assert_eq!(recording.labels_in(Vocabulary::Six), recording.labels);
         let three = recording.labels_in(Vocabulary::Three);
         assert_eq!(three, [R, None, R, C, R]);
+    }
+
+    #[test]
+    fn movement_outside_is_other_movement_and_other_intents() {
+        let mut recording = recording(DataSet::MyoReadings);
+        recording.labels.extend([None; 3]);
+        recording.other_movement = vec![6..8];
+        assert_eq!(recording.movement_outside(Vocabulary::Six), [6..8]);
+        assert_eq!(recording.movement_outside(Vocabulary::Three), [1..2, 6..8]);
     }
 
     #[test]

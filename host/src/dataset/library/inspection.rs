@@ -1,6 +1,8 @@
 //! Contents of a library by data set, and anomalies in it: `myointent data inspect`.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, WINDOW};
@@ -8,6 +10,7 @@ use shared::units::{CHANNELS, SAMPLE_RATE_HZ, WINDOW};
 use super::Library;
 use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::labels::runs::{Run, runs};
+use crate::dataset::readers::open::Why;
 use crate::dataset::recording::{DataSet, Recording};
 
 /// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
@@ -26,14 +29,31 @@ pub(crate) struct SetInspection {
     pub seconds: f64,
     /// Seconds by intent; an intent that does not occur is left out.
     pub seconds_by_intent: BTreeMap<&'static str, f64>,
-    /// Seconds without a label.
+    /// Seconds of movement that is none of the six intents.
+    pub seconds_other_movement: f64,
+    /// Seconds without a label, other movement not counted.
     pub seconds_unlabelled: f64,
     /// Changes from one labelled intent straight to another.
     pub transitions: usize,
     /// Largest share of one channel's samples in one recording at the ends of the range.
     pub worst_saturation: f64,
-    /// How late the muscle follows its labels, over all subjects.
+    /// How late the muscle follows its labels, over all subjects; none without a transition to measure it at.
     pub label_lag: Option<LagEstimate>,
+    /// Whether the labels are the muscle's onsets themselves.
+    pub labelled_by_activity: bool,
+}
+
+/// Files of one kind: of a data set, or not read for one reason.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub(crate) struct Files {
+    /// The data set whose reader took them, or why none did.
+    pub what: String,
+    /// What they are recognised by; empty for those that are not read.
+    pub recognised_by: &'static str,
+    /// Their number.
+    pub files: usize,
+    /// The first of them in path order.
+    pub first: PathBuf,
 }
 
 /// An anomaly, and the recordings that have it.
@@ -52,8 +72,10 @@ pub(crate) struct Inspection {
     pub sets: Vec<SetInspection>,
     /// Anomalies, recordings with the same anomaly together.
     pub suspicions: Vec<Suspicion>,
-    /// Files that are no recordings.
-    pub ignored: usize,
+    /// Files by the reader that took them.
+    pub taken: Vec<Files>,
+    /// Files that no reader took, by reason.
+    pub ignored: Vec<Files>,
 }
 
 impl Inspection {
@@ -68,15 +90,17 @@ impl Inspection {
                 .or_default()
                 .push(recording);
             for what in anomalies(recording) {
-                let which = format!("{} {}", recording.subject, recording.name);
-                by_anomaly.entry(what).or_default().push(which);
+                by_anomaly
+                    .entry(what)
+                    .or_default()
+                    .push(recording.full_name());
             }
         }
         for skipped in &library.skipped {
             by_anomaly
-                .entry("damaged, left out".into())
+                .entry("damaged or unreadable, left out".into())
                 .or_default()
-                .push(skipped.to_string());
+                .push(skipped.line());
         }
         for repeat in &library.repeats {
             let what = "same samples as another subject's, left out";
@@ -92,15 +116,62 @@ impl Inspection {
                 .into_iter()
                 .map(|(what, which)| Suspicion { what, which })
                 .collect(),
-            ignored: library.ignored.len(),
+            taken: taken(library),
+            ignored: ignored(library),
         }
     }
 }
 
+fn taken(library: &Library) -> Vec<Files> {
+    let mut by_set: BTreeMap<DataSet, BTreeSet<&Path>> = BTreeMap::new();
+    for recording in &library.recordings {
+        by_set
+            .entry(recording.data_set)
+            .or_default()
+            .insert(&recording.path);
+    }
+    files(by_set, |set| (set.name().to_owned(), set.recognised_by()))
+}
+
+fn ignored(library: &Library) -> Vec<Files> {
+    let mut by_reason: BTreeMap<Why, BTreeSet<&Path>> = BTreeMap::new();
+    for ignored in &library.ignored {
+        by_reason
+            .entry(ignored.why)
+            .or_default()
+            .insert(&ignored.path);
+    }
+    files(by_reason, |why| (why.to_string(), ""))
+}
+
+fn files<K>(
+    by_kind: BTreeMap<K, BTreeSet<&Path>>,
+    describe: impl Fn(K) -> (String, &'static str),
+) -> Vec<Files> {
+    by_kind
+        .into_iter()
+        .filter_map(|(kind, paths)| {
+            let first = paths.first()?.to_path_buf();
+            let (what, recognised_by) = describe(kind);
+            Some(Files {
+                what,
+                recognised_by,
+                files: paths.len(),
+                first,
+            })
+        })
+        .collect()
+}
+
 fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
     let mut counts = [0usize; Intent::ALL.len()];
-    let (mut unlabelled, mut transitions) = (0, 0);
+    let (mut unlabelled, mut other, mut transitions) = (0, 0, 0);
     for recording in recordings {
+        other += recording
+            .other_movement
+            .iter()
+            .map(Range::len)
+            .sum::<usize>();
         let runs = runs(&recording.labels);
         for run in &runs {
             match run.label {
@@ -126,13 +197,15 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
             .filter(|intent| counts[intent.class()] > 0)
             .map(|intent| (intent.name(), seconds(counts[intent.class()])))
             .collect(),
-        seconds_unlabelled: seconds(unlabelled),
+        seconds_other_movement: seconds(other),
+        seconds_unlabelled: seconds(unlabelled.saturating_sub(other)),
         transitions,
         worst_saturation: recordings
             .iter()
             .flat_map(|r| saturation(r))
             .fold(0.0, f64::max),
         label_lag: lag::estimate(recordings),
+        labelled_by_activity: data_set.labelled_by_activity(),
     }
 }
 
@@ -174,9 +247,8 @@ fn anomalies(recording: &Recording) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
+    use crate::dataset::library::Ignored;
 
     fn library() -> Library {
         let label = |at: usize| match at / 200 {
@@ -199,8 +271,18 @@ mod tests {
                 samples: (0..800).map(sample).collect(),
                 labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
-                other_movement: Vec::new(),
+                other_movement: vec![700..750],
             }],
+            ignored: ["LICENSE", "notes.txt", "README"]
+                .map(|name| Ignored {
+                    path: name.into(),
+                    why: if name.ends_with(".txt") {
+                        Why::Layout
+                    } else {
+                        Why::Ending
+                    },
+                })
+                .into(),
             ..Library::default()
         }
     }
@@ -216,7 +298,11 @@ mod tests {
             .map(|(&n, &s)| (n, s))
             .collect();
         assert_eq!(seconds, [("close", 1.0), ("relax", 2.0)]);
-        assert_eq!((set.seconds_unlabelled, set.transitions), (1.0, 2));
+        assert_eq!(
+            (set.seconds_unlabelled, set.seconds_other_movement),
+            (0.75, 0.25)
+        );
+        assert_eq!(set.transitions, 2);
         assert_eq!(set.worst_saturation, 0.1);
     }
 
@@ -230,6 +316,23 @@ mod tests {
             "more than 2 % of a channel saturated",
         ];
         assert_eq!(what, expected);
-        assert_eq!(suspicions[0].which, ["react-emg/s1 a"]);
+        assert_eq!(suspicions[0].which, ["react-emg/s1/a"]);
+    }
+
+    #[test]
+    fn every_file_is_told_with_who_took_it_or_why_nobody_did() {
+        let inspection = Inspection::new(&library());
+        let told = |files: &[Files]| -> Vec<(String, usize, PathBuf)> {
+            let told = |f: &Files| (f.what.clone(), f.files, f.first.clone());
+            files.iter().map(told).collect()
+        };
+        let taken = told(&inspection.taken);
+        assert_eq!(taken, [("react-emg".to_owned(), 1, PathBuf::new())]);
+        assert!(inspection.taken[0].recognised_by.contains("gt"));
+        let expected = [
+            (Why::Ending.to_string(), 2, "LICENSE".into()),
+            (Why::Layout.to_string(), 1, "notes.txt".into()),
+        ];
+        assert_eq!(told(&inspection.ignored), expected);
     }
 }

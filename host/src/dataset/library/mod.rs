@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use shared::units::Sample;
 
 use super::readers::error::LoadError;
-use super::readers::open::{Found, open};
+use super::readers::open::{Found, Request, Why, open};
 use super::recording::{DataSet, Recording};
 
 /// What to read.
@@ -33,13 +33,21 @@ impl LoadOptions {
 pub struct Library {
     /// The recordings, ordered by path.
     pub recordings: Vec<Recording>,
-    /// Why each damaged file was left out; empty with [`LoadOptions::strict`].
+    /// Why each damaged or unreadable file was left out; empty with [`LoadOptions::strict`].
     pub skipped: Vec<LoadError>,
     /// Recordings left out because another holds the same samples.
     pub repeats: Vec<Repeat>,
-    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of motions
-    /// outside the six classes.
-    pub ignored: Vec<PathBuf>,
+    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of nobody's.
+    pub ignored: Vec<Ignored>,
+}
+
+/// A file that is not read.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Ignored {
+    /// The file.
+    pub path: PathBuf,
+    /// Why it is not.
+    pub why: Why,
 }
 
 /// A recording left out because its samples are published twice.
@@ -53,23 +61,34 @@ pub struct Repeat {
 
 /// Reads every recording at or below a path: a folder of many sets, one set, or one file.
 ///
+/// A single file of eight channels is read whatever set it is of; in a folder, a file is read only if its layout
+/// says what it is. No file of more than 128 MiB is read, and nothing but regular files.
+///
 /// # Errors
-/// [`LoadError::Damaged`] at the first damaged file in path order with
-/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found;
-/// [`LoadError::Io`] if the file system refuses.
+/// [`LoadError::Damaged`] or [`LoadError::Io`] at the first damaged or unreadable file in path order with
+/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
+/// itself cannot be read.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
-    let files = files(path)?;
-    let found: Vec<_> = files
-        .par_iter()
-        .map(|file| open(file, |data_set| options.wants(data_set)))
+    let (alone, files) = files(path)?;
+    let request = Request {
+        wants: |data_set| options.wants(data_set),
+        alone,
+    };
+    let found: Vec<Result<_, LoadError>> = files
+        .into_par_iter()
+        .map(|file| {
+            let file = file?;
+            let found = open(&file, &request)?;
+            Ok((file, found))
+        })
         .collect();
     let mut library = Library::default();
-    for (file, found) in files.into_iter().zip(found) {
+    for found in found {
         match found {
-            Ok(Found::Recordings(recordings)) => library.recordings.extend(recordings),
-            Ok(Found::Part) => {}
-            Ok(Found::Nothing) => library.ignored.push(file),
-            Err(error @ LoadError::Damaged { .. }) if !options.strict => {
+            Ok((_, Found::Recordings(recordings))) => library.recordings.extend(recordings),
+            Ok((_, Found::Part)) => {}
+            Ok((path, Found::Nothing(why))) => library.ignored.push(Ignored { path, why }),
+            Err(error) if !options.strict && !(alone && error.is_refusal()) => {
                 library.skipped.push(error);
             }
             Err(error) => return Err(error),
@@ -121,24 +140,31 @@ impl Library {
     }
 }
 
-/// Files at or below a path, absolute so that folder names are known, in path order.
-fn files(path: &Path) -> Result<Vec<PathBuf>, LoadError> {
-    let refused = |source| LoadError::Io {
+/// Files at or below a path in path order, absolute so that folder names are known, or why one cannot be read;
+/// and whether the path is that of a single file.
+fn files(path: &Path) -> Result<(bool, Vec<Result<PathBuf, LoadError>>), LoadError> {
+    let root = path.canonicalize().map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
-    };
-    let root = path.canonicalize().map_err(refused)?;
+    })?;
+    let alone = !root.is_dir();
     let mut files = Vec::new();
     for entry in walkdir::WalkDir::new(root)
         .follow_links(true)
         .sort_by_file_name()
     {
-        let entry = entry.map_err(|error| refused(error.into()))?;
-        if entry.file_type().is_file() {
-            files.push(entry.into_path());
+        match entry {
+            // Devices and pipes too: they are refused by name when they are to be read.
+            Ok(entry) if !entry.file_type().is_dir() => files.push(Ok(entry.into_path())),
+            Ok(_) => {}
+            // A link to nowhere, a circle of links, a folder that must not be read.
+            Err(error) => files.push(Err(LoadError::Io {
+                path: error.path().unwrap_or(path).to_owned(),
+                source: error.into(),
+            })),
         }
     }
-    Ok(files)
+    Ok((alone, files))
 }
 
 #[cfg(test)]
@@ -198,5 +224,111 @@ mod tests {
                 .ends_with("Female8/training0/classe_0.dat")
         );
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
+
+    /// A folder with these files in it.
+    fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, bytes) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        }
+        folder
+    }
+
+    fn array() -> Vec<u8> {
+        crate::dataset::npy::encode("|i1", &[700, 8], &[3; 5600])
+    }
+
+    #[test]
+    fn arrays_of_no_known_set_are_no_people() {
+        let array = array();
+        let folder = folder(&[("113_waveIn.npy", &array), ("recordings/7.npy", &array)]);
+        let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_single_array_of_the_users_own_is_read() {
+        let folder = folder(&[("113_waveIn.npy", &array())]);
+        let file = folder.path().join("113_waveIn.npy");
+        let library = load(&file, &LoadOptions::default()).unwrap();
+        assert_eq!(
+            library.recordings[0].full_name(),
+            "react-emg/unknown/113_waveIn"
+        );
+    }
+
+    #[test]
+    fn rows_of_no_known_set_are_no_people() {
+        let rows = "1,2,3,4,5,6,7,8\n".repeat(700);
+        let folder = folder(&[("a/1.csv", rows.as_bytes()), ("b/2.csv", rows.as_bytes())]);
+        let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+        let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
+        assert_eq!(one.subjects(), ["react-emg/unknown"]);
+    }
+
+    #[test]
+    fn numbers_of_files_are_not_people() {
+        let text = format!("{HEADER}{}", "0,1,2,3,4,5,6,7,8\n".repeat(10));
+        let folder = folder(&[
+            ("12_grasp.csv", text.as_bytes()),
+            ("13_grasp.csv", text.as_bytes()),
+            ("s4/s4_grasp.csv", text.as_bytes()),
+            ("anna/anna_grasp.csv", text.as_bytes()),
+        ]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let expected = ["react-emg/anna", "react-emg/s4", "react-emg/unknown"];
+        assert_eq!(library.subjects(), expected);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_dangling_link_is_listed_and_stops_nothing() {
+        let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+        let link = folder.path().join("s1/s1_gone.csv");
+        std::os::unix::fs::symlink(folder.path().join("nowhere.csv"), link).unwrap();
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert_eq!(library.recordings.len(), 1);
+        let skipped = library.skipped[0].to_string();
+        assert!(skipped.contains("s1_gone.csv"), "{skipped}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_device_is_listed_and_not_read() {
+        let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+        std::os::unix::fs::symlink("/dev/zero", folder.path().join("s1/s1_z.csv")).unwrap();
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let skipped = library.skipped[0].to_string();
+        assert!(skipped.contains("s1_z.csv"), "{skipped}");
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_header() {
+        let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), ["react-emg/s1"]);
+    }
+
+    #[test]
+    fn utf_16_is_refused_with_what_to_do() {
+        let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        for bytes in [&little[..], &big, &little[2..]] {
+            let folder = folder(&[("s1/s1_a.csv", bytes)]);
+            let library = load(folder.path(), &LoadOptions::default()).unwrap();
+            let skipped = library.skipped[0].to_string();
+            assert!(skipped.contains("UTF-16"), "{skipped}");
+            assert!(skipped.contains("UTF-8"), "{skipped}");
+        }
     }
 }

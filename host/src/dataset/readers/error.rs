@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use super::excerpt::{excerpt, printable};
+
 /// Place of a fault in its file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Place {
@@ -28,7 +30,7 @@ impl fmt::Display for Place {
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Fault {
     /// A row with another number of fields.
-    #[error("expected {expected} comma-separated values, found {found}")]
+    #[error("expected {expected} values, found {found}")]
     Fields {
         /// Values that this layout has in a row.
         expected: usize,
@@ -36,7 +38,7 @@ pub enum Fault {
         found: usize,
     },
     /// A field that is no number.
-    #[error("expected a number in field {field}, found {text:?}")]
+    #[error("expected a number in field {field}, found \"{}\"", excerpt(text))]
     Number {
         /// Field of the row, 1 first.
         field: usize,
@@ -52,7 +54,7 @@ pub enum Fault {
         value: f64,
     },
     /// A label that the data set does not have.
-    #[error("expected a label of {expected}, found {found:?}")]
+    #[error("expected a label of {expected}, found \"{}\"", excerpt(found))]
     Label {
         /// The labels of the set.
         expected: &'static str,
@@ -60,7 +62,7 @@ pub enum Fault {
         found: String,
     },
     /// An array of another shape or element type.
-    #[error("expected an array of {expected}, found {found}")]
+    #[error("expected an array of {expected}, found {}", excerpt(found))]
     Array {
         /// Shape and type that this layout has.
         expected: &'static str,
@@ -68,7 +70,7 @@ pub enum Fault {
         found: String,
     },
     /// Bytes that are no npy file.
-    #[error("expected an npy file (format 1 to 3), but {0}")]
+    #[error("expected an npy file (format 1 to 3), but {}", excerpt(_0))]
     Npy(String),
     /// Another number of bytes than the layout or the header requires.
     #[error("expected {expected} bytes, found {found}: the file is cut short or damaged")]
@@ -87,7 +89,7 @@ pub enum Fault {
         labels: usize,
     },
     /// The other file of a pair is not there.
-    #[error("expected {0} beside it, found no such file")]
+    #[error("expected {} beside it, found no such file", excerpt(_0))]
     Partner(String),
     /// A path that does not name the person.
     #[error("expected a path like {0}: the path names person and gesture")]
@@ -96,7 +98,10 @@ pub enum Fault {
     #[error("expected an npy file or UTF-8 text, found neither")]
     Text,
     /// A csv without the column that is looked for.
-    #[error("expected a header with one of the columns {expected}, found {found:?}")]
+    #[error(
+        "expected a header with one of the columns {expected}, found \"{}\"",
+        excerpt(found)
+    )]
     Column {
         /// Names that would do.
         expected: String,
@@ -107,8 +112,40 @@ pub enum Fault {
     #[error("expected one row per sample, found none")]
     Empty,
     /// Not the JSON that the set publishes.
-    #[error("expected the set's JSON: {0}")]
+    #[error("expected the set's JSON: {}", excerpt(_0))]
     Json(String),
+    /// Text in another encoding.
+    #[error("expected UTF-8 text, found UTF-16: save the file as UTF-8")]
+    Utf16,
+    /// Bytes that are no MATLAB file that is read here.
+    #[error("expected a MATLAB 5 file, but {}", excerpt(_0))]
+    Mat(String),
+    /// Labels that only MATLAB can read.
+    #[error(
+        "the labels of this file are MATLAB objects, which only MATLAB reads: write each recording as \
+         user10/training/001_fist.npy (docs/recordings.md)"
+    )]
+    Objects,
+    /// Another number of labelled stretches than the layout has.
+    #[error("expected {expected} gestures marked, found {found}")]
+    Gestures {
+        /// Gestures that this layout has in a file.
+        expected: usize,
+        /// Gestures in the file.
+        found: usize,
+    },
+    /// Times that go back or leave a gap.
+    #[error(
+        "expected times that rise by at most {most} ms from row to row, found {from} and then {to}"
+    )]
+    Times {
+        /// Largest gap, in ms.
+        most: f64,
+        /// Time of the row before.
+        from: f64,
+        /// Time of the row.
+        to: f64,
+    },
 }
 
 /// A fault and its place, before the file is known.
@@ -155,7 +192,7 @@ impl Damage {
 /// Why recordings could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// The file system refused.
+    /// The file system refused, or the file is no regular one or too large.
     #[error("cannot read {}", path.display())]
     Io {
         /// File or folder.
@@ -165,8 +202,8 @@ pub enum LoadError {
     },
     /// No file in a format that is read here.
     #[error(
-        "no recordings in {}: expected one of the published layouts (npy pairs, csv, txt, dat or \
-         json; see `myointent data inspect --help`)",
+        "no recordings in {}: expected one of the published layouts (npy, csv, txt, dat, json or mat; see \
+         `myointent data inspect --help`), or a single file of eight channels",
         path.display()
     )]
     NoRecordings {
@@ -189,4 +226,72 @@ pub enum LoadError {
         /// The published copy has the same damage: downloading it again does not help.
         as_published: bool,
     },
+}
+
+impl LoadError {
+    /// Whether the file was not even read.
+    pub(crate) const fn is_refusal(&self) -> bool {
+        matches!(self, Self::Io { .. })
+    }
+
+    /// The error with its causes, in one line.
+    pub(crate) fn line(&self) -> String {
+        let mut line = self.to_string();
+        let mut cause = std::error::Error::source(self);
+        while let Some(error) = cause {
+            line += &format!(": {error}");
+            cause = error.source();
+        }
+        printable(&line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_quotes_an_excerpt_of_a_long_text() {
+        let found = "x".repeat(10_000_000);
+        let text = found.clone();
+        for fault in [
+            Fault::Number { field: 1, text },
+            Fault::Label {
+                expected: "0, 1",
+                found: found.clone(),
+            },
+            Fault::Array {
+                expected: "(n, 8)",
+                found: found.clone(),
+            },
+            Fault::Npy(found.clone()),
+            Fault::Partner(found.clone()),
+            Fault::Json(found.clone()),
+            Fault::Column {
+                expected: "gt".into(),
+                found,
+            },
+        ] {
+            let message = fault.to_string();
+            assert!(message.len() < 400, "{} bytes", message.len());
+            assert!(message.contains("xxxx"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_message_never_holds_a_control_character() {
+        let found = "\u{1b}[2J\u{9b}31m\u{202e}\r".to_owned();
+        for fault in [
+            Fault::Npy(found.clone()),
+            Fault::Array {
+                expected: "(n, 8)",
+                found: found.clone(),
+            },
+            Fault::Json(found),
+        ] {
+            let message = fault.to_string();
+            let raw = |c: char| c.is_control() || c == '\u{202e}';
+            assert!(!message.contains(raw), "{message:?}");
+        }
+    }
 }

@@ -1,36 +1,34 @@
 //! Which of the text formats a file has, from its first rows.
 
-use super::formats::react_emg;
+use super::formats::{myo_rps, react_emg, uci_gestures};
 use super::table;
-use crate::dataset::recording::DataSet;
 
 /// Layouts of the text formats.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Layout {
     ReactEmg,
+    MyoRps,
+    UciGestures,
     MyoReadings,
     SsStm,
-    OneSubjectMyo,
+    /// Eight whole numbers a row: `one-subject-myo`, or anything else.
+    Counts,
 }
 
 /// Rows examined: one damaged row among them must not hide the format.
 const EXAMINED: usize = 20;
 
 impl Layout {
-    /// The data set that is published in this layout.
-    pub(crate) const fn data_set(self) -> DataSet {
-        match self {
-            Self::ReactEmg => DataSet::ReactEmg,
-            Self::MyoReadings => DataSet::MyoReadings,
-            Self::SsStm => DataSet::SsStm,
-            Self::OneSubjectMyo => DataSet::OneSubjectMyo,
-        }
-    }
-
     /// Recognises the format by the header, or by the number of values in a row, whole or decimal.
     pub(crate) fn of(text: &str) -> Option<Self> {
         if react_emg::has_header(text) {
             return Some(Self::ReactEmg);
+        }
+        if myo_rps::has_header(text) {
+            return Some(Self::MyoRps);
+        }
+        if uci_gestures::has_header(text) {
+            return Some(Self::UciGestures);
         }
         let rows: Vec<_> = table::rows(text).take(EXAMINED).collect();
         let most = |count: usize| 2 * count > rows.len();
@@ -54,7 +52,7 @@ impl Layout {
         Some(if most(decimals) {
             Self::SsStm
         } else {
-            Self::OneSubjectMyo
+            Self::Counts
         })
     }
 }
@@ -69,10 +67,9 @@ mod tests {
         assert_eq!(Layout::of(header), Some(Layout::ReactEmg));
         assert_eq!(Layout::of("1,2,3,4,5,6,7,8,0\n"), Some(Layout::MyoReadings));
         assert_eq!(Layout::of("-0.5,0,0,0,0,0,1,-1\n"), Some(Layout::SsStm));
-        assert_eq!(
-            Layout::of("1,2,3,4,5,6,7,8\r\n"),
-            Some(Layout::OneSubjectMyo)
-        );
+        assert_eq!(Layout::of("1,2,3,4,5,6,7,8\r\n"), Some(Layout::Counts));
+        let rock = "index,timestamp,0,1,2,3,4,5,6,7\r\n0,5,1,2,3,4,5,6,7,8\r\n";
+        assert_eq!(Layout::of(rock), Some(Layout::MyoRps));
         assert_eq!(Layout::of("Sex,M,,\nAge,24,,\n"), None);
         assert_eq!(Layout::of(""), None);
     }

@@ -1,98 +1,284 @@
 //! One file: which format it has, and the recordings in it.
 
+use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
 use super::formats::{
-    cote_allard, emg_epn, myo_readings, one_subject_myo, react_emg, roshambo, ss_stm,
+    cote_allard, emg_epn, epn, myo_readings, myo_rps, myoup, one_subject_myo, react_emg, roshambo,
+    ss_stm, uci_gestures, wang_myo,
 };
 use super::layout::Layout;
 use super::npy::{self, Values};
+use super::text::Text;
+use super::{mat, table};
 use crate::dataset::recording::{DataSet, Recording};
+use crate::execution::bounded_read;
 
 /// What one file turned out to be.
 pub(crate) enum Found {
     Recordings(Vec<Recording>),
     /// Belongs to a recording whose samples are in another file.
     Part,
-    /// No recording, none of a data set that is wanted, or none of the six classes.
-    Nothing,
+    /// No recording that is read.
+    Nothing(Why),
+}
+
+/// Why a file is not read.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Why {
+    /// By its ending: licences, notes, settings.
+    Ending,
+    /// The content is in none of the layouts.
+    Layout,
+    /// Eight channels, but of no known set, and labels or person are unknown.
+    UnknownSet,
+    /// Of a data set that is not wanted.
+    NotWanted,
+    /// Another copy of what is read: untrimmed, or a copy of another person's file.
+    Copy,
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ending => "no npy, csv, txt, dat, json or mat",
+            Self::Layout => "in none of the layouts",
+            Self::UnknownSet => {
+                "eight channels, but of no known set and without labels: give such a file by itself"
+            }
+            Self::NotWanted => "of a data set that is not asked for",
+            Self::Copy => "a copy of another file",
+        })
+    }
+}
+
+impl DataSet {
+    /// What a file is recognised by as one of the set.
+    #[must_use]
+    pub const fn recognised_by(self) -> &'static str {
+        match self {
+            Self::Roshambo => {
+                "subject*_emg.npy (n, 8) of integers with *_ann.npy, a gesture's name per sample"
+            }
+            Self::SsStm => "subN/MxTy.csv, eight decimals a row (count / 128)",
+            Self::CoteAllard => "classe_N.dat, int16, eight values a sample",
+            Self::MyoReadings => "12345-1/G.txt, eight integers and the label a row",
+            Self::OneSubjectMyo => "csv, eight integers a row, classes in metadata.json",
+            Self::WangMyo => {
+                "EMG_SN/1_fist.npy (n, 8), or EMG_SN/..._1_x.mat with data (count / 128)"
+            }
+            Self::MyoRps => "csv with index,timestamp,0,...,7, named sN_r_1-rock-0-emg.csv",
+            Self::Myoup => "sN/e2_emg.npy with e2_ann.npy, or sNe2.mat with emg and pulse",
+            Self::Epn => "userN/training/001_fist.npy (n, 8)",
+            Self::UciGestures => "01/1_raw_data_*.txt with time, channel1..channel8, class",
+            Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
+            Self::ReactEmg => "csv with gt and emg_0..emg_7, or npy (n, 9) with the label first",
+            Self::Synthetic => "as react-emg, with a column synthetic_muscle",
+        }
+    }
+}
+
+/// How a file is asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Request<W> {
+    /// Data sets that are wanted.
+    pub wants: W,
+    /// It is the only file asked for: eight channels will do.
+    pub alone: bool,
 }
 
 /// Reads one file if it is a recording of a data set that is wanted.
-pub(crate) fn open(path: &Path, wants: impl Fn(DataSet) -> bool) -> Result<Found, LoadError> {
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default();
+pub(crate) fn open(
+    path: &Path,
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let extension = path.extension().and_then(|e| e.to_str());
     // What only the name decides: headerless binary could be anything.
-    if !matches!(extension, "npy" | "csv" | "txt" | "dat" | "json") {
-        return Ok(Found::Nothing);
-    }
-    let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
+    let Some(extension @ ("npy" | "csv" | "txt" | "dat" | "json" | "mat")) = extension else {
+        return Ok(Found::Nothing(Why::Ending));
+    };
+    let bytes = bounded_read::read(path, bounded_read::RECORDING);
+    let bytes = bytes.map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
     })?;
     if bytes.is_empty() {
         return Err(Damage::of_file(Fault::Empty).in_file(path));
     }
+    let damage = |damage: Damage| damage.in_file(path);
     if extension == "dat" {
-        if !wants(DataSet::CoteAllard) {
-            return Ok(Found::Nothing);
-        }
-        return one(path, cote_allard::read(path, &bytes));
+        return request.one(DataSet::CoteAllard, || {
+            cote_allard::read(path, &bytes).map_err(damage)
+        });
     }
     if extension == "npy" || npy::looks_like(&bytes) {
-        return array(path, &bytes, wants);
+        return array(path, &bytes, request);
     }
-    let Ok(text) = std::str::from_utf8(&bytes) else {
-        return Ok(Found::Nothing);
+    if extension == "mat" || mat::looks_like(&bytes) {
+        return matrices(path, &bytes, request);
+    }
+    let text = match Text::of(&bytes) {
+        Text::Utf8(text) => text,
+        Text::Utf16(beginning) if Layout::of(&beginning).is_some() => {
+            return Err(damage(Damage::of_file(Fault::Utf16)));
+        }
+        Text::Utf16(_) | Text::Binary => return Ok(Found::Nothing(Why::Layout)),
     };
     if extension == "json" {
-        if !wants(DataSet::EmgEpn612) || !emg_epn::looks_like(text) {
-            return Ok(Found::Nothing);
+        if !emg_epn::looks_like(text) {
+            return Ok(Found::Nothing(Why::Layout));
         }
-        let user = emg_epn::read(path, text).map_err(|damage| damage.in_file(path))?;
-        return Ok(Found::Recordings(user));
+        return request.several(DataSet::EmgEpn612, || {
+            emg_epn::read(path, text).map_err(damage)
+        });
     }
-    let layout = Layout::of(text).filter(|layout| wants(layout.data_set()));
+    rows(path, text, request)
+}
+
+impl<W: Fn(DataSet) -> bool> Request<W> {
+    fn several(
+        &self,
+        data_set: DataSet,
+        read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
+    ) -> Result<Found, LoadError> {
+        if (self.wants)(data_set) {
+            read().map(Found::Recordings)
+        } else {
+            Ok(Found::Nothing(Why::NotWanted))
+        }
+    }
+
+    fn one(
+        &self,
+        data_set: DataSet,
+        read: impl FnOnce() -> Result<Recording, LoadError>,
+    ) -> Result<Found, LoadError> {
+        self.several(data_set, || Ok(vec![read()?]))
+    }
+
+    /// Eight channels of no known set.
+    fn unknown(
+        &self,
+        read: impl FnOnce() -> Result<Recording, LoadError>,
+    ) -> Result<Found, LoadError> {
+        if self.alone {
+            self.one(DataSet::ReactEmg, read)
+        } else {
+            Ok(Found::Nothing(Why::UnknownSet))
+        }
+    }
+}
+
+fn rows(
+    path: &Path,
+    text: &str,
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    let Some(layout) = Layout::of(text) else {
+        return Ok(Found::Nothing(Why::Layout));
+    };
     match layout {
-        Some(Layout::ReactEmg) => one(path, react_emg::read_csv(path, text)),
-        Some(Layout::MyoReadings) => {
-            let recording = myo_readings::read(path, text);
-            let recording = recording.map_err(|damage| damage.in_file(path))?;
-            Ok(recording.map_or(Found::Nothing, |recording| {
-                Found::Recordings(vec![recording])
-            }))
-        }
-        Some(Layout::SsStm) => one(path, ss_stm::read(path, text)),
-        Some(Layout::OneSubjectMyo) => {
-            let metadata = std::fs::read_to_string(path.with_file_name("metadata.json")).ok();
-            one(path, one_subject_myo::read(path, text, metadata.as_deref()))
-        }
-        None => Ok(Found::Nothing),
-    }
-}
-
-fn one(path: &Path, recording: Result<Recording, Damage>) -> Result<Found, LoadError> {
-    let recording = recording.map_err(|damage| damage.in_file(path))?;
-    Ok(Found::Recordings(vec![recording]))
-}
-
-fn array(path: &Path, bytes: &[u8], wants: impl Fn(DataSet) -> bool) -> Result<Found, LoadError> {
-    let array = npy::parse(bytes).map_err(|damage| damage.in_file(path))?;
-    match (&array.shape[..], &array.values) {
-        // Annotations of `roshambo`, read with their samples.
-        ([_], Values::Text(_)) => Ok(Found::Part),
-        _ if roshambo::is_samples(path, &array) => {
-            if !wants(DataSet::Roshambo) {
-                return Ok(Found::Nothing);
+        Layout::ReactEmg => request.one(DataSet::ReactEmg, || {
+            react_emg::read_csv(path, text).map_err(damage)
+        }),
+        Layout::MyoRps => request.one(DataSet::MyoRps, || {
+            myo_rps::read(path, text).map_err(damage)
+        }),
+        Layout::UciGestures => request.one(DataSet::UciGestures, || {
+            uci_gestures::read(path, text).map_err(damage)
+        }),
+        Layout::MyoReadings => request.one(DataSet::MyoReadings, || {
+            myo_readings::read(path, text).map_err(damage)
+        }),
+        Layout::SsStm => request.one(DataSet::SsStm, || ss_stm::read(path, text).map_err(damage)),
+        Layout::Counts => {
+            let metadata = path.with_file_name("metadata.json");
+            let metadata = bounded_read::read(&metadata, bounded_read::RECORDING).ok();
+            let metadata = metadata.and_then(|bytes| String::from_utf8(bytes).ok());
+            if one_subject_myo::is_recording(path, metadata.as_deref()) {
+                request.one(DataSet::OneSubjectMyo, || {
+                    one_subject_myo::read(path, text, metadata.as_deref()).map_err(damage)
+                })
+            } else {
+                request.unknown(|| {
+                    let samples = table::counts(text).map_err(damage)?;
+                    react_emg::unlabelled(path, samples).map_err(damage)
+                })
             }
-            Ok(Found::Recordings(vec![roshambo::read(path, &array)?]))
         }
-        _ if wants(DataSet::ReactEmg) && react_emg::is_recording(&array) => {
-            one(path, react_emg::read_npy(path, &array))
-        }
-        _ => Ok(Found::Nothing),
     }
+}
+
+fn array(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    let array = npy::parse(bytes).map_err(damage)?;
+    // Annotations of `roshambo` and `myoup`, read with their samples.
+    let of_samples = matches!((&array.shape[..], &array.values), ([_], Values::Text(_)))
+        || myoup::is_annotations(path);
+    if of_samples {
+        return Ok(Found::Part);
+    }
+    if roshambo::is_samples(path, &array) {
+        return request.one(DataSet::Roshambo, || roshambo::read(path, &array));
+    }
+    if let Some(person) = myoup::person_of_npy(path) {
+        return request.one(DataSet::Myoup, || myoup::read_npy(path, person, &array));
+    }
+    if let Some(name) = wang_myo::Name::of_npy(path) {
+        return request.one(DataSet::WangMyo, || {
+            wang_myo::read_npy(path, &name, &array).map_err(damage)
+        });
+    }
+    if let Some(name) = epn::Name::of(path) {
+        return request.one(DataSet::Epn, || {
+            epn::read(path, &name, &array).map_err(damage)
+        });
+    }
+    if react_emg::is_recording(&array) {
+        return request.one(DataSet::ReactEmg, || {
+            react_emg::read_npy(path, &array).map_err(damage)
+        });
+    }
+    match (&array.shape[..], &array.values) {
+        ([_, 8], Values::Numbers(_)) => request.unknown(|| {
+            let samples = table::samples(&array).map_err(damage)?;
+            react_emg::unlabelled(path, samples).map_err(damage)
+        }),
+        _ => Ok(Found::Nothing(Why::Layout)),
+    }
+}
+
+fn matrices(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    if path.ends_with("userData.mat") {
+        let objects = || Err(damage(Damage::of_file(Fault::Objects)));
+        return request.one(DataSet::Epn, objects);
+    }
+    if let Some(person) = myoup::person_of_mat(path) {
+        if person == myoup::COPIED {
+            return Ok(Found::Nothing(Why::Copy));
+        }
+        return request.one(DataSet::Myoup, || {
+            let matrices = mat::parse(bytes).map_err(damage)?;
+            myoup::read_mat(path, person, &matrices).map_err(damage)
+        });
+    }
+    if let Some(name) = wang_myo::Name::of_mat(path) {
+        return request.one(DataSet::WangMyo, || {
+            let matrices = mat::parse(bytes).map_err(damage)?;
+            wang_myo::read_mat(path, &name, &matrices).map_err(damage)
+        });
+    }
+    Ok(Found::Nothing(Why::Layout))
 }

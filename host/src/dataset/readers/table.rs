@@ -1,8 +1,10 @@
-//! Rows of comma-separated numbers: what the text formats share.
+//! Rows of numbers: what the text formats share, and arrays and matrices as samples.
 
 use shared::units::{CHANNELS, Sample};
 
 use super::error::{Damage, Fault};
+use super::mat::Matrix;
+use super::npy::{Array, Values};
 
 /// The rows of a text, each with its line number; empty lines at the end are no rows.
 ///
@@ -14,11 +16,19 @@ pub(crate) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .map(|(index, line)| (index + 1, line))
 }
 
-/// One row as numbers; it has exactly `N`.
+/// One row of comma-separated numbers; it has exactly `N`.
 pub(crate) fn numbers<const N: usize>(line: usize, row: &str) -> Result<[f64; N], Damage> {
+    fields(line, row.split(','))
+}
+
+/// The fields of a row as numbers; it has exactly `N`.
+pub(crate) fn fields<'r, const N: usize>(
+    line: usize,
+    fields: impl Iterator<Item = &'r str>,
+) -> Result<[f64; N], Damage> {
     let mut values = [0.0; N];
     let mut found = 0;
-    for (index, text) in row.split(',').map(str::trim).enumerate() {
+    for (index, text) in fields.map(str::trim).enumerate() {
         found = index + 1;
         if let Some(value) = values.get_mut(index) {
             *value = number(line, found, text)?;
@@ -65,4 +75,47 @@ pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault
         *to = whole.min(127.0) as i8;
     }
     Ok(sample)
+}
+
+/// A text of eight counts a row as samples.
+pub(crate) fn counts(text: &str) -> Result<Vec<Sample>, Damage> {
+    let of_row = |(line, row)| {
+        let counts = numbers::<CHANNELS>(line, row)?;
+        sample(&counts, 1).map_err(|fault| Damage::at_line(line, fault))
+    };
+    rows(text).map(of_row).collect()
+}
+
+/// An array (n, 8) of counts as samples.
+pub(crate) fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
+    let (&[_, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
+        return Err(Damage::of_file(Fault::Array {
+            expected: "numbers, (n, 8)",
+            found: array.describe(),
+        }));
+    };
+    let of_row = |(row, counts)| {
+        sample(counts, 1).map_err(|fault| Damage::at_byte(array.byte_of_row(row), fault))
+    };
+    values
+        .chunks_exact(CHANNELS)
+        .enumerate()
+        .map(of_row)
+        .collect()
+}
+
+/// A matrix n x 8 of counts over `divisor` as samples.
+pub(crate) fn matrix(matrix: &Matrix, divisor: f64) -> Result<Vec<Sample>, Damage> {
+    let at = |fault| Damage::at_byte(matrix.byte, fault);
+    let [rows, CHANNELS] = matrix.shape else {
+        return Err(at(Fault::Array {
+            expected: "numbers, n x 8",
+            found: matrix.describe(),
+        }));
+    };
+    let of_row = |row| {
+        let counts: [f64; CHANNELS] = std::array::from_fn(|c| matrix.at(row, c) * divisor);
+        sample(&counts, 1).map_err(at)
+    };
+    (0..rows).map(of_row).collect()
 }

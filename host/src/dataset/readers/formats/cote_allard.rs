@@ -7,6 +7,7 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::CHANNELS;
 
+use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
 use crate::dataset::recording::{DataSet, Recording};
@@ -50,15 +51,19 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         }
         samples.push(sample);
     }
+    let Truth {
+        labels,
+        other_movement,
+    } = samples.iter().map(|_| motion(class)).collect();
     Ok(Recording {
         data_set: DataSet::CoteAllard,
         subject: format!("cote-allard/{part}-{person}"),
         name: format!("{session}/classe_{class}"),
         path: path.to_owned(),
-        labels: vec![intent(class); samples.len()],
+        labels,
         samples,
         notes: notes(part, person),
-        other_movement: Vec::new(),
+        other_movement,
     })
 }
 
@@ -75,14 +80,14 @@ fn class_number(name: &str) -> Option<usize> {
 }
 
 /// Radial (1) and ulnar (3) deviation are outside the six classes.
-const fn intent(class: usize) -> Option<Intent> {
+const fn motion(class: usize) -> Motion {
     match class % 7 {
-        0 => Some(Intent::Relax),
-        2 => Some(Intent::WaveIn),
-        4 => Some(Intent::WaveOut),
-        5 => Some(Intent::Close),
-        6 => Some(Intent::Open),
-        _ => None,
+        0 => Motion::RELAX,
+        2 => Motion::Intent(Intent::WaveIn),
+        4 => Motion::Intent(Intent::WaveOut),
+        5 => Motion::Intent(Intent::Close),
+        6 => Motion::Intent(Intent::Open),
+        _ => Motion::Other,
     }
 }
 
@@ -109,6 +114,14 @@ mod tests {
         );
         assert_eq!(recording.labels, [Some(Intent::Open); 2]);
         assert_eq!(recording.subject, "cote-allard/E-Male3");
+    }
+
+    #[test]
+    fn a_deviation_is_other_movement() {
+        let path = PATH.replace("classe_13", "classe_15");
+        let recording = read(Path::new(&path), &bytes(&[0; 16])).unwrap();
+        assert!(!recording.has_labels());
+        assert_eq!(recording.other_movement, [0..2]);
     }
 
     #[test]

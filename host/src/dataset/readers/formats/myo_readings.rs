@@ -1,15 +1,17 @@
 //! `myo-readings`: one text per minute and gesture, eight integers and the label in each line.
 //!
 //! Files of a motion outside the six classes (labels 3 to 6: radial and ulnar deviation, pronation,
-//! supination) are not read.
+//! supination) say where that is; the rest between is not labelled, so that no rest is trained on that the
+//! published scores do not know.
 
 use std::path::Path;
 
 use shared::intent::Intent;
 use shared::units::Sample;
 
+use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::readers::error::{Damage, Fault};
-use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::path::{folder, is_number, stem};
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
@@ -43,45 +45,57 @@ const OUTSIDE: [(&str, f64); 4] = [("3", 3.0), ("4", 4.0), ("5", 5.0), ("6", 6.0
 /// every fifth row repeats; a true repeat of eight values is rare outside silence.
 const POLLED_TOO_FAST: f64 = 0.15;
 
-/// Reads a recording; none if its motion is outside the six classes.
-pub(crate) fn read(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
+pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     recording(path, text).map_err(|damage| Damage {
         as_published: PUBLISHED_DAMAGE.iter().any(|name| path.ends_with(name)),
         ..damage
     })
 }
 
-fn recording(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
+fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
     const LAYOUT: &str = "12345-1/7.txt";
     let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
     let name = stem(path).ok_or_else(misplaced)?;
     let sitting = folder(path, 1).ok_or_else(misplaced)?;
     let (person, sitting) = sitting.rsplit_once('-').ok_or_else(misplaced)?;
+    if !is_number(person) || !is_number(sitting) {
+        return Err(misplaced());
+    }
 
     let mut samples = Vec::new();
-    let mut labels = Vec::new();
+    let mut motions = Vec::new();
     for (line, row) in table::rows(text) {
         let values = table::numbers::<9>(line, row)?;
         samples.push(table::sample(&values[..8], 1).map_err(|fault| Damage::at_line(line, fault))?);
-        if OUTSIDE.contains(&(name, values[8])) {
-            return Ok(None);
+        motions.push(motion(name, values[8]).map_err(|fault| Damage::at_line(line, fault))?);
+    }
+    let outside = motions.contains(&Motion::Other);
+    if outside {
+        for motion in motions
+            .iter_mut()
+            .filter(|motion| **motion == Motion::RELAX)
+        {
+            *motion = Motion::Unknown;
         }
-        labels.push(intent(values[8]).map_err(|fault| Damage::at_line(line, fault))?);
     }
     let mut notes = Vec::new();
-    let dropped = drop_polling_repeats(&mut samples, &mut labels);
+    let dropped = drop_polling_repeats(&mut samples, &mut motions);
     if dropped > 0 {
         notes.push("polled at 250 Hz: exact repeats dropped".to_owned());
     }
-    let gestures = labels.iter().any(|&label| label != Some(Intent::Relax));
+    let gestures = motions.iter().any(|&motion| motion != Motion::RELAX);
     if let Some((_, why)) = UNUSABLE.iter().find(|(id, _)| gestures && *id == person) {
-        labels.fill(None);
+        motions.fill(Motion::Unknown);
         notes.push(format!("labels left out: {why}"));
     }
     if gestures && WEAK.contains(&person) {
         notes.push("little muscle signal in the gestures".to_owned());
     }
-    Ok(Some(Recording {
+    let Truth {
+        labels,
+        other_movement,
+    } = motions.into_iter().collect();
+    Ok(Recording {
         data_set: DataSet::MyoReadings,
         subject: format!("myo-readings/{person}"),
         name: format!("{sitting}/{name}"),
@@ -89,17 +103,20 @@ fn recording(path: &Path, text: &str) -> Result<Option<Recording>, Damage> {
         samples,
         labels,
         notes,
-        other_movement: Vec::new(),
-    }))
+        other_movement,
+    })
 }
 
-fn intent(label: f64) -> Result<Option<Intent>, Fault> {
+fn motion(name: &str, label: f64) -> Result<Motion, Fault> {
+    if OUTSIDE.contains(&(name, label)) {
+        return Ok(Motion::Other);
+    }
     // Labels are small whole numbers; anything else is a damaged line.
     match label {
-        0.0 => Ok(Some(Intent::Relax)),
-        1.0 => Ok(Some(Intent::WaveIn)),
-        2.0 => Ok(Some(Intent::WaveOut)),
-        7.0 => Ok(Some(Intent::Close)),
+        0.0 => Ok(Motion::RELAX),
+        1.0 => Ok(Motion::Intent(Intent::WaveIn)),
+        2.0 => Ok(Motion::Intent(Intent::WaveOut)),
+        7.0 => Ok(Motion::Intent(Intent::Close)),
         _ => Err(Fault::Label {
             expected: "0, 1, 2, 7",
             found: label.to_string(),
@@ -108,7 +125,7 @@ fn intent(label: f64) -> Result<Option<Intent>, Fault> {
 }
 
 /// Drops rows equal to the one before where so many are that the polling made them.
-fn drop_polling_repeats(samples: &mut Vec<Sample>, labels: &mut Vec<Option<Intent>>) -> usize {
+fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) -> usize {
     let repeats = samples.windows(2).filter(|pair| pair[0] == pair[1]).count();
     if (repeats as f64) < POLLED_TOO_FAST * samples.len() as f64 {
         return 0;
@@ -119,7 +136,7 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, labels: &mut Vec<Option<Inten
     let mut kept = keep.iter();
     samples.retain(|_| *kept.next().unwrap_or(&true));
     let mut kept = keep.iter();
-    labels.retain(|_| *kept.next().unwrap_or(&true));
+    motions.retain(|_| *kept.next().unwrap_or(&true));
     repeats
 }
 
@@ -131,7 +148,7 @@ mod tests {
     #[test]
     fn either_line_end_and_spaces_are_taken() {
         let text = "-3, 1, -2, 4, 0, 2, 0, -2, 0\r\n1,2,3,4,5,6,7,-128,7";
-        let recording = read(Path::new("/d/12345-2/7.txt"), text).unwrap().unwrap();
+        let recording = read(Path::new("/d/12345-2/7.txt"), text).unwrap();
         assert_eq!(
             recording.samples,
             [[-3, 1, -2, 4, 0, 2, 0, -2], [1, 2, 3, 4, 5, 6, 7, -128]]
@@ -157,9 +174,11 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_outside_the_six_classes_is_not_read() {
+    fn a_motion_outside_the_six_classes_is_other_movement_without_labels() {
         let text = "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,4\n";
-        assert_eq!(read(Path::new("/d/12345-1/4.txt"), text), Ok(None));
+        let recording = read(Path::new("/d/12345-1/4.txt"), text).unwrap();
+        assert!(!recording.has_labels());
+        assert_eq!(recording.other_movement, [1..2]);
         let misplaced = read(Path::new("/d/12345-1/7.txt"), text).unwrap_err();
         assert_eq!(misplaced.place, Place::Line(2));
     }
@@ -175,7 +194,7 @@ mod tests {
                 )
             })
             .collect();
-        let recording = read(Path::new("/d/69069-1/1.txt"), &text).unwrap().unwrap();
+        let recording = read(Path::new("/d/69069-1/1.txt"), &text).unwrap();
         let naive: Vec<i8> = (0..81).collect();
         let first: Vec<i8> = recording.samples.iter().map(|s| s[0]).collect();
         assert_eq!(first, naive[..first.len()]);
@@ -189,7 +208,6 @@ mod tests {
             Path::new("/d/35622-1/1.txt"),
             "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,1",
         )
-        .unwrap()
         .unwrap();
         assert!(!gesture.has_labels());
         assert_eq!(gesture.notes.len(), 1);
@@ -197,7 +215,6 @@ mod tests {
             Path::new("/d/35622-1/0.txt"),
             "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,0",
         )
-        .unwrap()
         .unwrap();
         assert!(rest.has_labels());
     }

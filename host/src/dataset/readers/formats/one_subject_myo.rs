@@ -1,6 +1,4 @@
 //! `one-subject-myo`: csv of eight whole numbers, no header; classes in `metadata.json` beside it.
-//!
-//! Any other csv of that layout is read as an unlabelled recording.
 
 use std::path::Path;
 
@@ -15,6 +13,14 @@ use crate::dataset::recording::{DataSet, Recording};
 /// A file whose hold starts late, and the sample at which it does.
 const LATE_HOLD: (&str, usize) = ("trial_1/R_1_C_3.csv", 60);
 
+/// A file of the set that no metadata name: rest and gestures, unlabelled.
+const STREAM: &str = "stream/raw_emg.csv";
+
+/// Whether a csv of the layout belongs to the set: its metadata name a class of theirs, or its name is known.
+pub(crate) fn is_recording(path: &Path, metadata: Option<&str>) -> bool {
+    metadata.is_some_and(|text| text.contains("\"class_name\"")) || path.ends_with(STREAM)
+}
+
 /// Reads a recording; `metadata` is the text of the `metadata.json` in its folder, if there is one.
 pub(crate) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Recording, Damage> {
     let misplaced = || Damage::of_file(Fault::Path("trial_1/R_0_C_3.csv"));
@@ -23,11 +29,7 @@ pub(crate) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Re
         .and_then(|n| n.to_str())
         .ok_or_else(misplaced)?;
     let session = folder(path, 1).unwrap_or_default();
-    let mut samples = Vec::new();
-    for (line, row) in table::rows(text) {
-        let counts = table::numbers::<8>(line, row)?;
-        samples.push(table::sample(&counts, 1).map_err(|fault| Damage::at_line(line, fault))?);
-    }
+    let samples = table::counts(text)?;
     let class = metadata.and_then(|text| class_name(text, file));
     let intent = class.as_deref().map(intent).transpose()?.flatten();
     let mut labels = vec![intent; samples.len()];

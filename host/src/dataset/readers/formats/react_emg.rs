@@ -1,6 +1,10 @@
 //! ReactEMG's preprocessed layout (ROAM-EMG and what the reference converts): csv with columns
 //! `gt` and `emg_0`..`emg_7` (or `emg0`..`emg7`), or npy with the label first, then eight channels.
 //!
+//! The person is the folder's name where the file's starts with it (`s3/s3_grasp_1.csv`), or `s` and a number
+//! in front of the file's; otherwise unknown, the same for all such files. Eight channels alone, without labels
+//! and of no known set, are read where they are the only file asked for.
+//!
 //! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, except
 //! [`MUSCLE_COLUMN`], which marks synthetic recordings.
 
@@ -12,12 +16,16 @@ use shared::units::{CHANNELS, Sample};
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::labels::from_number;
 use crate::dataset::readers::npy::{Array, Values};
-use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::path::{folder, is_number, stem};
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
 /// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
 pub(crate) const MUSCLE_COLUMN: &str = "synthetic_muscle";
+
+/// Note of a recording of an unknown person.
+const UNNAMED: &str =
+    "whose recording this is is not known: expected a path like s3/s3_grasp_1.csv";
 
 /// Where the columns are.
 struct Columns {
@@ -83,35 +91,55 @@ pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
     recording(path, data_set, samples, labels)
 }
 
-/// Whether an array has the layout's shape: label and eight channels, or the channels alone.
+/// Whether an array has the layout's shape, label and eight channels, and labels in most of its first rows.
 pub(crate) fn is_recording(array: &Array) -> bool {
-    matches!(array.values, Values::Numbers(_))
-        && matches!(array.shape[..], [_, columns] if columns == CHANNELS || columns == CHANNELS + 1)
+    const EXAMINED: usize = 20;
+    let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
+        return false;
+    };
+    let rows = values.chunks_exact(COLUMNS).take(EXAMINED);
+    let labelled = rows.clone().filter(|row| from_number(row[0]).is_ok());
+    2 * labelled.count() > rows.len()
 }
 
-/// Reads (n, 9): label and channels; or (n, 8): channels alone, unlabelled.
+/// Label and channels.
+const COLUMNS: usize = CHANNELS + 1;
+
+/// Reads (n, 9): label and channels.
 pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> {
-    let expected = "numbers, (n, 9) or (n, 8)";
-    let (Values::Numbers(values), &[_, columns]) = (&array.values, &array.shape[..]) else {
+    let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
         return Err(Damage::of_file(Fault::Array {
-            expected,
+            expected: "numbers, (n, 9)",
             found: array.describe(),
         }));
     };
-    let labelled = columns == CHANNELS + 1;
     let (mut samples, mut labels) = (Vec::new(), Vec::new());
-    for (row, values) in values.chunks_exact(columns.max(1)).enumerate() {
+    for (row, values) in values.chunks_exact(COLUMNS).enumerate() {
         let byte = array.byte_of_row(row);
         let in_row = |fault| Damage::at_byte(byte, fault);
-        let counts = &values[usize::from(labelled)..];
-        samples.push(table::sample(counts, 1 + usize::from(labelled)).map_err(in_row)?);
-        labels.push(if labelled {
-            from_number(values[0]).map_err(in_row)?
-        } else {
-            None
-        });
+        labels.push(from_number(values[0]).map_err(in_row)?);
+        samples.push(table::sample(&values[1..], 2).map_err(in_row)?);
     }
     recording(path, DataSet::ReactEmg, samples, labels)
+}
+
+/// Samples without labels, of a file that is asked for by its name.
+pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Recording, Damage> {
+    let labels = vec![None; samples.len()];
+    recording(path, DataSet::ReactEmg, samples, labels)
+}
+
+/// The person that a path names.
+fn person(path: &Path) -> Option<&str> {
+    let name = stem(path)?;
+    let folder = folder(path, 1);
+    // EMG-EPN-612, converted, has one folder a person and no person in the name.
+    if name.starts_with("trainingSamples") || name.starts_with("testingSamples") {
+        return folder;
+    }
+    let (first, _) = name.split_once('_')?;
+    let numbered = first.strip_prefix(['s', 'S']).is_some_and(is_number);
+    (numbered || folder == Some(first)).then_some(first)
 }
 
 fn recording(
@@ -125,19 +153,17 @@ fn recording(
     }
     let misplaced = || Damage::of_file(Fault::Path("s3/s3_grasp_1.csv"));
     let name = stem(path).ok_or_else(misplaced)?;
-    // EMG-EPN-612, converted, has one folder a person and no person in the name.
-    let person = if name.starts_with("trainingSamples") || name.starts_with("testingSamples") {
-        folder(path, 1).ok_or_else(misplaced)?
-    } else {
-        name.split('_').next().unwrap_or(name)
-    };
+    let person = person(path);
     let mut notes = Vec::new();
     if data_set == DataSet::ReactEmg && name.contains("movement") {
         notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
     }
+    if person.is_none() {
+        notes.push(UNNAMED.to_owned());
+    }
     Ok(Recording {
         data_set,
-        subject: format!("{}/{person}", data_set.name()),
+        subject: format!("{}/{}", data_set.name(), person.unwrap_or("unknown")),
         name: name.to_owned(),
         path: path.to_owned(),
         samples,
@@ -202,6 +228,11 @@ mod tests {
             },
         };
         assert!(is_recording(&array));
+        let times = Array {
+            values: Values::Numbers(vec![0.005; 9]),
+            ..array.clone()
+        };
+        assert!(!is_recording(&times));
         let recording = read_npy(
             Path::new("/d/trainingJSON_user3/trainingSamples_idx_1_open.npy"),
             &array,

@@ -1,25 +1,26 @@
 //! `roshambo`: pairs of npy files, samples (n, 8) of integers and one name of a gesture per sample.
 //!
-//! `scissor` is outside the six classes and stays in place unlabelled: cutting it out would leave
-//! no window that ends within the gesture after it.
+//! `scissor` is outside the six classes and stays in place as other movement: cutting it out would
+//! leave no window that ends within the gesture after it.
 
 use std::path::Path;
 
 use shared::intent::Intent;
-use shared::units::{CHANNELS, Sample};
+use shared::units::CHANNELS;
 
+use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::npy::{self, Array, Values};
 use crate::dataset::readers::path::stem;
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
-/// Whether an array holds samples of the set: whole numbers, (n, 8), in a file `*_emg.npy`.
+/// Whether an array holds samples of the set: whole numbers, (n, 8), in a file `subject*_emg.npy`.
 pub(crate) fn is_samples(path: &Path, array: &Array) -> bool {
     matches!(array.shape[..], [_, CHANNELS])
         && matches!(array.values, Values::Numbers(_))
         && array.descr.contains('i')
-        && stem(path).is_some_and(|name| name.ends_with("_emg"))
+        && stem(path).is_some_and(|name| name.starts_with("subject") && name.ends_with("_emg"))
 }
 
 /// Reads the samples at `path` with the annotations of the same name beside it.
@@ -34,18 +35,13 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
     let (person, session) = name.split_once('_').ok_or_else(misplaced)?;
     let person = person.strip_prefix("subject").ok_or_else(misplaced)?;
 
-    let samples = samples(array).map_err(damage)?;
-    let partner = path.with_file_name(format!("{name}_ann.npy"));
-    let bytes = std::fs::read(&partner).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => whole(Fault::Partner(format!("{name}_ann.npy"))),
-        _ => LoadError::Io {
-            path: partner.clone(),
-            source,
-        },
-    })?;
-    let labels = npy::parse(&bytes)
-        .and_then(|annotations| labels(&annotations))
-        .map_err(|damage| damage.in_file(&partner))?;
+    let samples = table::samples(array).map_err(damage)?;
+    let (partner, annotations) = npy::partner(path, &format!("{name}_ann.npy"))?;
+    let motions = motions(&annotations).map_err(|damage| damage.in_file(&partner))?;
+    let Truth {
+        labels,
+        other_movement,
+    } = motions.into_iter().collect();
     if labels.len() != samples.len() {
         let fault = Fault::LabelCount {
             samples: samples.len(),
@@ -61,24 +57,11 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
         samples,
         labels,
         notes: notes(person, session),
-        other_movement: Vec::new(),
+        other_movement,
     })
 }
 
-fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
-    let Values::Numbers(values) = &array.values else {
-        return Ok(Vec::new());
-    };
-    values
-        .chunks_exact(CHANNELS)
-        .enumerate()
-        .map(|(row, counts)| {
-            table::sample(counts, 1).map_err(|fault| Damage::at_byte(array.byte_of_row(row), fault))
-        })
-        .collect()
-}
-
-fn labels(array: &Array) -> Result<Vec<Option<Intent>>, Damage> {
+fn motions(array: &Array) -> Result<Vec<Motion>, Damage> {
     let Values::Text(names) = &array.values else {
         let expected = "one gesture's name per sample";
         return Err(Damage::of_file(Fault::Array {
@@ -90,10 +73,10 @@ fn labels(array: &Array) -> Result<Vec<Option<Intent>>, Damage> {
         .iter()
         .enumerate()
         .map(|(index, name)| match name.as_str() {
-            "none" => Ok(Some(Intent::Relax)),
-            "paper" => Ok(Some(Intent::Open)),
-            "rock" => Ok(Some(Intent::Close)),
-            "scissor" => Ok(None),
+            "none" => Ok(Motion::RELAX),
+            "paper" => Ok(Motion::Intent(Intent::Open)),
+            "rock" => Ok(Motion::Intent(Intent::Close)),
+            "scissor" => Ok(Motion::Other),
             other => {
                 let byte = array.byte_of_row(index);
                 let expected = "none, paper, rock, scissor";
@@ -149,6 +132,7 @@ mod tests {
             None,
         ];
         assert_eq!(recording.labels, expected);
+        assert_eq!(recording.other_movement, [3..4]);
         assert_eq!(recording.samples[3], [3; 8]);
         assert_eq!(
             (recording.subject.as_str(), recording.notes.len()),

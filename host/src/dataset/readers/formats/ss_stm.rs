@@ -7,8 +7,9 @@ use std::path::Path;
 
 use shared::intent::Intent;
 
+use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::readers::error::{Damage, Fault};
-use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::path::{numbered, stem};
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
@@ -21,7 +22,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     const LAYOUT: &str = "sub7/M8T1.csv";
     let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
     let name = stem(path).ok_or_else(misplaced)?;
-    let person = folder(path, 1).ok_or_else(misplaced)?;
+    let person = numbered(path, 1, "sub").ok_or_else(misplaced)?;
     let motion = motion_number(name).ok_or_else(misplaced)?;
 
     let mut samples = Vec::with_capacity(ROWS);
@@ -36,15 +37,19 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
             samples.len()
         ));
     }
+    let Truth {
+        labels,
+        other_movement,
+    } = truth(motion, samples.len());
     Ok(Recording {
         data_set: DataSet::SsStm,
         subject: format!("ss-stm/{person}"),
         name: name.to_owned(),
         path: path.to_owned(),
-        labels: labels(motion, samples.len()),
+        labels,
         samples,
         notes,
-        other_movement: Vec::new(),
+        other_movement,
     })
 }
 
@@ -55,18 +60,17 @@ fn motion_number(name: &str) -> Option<usize> {
     motion.parse().ok().filter(|m| (1..=8).contains(m))
 }
 
-fn labels(motion: usize, samples: usize) -> Vec<Option<Intent>> {
-    let gesture = match motion {
-        1 => return vec![Some(Intent::Relax); samples],
-        2 => Some(Intent::WaveIn),
-        3 => Some(Intent::WaveOut),
-        8 => Some(Intent::Close),
-        _ => None,
+fn truth(motion: usize, samples: usize) -> Truth {
+    let (gesture, after) = match motion {
+        1 => (Motion::RELAX, Motion::RELAX),
+        2 => (Motion::Intent(Intent::WaveIn), Motion::RELAX),
+        3 => (Motion::Intent(Intent::WaveOut), Motion::RELAX),
+        8 => (Motion::Intent(Intent::Close), Motion::RELAX),
+        _ => (Motion::Other, Motion::Unknown),
     };
-    let after = gesture.and(Some(Intent::Relax));
     (0..samples)
         .map(|sample| match sample {
-            s if s < MOTION.start => Some(Intent::Relax),
+            s if s < MOTION.start => Motion::RELAX,
             s if s < MOTION.end => gesture,
             _ => after,
         })
@@ -91,17 +95,23 @@ mod tests {
 
     #[test]
     fn nothing_is_labelled_after_the_start_of_a_motion_outside_the_six() {
-        let close = labels(8, 1000);
+        let close = truth(8, 1000).labels;
         assert_eq!(close[199], Some(Intent::Relax));
         assert_eq!(
             (close[200], close[599]),
             (Some(Intent::Close), Some(Intent::Close))
         );
         assert_eq!(close[600], Some(Intent::Relax));
-        let pronation = labels(6, 1000);
-        assert_eq!(pronation[199], Some(Intent::Relax));
-        assert!(pronation[200..].iter().all(Option::is_none));
-        assert!(labels(1, 10).iter().all(|&l| l == Some(Intent::Relax)));
+        let pronation = truth(6, 1000);
+        assert_eq!(pronation.labels[199], Some(Intent::Relax));
+        assert!(pronation.labels[200..].iter().all(Option::is_none));
+        assert_eq!(pronation.other_movement, [200..600]);
+        assert!(
+            truth(1, 10)
+                .labels
+                .iter()
+                .all(|&l| l == Some(Intent::Relax))
+        );
     }
 
     #[test]

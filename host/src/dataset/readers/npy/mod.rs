@@ -7,9 +7,10 @@
 mod element;
 mod header;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::{Damage, Fault, LoadError};
+use crate::execution::bounded_read;
 use element::{Element, ascii, utf32};
 use header::Header;
 
@@ -81,11 +82,27 @@ impl Array {
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the byte of the fault.
 pub fn read(path: &Path) -> Result<Array, LoadError> {
-    let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes =
+        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
     parse(&bytes).map_err(|damage| damage.in_file(path))
+}
+
+/// Reads the file of another name beside `path`.
+///
+/// # Errors
+/// As [`read`]; that it is not there is a damage of the file at `path`.
+pub(crate) fn partner(path: &Path, name: &str) -> Result<(PathBuf, Array), LoadError> {
+    let partner = path.with_file_name(name);
+    match read(&partner) {
+        Err(LoadError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+            let missing = Damage::of_file(Fault::Partner(name.to_owned()));
+            Err(missing.in_file(path))
+        }
+        array => Ok((partner, array?)),
+    }
 }
 
 /// Whether these are the first bytes of an npy file.
