@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 
 use myointent::dataset::labels::lag;
 use myointent::dataset::splice::{SpliceOptions, splice};
+use myointent::dataset::split::circles::Circles;
 use myointent::dataset::{
     DataSet, Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs,
 };
@@ -743,5 +744,21 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
             (least..1000.0).contains(&median),
             "{look_ahead:?}: {median}"
         );
+    }
+}
+
+#[test]
+fn everybody_in_the_circles_of_people_is_in_the_recordings() {
+    let test = "everybody_in_the_circles_of_people_is_in_the_recordings";
+    for (set, circles) in Circles::all() {
+        let Some(library) = read(test, set) else {
+            return;
+        };
+        let subjects = library.subjects();
+        let people = [&circles.checkpoint, &circles.settings, &circles.test];
+        for person in people.into_iter().flatten() {
+            let name = format!("{set}/{person}");
+            assert!(subjects.contains(&name), "{name} is not in the recordings");
+        }
     }
 }

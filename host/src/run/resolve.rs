@@ -120,7 +120,8 @@ impl ResolvedConfig {
     }
 
     /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of
-    /// these was found.
+    /// these was found. A set that is not [trained on by default](DataSet::trained_by_default) is used where the preset
+    /// names it, or somebody of it to hold out.
     ///
     /// # Errors
     /// When there are none.
@@ -129,7 +130,7 @@ impl ResolvedConfig {
         library: &'l Library,
     ) -> Result<Vec<&'l Recording>, ConfigError> {
         let vocabulary = preset.vocabulary();
-        let labelled: Vec<&Recording> = library
+        let mut labelled: Vec<&Recording> = library
             .recordings
             .iter()
             .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
@@ -140,10 +141,18 @@ impl ResolvedConfig {
                 classes: vocabulary.classes(),
             });
         }
-        let wanted = |recording: &&Recording| preset.data.data_sets.contains(&recording.data_set);
-        Ok(if labelled.iter().any(wanted) {
-            labelled.into_iter().filter(wanted).collect()
+        let data = &preset.data;
+        let named = |recording: &&Recording| data.data_sets.contains(&recording.data_set);
+        let held_out = |recording: &Recording| {
+            let set = recording.data_set.name();
+            let mut names = data.held_out.iter();
+            names.any(|name| name == set || *name == recording.subject)
+        };
+        Ok(if labelled.iter().any(named) {
+            labelled.into_iter().filter(named).collect()
         } else {
+            labelled
+                .retain(|recording| recording.data_set.trained_by_default() || held_out(recording));
             labelled
         })
     }

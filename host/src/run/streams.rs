@@ -24,6 +24,22 @@ impl ResolvedConfig {
         self.corpus(library, Role::Validation)
     }
 
+    /// Recordings of the subjects of a role that can be evaluated: those with labels of the vocabulary or movement outside
+    /// it.
+    pub(super) fn evaluated_recordings<'a>(
+        &self,
+        library: &'a Library,
+        role: Role,
+    ) -> Vec<&'a Recording> {
+        let vocabulary = self.preset.vocabulary();
+        let mut recordings = self.split.select(&library.recordings, role);
+        recordings.retain(|recording| {
+            !recording.other_movement.is_empty()
+                || recording.labels_in(vocabulary).iter().any(Option::is_some)
+        });
+        recordings
+    }
+
     /// Recordings of the subjects of a role that have labels of the vocabulary.
     pub(super) fn labelled_recordings<'a>(
         &self,

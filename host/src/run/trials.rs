@@ -58,7 +58,7 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
 fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> {
     let vocabulary = config.preset.vocabulary();
     config
-        .labelled_recordings(library, role)
+        .evaluated_recordings(library, role)
         .into_iter()
         .map(|recording| {
             let lag = config.lag(recording.data_set);

@@ -109,3 +109,30 @@ fn a_whole_data_set_may_be_held_out() {
             .all(|name| name.starts_with("react-emg/"))
     );
 }
+
+#[test]
+fn a_set_that_is_not_trained_on_by_default_is_used_where_it_is_named() {
+    let library = Library {
+        recordings: [
+            people(DataSet::ReactEmg, 5),
+            people(DataSet::UciGestures, 4),
+        ]
+        .concat(),
+        ..Library::default()
+    };
+    let resolved = |preset: Preset| {
+        let config = ResolvedConfig::new(preset, &library, None, false, None).unwrap();
+        let of_set = |people: &Vec<String>| {
+            let own = people
+                .iter()
+                .filter(|name| name.starts_with("uci-gestures/"));
+            own.count()
+        };
+        [&config.split.training, &config.split.held_out].map(of_set)
+    };
+    assert_eq!(resolved(preset(&[], &[])), [0, 0]);
+    assert_eq!(resolved(preset(&["uci-gestures"], &[])), [0, 4]);
+    let mut named = preset(&[], &[]);
+    named.data.data_sets = vec![DataSet::ReactEmg, DataSet::UciGestures];
+    assert!(resolved(named)[0] > 0);
+}
