@@ -233,3 +233,99 @@ fn heading_of(score: &Score) -> [String; 3] {
 fn shown_text(cell: Cell) -> String {
     cell.shown
 }
+
+#[cfg(test)]
+mod tests {
+    use shared::intent::{Intent, Vocabulary};
+    use shared::model::LookBackLogits;
+
+    use super::*;
+    use crate::dataset::DataSet;
+    use crate::evaluation::{Candidate, EnergyDetector, Trial, constant, score_all};
+
+    /// Two people, who close their hand twice, and a model that sees each change after 100 ms.
+    fn results() -> Results {
+        let truth: Vec<Option<Intent>> = (0..2000)
+            .map(|at| Intent::from_class(if at / 400 % 2 == 1 { 2 } else { 0 }))
+            .collect();
+        let trial = |who: &str| Trial {
+            data_set: DataSet::Synthetic,
+            subject: format!("synthetic/{who}"),
+            name: "r".to_owned(),
+            raw: Vec::new(),
+            emg: truth
+                .iter()
+                .map(|&label| [if label == Some(Intent::Relax) { 1 } else { 20 }; 8])
+                .collect(),
+            published: Some(truth.clone()),
+            lag_compensated: truth.clone(),
+            other_movement: Vec::new(),
+        };
+        let trials = ["a", "b"].map(trial);
+        let rows = |patch: usize| {
+            let mut rows = LookBackLogits::default();
+            for (back, row) in rows.iter_mut().enumerate() {
+                let at = (patch * 10).saturating_sub(back * 10 + 20);
+                row[truth[at].map_or(0, Intent::class)] = 1.0;
+            }
+            rows
+        };
+        let model = Candidate {
+            name: INTEGER.to_owned(),
+            looks_back: true,
+            logits: vec![(0..200).map(rows).collect(); 2],
+        };
+        let detector = EnergyDetector::fit(&trials).unwrap();
+        let candidates = [model, constant(&trials), detector.candidate(&trials)];
+        let scores =
+            |truths: &[Truth]| score_all(&candidates, &trials, Vocabulary::Three, truths).unwrap();
+        Results {
+            held_out: Vec::new(),
+            aggregation: LookAhead::SameInstant,
+            published: scores(&[Truth::Published, Truth::LagCompensated]),
+            spliced: scores(&[Truth::LagCompensated]),
+        }
+    }
+
+    #[test]
+    fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
+        let tables = tables(&results());
+        let found: Vec<Vec<&str>> = tables
+            .iter()
+            .map(|table| table.rows.iter().map(|row| row[1].as_str()).collect())
+            .collect();
+        // Without look-ahead and with the model file's.
+        let scores = vec![INTEGER, INTEGER, CONSTANT, ENERGY];
+        let constant = format!("{INTEGER} - {CONSTANT}");
+        let energy = format!("{INTEGER} - {ENERGY}");
+        let differences = vec![constant.as_str(), &energy, &constant, &energy];
+        let expected = [
+            scores.clone(),
+            differences,
+            scores.clone(),
+            scores.clone(),
+            scores.clone(),
+            scores,
+        ];
+        assert_eq!(found, expected);
+        let cells = |table: usize, row: usize| tables[table].rows[row][3..].to_vec();
+        let floor = &cells(0, 2);
+        // Relax and close: the recall of relax is 1.
+        assert_eq!(floor[0], "0.500 [0.50, 0.50]");
+        assert_eq!(floor[3..6], ["missed / missed", "0.0 (0.0)", "0.0 (0.0)"]);
+        assert_eq!(floor[2], "0.000 [0.00, 0.00]");
+        assert_eq!(cells(0, 1)[2], "1.000 [1.00, 1.00]");
+        assert_eq!(cells(1, 2)[2], "+1.000 [+1.000, +1.000] n 2");
+        assert!(cells(1, 3)[2].ends_with("n 2, no difference shown"));
+    }
+
+    #[test]
+    fn the_summary_ends_with_the_floors() {
+        let table = summary(&results(), INTEGER);
+        let names: Vec<&str> = table.rows.iter().map(|row| row[0].as_str()).collect();
+        assert_eq!(
+            names,
+            ["synthetic", "synthetic: relax", "synthetic: energy"]
+        );
+    }
+}
