@@ -197,6 +197,10 @@ fn release(envelope: &Envelope, level: f64, end: usize, samples: usize) -> usize
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use proptest::prelude::*;
     use rand::{RngExt, SeedableRng};

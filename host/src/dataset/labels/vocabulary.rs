@@ -58,6 +58,10 @@ pub(crate) fn smallest<'a>(labels: impl IntoIterator<Item = &'a Option<Intent>>)
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use super::*;
 

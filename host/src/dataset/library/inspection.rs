@@ -246,6 +246,10 @@ fn anomalies(recording: &Recording) -> Vec<String> {
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use super::*;
     use crate::dataset::library::Ignored;

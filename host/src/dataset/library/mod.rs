@@ -88,7 +88,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
             Ok((_, Found::Recordings(recordings))) => library.recordings.extend(recordings),
             Ok((_, Found::Part)) => {}
             Ok((path, Found::Nothing(why))) => library.ignored.push(Ignored { path, why }),
-            Err(error) if !options.strict && !(alone && error.is_refusal()) => {
+            Err(error) if !(options.strict || alone && error.is_refusal()) => {
                 library.skipped.push(error);
             }
             Err(error) => return Err(error),

@@ -282,3 +282,94 @@ fn matrices(
     }
     Ok(Found::Nothing(Why::Layout))
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::mat::fixture;
+    use super::*;
+
+    const REQUEST: Request<fn(DataSet) -> bool> = Request {
+        wants: |_| true,
+        alone: true,
+    };
+
+    /// A valid file of each layout whose reader no other test feeds with damage.
+    fn files() -> Vec<(&'static str, Vec<u8>)> {
+        let counts = [2_i8, -3, 40, 5, -60, 7, 8, -9].map(|count| count as u8);
+        let row = "1\t1e-05\t2e-05\t0\t0\t0\t0\t0\t-1e-05\t2\n".repeat(20);
+        let uci = "time\tchannel1\tchannel2\tchannel3\tchannel4\tchannel5\tchannel6\tchannel7\t\
+                   channel8\tclass\n";
+        let rock = "0,5,1,2,3,4,5,6,7,8\r\n".repeat(20);
+        let doubles = fixture::doubles("data", [50, 8], &[0.5; 400]);
+        let emg = fixture::doubles("emg", [50, 8], &[5.0; 400]);
+        let pulse = fixture::doubles("pulse", [50, 1], &[100.0; 50]);
+        let array = npy::encode("|i1", &[50, 8], &counts.repeat(50));
+        vec![
+            ("/d/01/1_raw_data_x.txt", format!("{uci}{row}").into_bytes()),
+            (
+                "/d/s1_r_1/s1_r_1-rock-0-emg.csv",
+                format!("index,timestamp,0,1,2,3,4,5,6,7\r\n{rock}").into_bytes(),
+            ),
+            ("/d/12345-1/7.txt", b"1,2,3,4,5,6,7,8,0\n".repeat(20)),
+            ("/d/sub1/M2T1.csv", b"0.5,0,0,0,0,0,0,-1\n".repeat(20)),
+            ("/d/EMG_S1/1_fist.npy", array.clone()),
+            ("/d/user10/training/001_fist.npy", array.clone()),
+            ("/d/own.npy", array),
+            (
+                "/d/EMG_S1/\u{63e1}_1_x.mat",
+                fixture::file(&[fixture::compressed(&doubles)]),
+            ),
+            ("/d/MyoUP/E2/s1e2.mat", fixture::file(&[emg, pulse])),
+        ]
+    }
+
+    fn read(path: &str, bytes: &[u8]) -> Option<Result<Found, LoadError>> {
+        let path = Path::new(path);
+        if path.extension()? == "npy" {
+            Some(array(path, bytes, &REQUEST))
+        } else if path.extension()? == "mat" {
+            Some(matrices(path, bytes, &REQUEST))
+        } else if let Text::Utf8(text) = Text::of(bytes) {
+            Some(rows(path, text, &REQUEST))
+        } else {
+            None
+        }
+    }
+
+    #[test]
+    fn files_as_they_should_be_are_read() {
+        for (path, bytes) in files() {
+            let found = read(path, &bytes);
+            // Sixty pulses would be a long test file.
+            let pulses = path.ends_with("s1e2.mat") && matches!(found, Some(Err(_)));
+            assert!(
+                pulses || matches!(found, Some(Ok(Found::Recordings(_)))),
+                "{path}"
+            );
+        }
+    }
+
+    proptest! {
+        /// Whatever bytes are changed, a reader answers, and with a recording that is consistent.
+        #[test]
+        fn damaged_files_never_panic(changes: Vec<(usize, u8)>, cut: prop::sample::Index) {
+            for (path, mut bytes) in files() {
+                let count = bytes.len();
+                for &(at, value) in &changes {
+                    bytes[at % count] = value;
+                }
+                if changes.len() % 2 == 1 {
+                    bytes.truncate(cut.index(count));
+                }
+                if let Some(Ok(Found::Recordings(recordings))) = read(path, &bytes) {
+                    for recording in recordings {
+                        prop_assert_eq!(recording.samples.len(), recording.labels.len());
+                        prop_assert!(!recording.samples.is_empty());
+                    }
+                }
+            }
+        }
+    }
+}

@@ -97,11 +97,16 @@ pub(crate) fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
     let of_row = |(row, counts)| {
         sample(counts, 1).map_err(|fault| Damage::at_byte(array.byte_of_row(row), fault))
     };
-    values
-        .chunks_exact(CHANNELS)
-        .enumerate()
-        .map(of_row)
-        .collect()
+    let samples = values.chunks_exact(CHANNELS).enumerate().map(of_row);
+    not_empty(samples.collect::<Result<_, _>>()?)
+}
+
+/// A recording has a sample.
+fn not_empty(samples: Vec<Sample>) -> Result<Vec<Sample>, Damage> {
+    if samples.is_empty() {
+        return Err(Damage::of_file(Fault::Empty));
+    }
+    Ok(samples)
 }
 
 /// A matrix n x 8 of counts over `divisor` as samples.
@@ -117,5 +122,5 @@ pub(crate) fn matrix(matrix: &Matrix, divisor: f64) -> Result<Vec<Sample>, Damag
         let counts: [f64; CHANNELS] = std::array::from_fn(|c| matrix.at(row, c) * divisor);
         sample(&counts, 1).map_err(at)
     };
-    (0..rows).map(of_row).collect()
+    not_empty((0..rows).map(of_row).collect::<Result<_, _>>()?)
 }

@@ -92,6 +92,10 @@ const fn motion(class: usize) -> Motion {
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use super::*;
 

@@ -141,6 +141,10 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) ->
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use super::*;
     use crate::dataset::readers::error::Place;

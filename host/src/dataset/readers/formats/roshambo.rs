@@ -103,6 +103,10 @@ fn notes(person: &str, session: &str) -> Vec<String> {
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use super::*;
 

@@ -78,6 +78,10 @@ fn truth(motion: usize, samples: usize) -> Truth {
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
 mod tests {
     use super::*;
 
