@@ -1,9 +1,11 @@
 //! `myointent presets`: the built-in presets.
 
 use std::io::Write as _;
+use std::path::Path;
 
 use clap::Args;
 
+use crate::execution::bounded_read;
 use crate::run::preset::{BUILT_IN, Preset};
 
 /// Arguments of `presets`.
@@ -29,7 +31,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         write!(
             out,
             "{}",
-            text.map_or_else(|| std::fs::read_to_string(name), Ok)?
+            text.map_or_else(
+                || bounded_read::read_text(Path::new(name), bounded_read::PRESET),
+                Ok
+            )?
         )?;
         return Ok(());
     }

@@ -13,6 +13,10 @@ const MIB: u64 = 1 << 20;
 pub(crate) const RECORDING: u64 = 128 * MIB;
 /// Most bytes of a model file: many times what a board's flash holds.
 pub(crate) const MODEL: u64 = 16 * MIB;
+/// Most bytes of a checkpoint to start from: two thousand times the paper's teacher.
+pub(crate) const CHECKPOINT: u64 = 1024 * MIB;
+/// Most bytes of a preset.
+pub const PRESET: u64 = MIB;
 
 /// Why a file is not read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
@@ -49,6 +53,15 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(large());
     }
     Ok(bytes)
+}
+
+/// Reads a regular file of at most `most` bytes of UTF-8.
+///
+/// # Errors
+/// As [`fs::read_to_string`], and with a [`Refusal`] inside for what is no regular file, or larger.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    let invalid = |error| io::Error::new(ErrorKind::InvalidData, error);
+    String::from_utf8(read(path, most)?).map_err(invalid)
 }
 
 fn regular(kind: FileType) -> io::Result<()> {

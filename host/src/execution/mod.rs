@@ -1,6 +1,6 @@
 //! Infrastructure of long computations: run folder, progress, interrupt, parallel work, bounded reads.
 
-pub(crate) mod bounded_read;
+pub mod bounded_read;
 pub mod fingerprint;
 pub mod interrupt;
 pub mod parallel;

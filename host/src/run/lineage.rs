@@ -13,6 +13,7 @@ use shared::intent::Intent;
 use super::config::{CONFIG, Fold, ResolvedConfig};
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Library, Recording};
+use crate::execution::bounded_read;
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::{RunError, RunFolder};
 use crate::run::preset::DataSelection;
@@ -195,7 +196,8 @@ pub(crate) fn start_weights(start: &Path) -> Result<Fingerprint, RunError> {
         let origin = ResolvedConfig::load(&folder)?;
         return folder.weights_fingerprint(teacher::training::NAME, origin.teacher_lineage());
     }
-    let bytes = std::fs::read(start).map_err(|source| RunError::io(start, source))?;
+    let bytes = bounded_read::read(start, bounded_read::CHECKPOINT)
+        .map_err(|source| RunError::io(start, source))?;
     Ok(Fingerprint::of_bytes(&bytes))
 }
 

@@ -11,6 +11,7 @@ use super::aggregation::aggregation;
 use super::context::RunContext;
 use super::error::StepError;
 use crate::evaluation::LookAhead;
+use crate::execution::bounded_read;
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::write_whole;
 use crate::student::distillation;
@@ -70,9 +71,11 @@ impl ModelFile {
     /// # Errors
     /// When it cannot be read.
     pub fn read(context: &RunContext, path: &Path) -> Result<Self, StepError> {
-        let bytes = std::fs::read(path).map_err(|source| StepError::NoModelFile {
-            path: path.to_owned(),
-            source,
+        let bytes = bounded_read::read(path, bounded_read::MODEL).map_err(|source| {
+            StepError::NoModelFile {
+                path: path.to_owned(),
+                source,
+            }
         })?;
         let is_own = context.has(distillation::NAME) && {
             let figures = Model::parse(&bytes)?.header.provenance.metrics;

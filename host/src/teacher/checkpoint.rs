@@ -18,6 +18,7 @@ use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 
 use super::model::Teacher;
+use crate::execution::bounded_read;
 use crate::execution::run_folder::{RunError, write_whole};
 
 mod error;
@@ -106,7 +107,8 @@ pub fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError
         path: path.to_owned(),
         reason,
     };
-    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    let bytes = bounded_read::read(path, bounded_read::CHECKPOINT)
+        .map_err(|error| unreadable(error.to_string()))?;
     let (_, metadata) =
         SafeTensors::read_metadata(&bytes).map_err(|error| unreadable(error.to_string()))?;
     metadata

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
 /// Name and text of the preset of the paper's comparisons.
@@ -115,10 +116,13 @@ pub(crate) fn find_preset(name: &str) -> Result<(Preset, BaselineSettings), Sett
             known: format!("{}, {}", STUDY.0, known.join(", ")),
         });
     }
-    let text = std::fs::read_to_string(name).map_err(|source| SettingsError::Read {
-        path: name.into(),
-        source,
-    })?;
+    let text =
+        bounded_read::read_text(Path::new(name), bounded_read::PRESET).map_err(|source| {
+            SettingsError::Read {
+                path: name.into(),
+                source,
+            }
+        })?;
     parse(name, &text)
 }
 

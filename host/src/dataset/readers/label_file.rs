@@ -12,6 +12,7 @@ use super::error::{Damage, Fault, LoadError};
 use super::labels::{from_number, from_text};
 use super::npy::{self, Values};
 use super::table;
+use crate::execution::bounded_read;
 
 /// What the labels of a file are read as.
 ///
@@ -43,11 +44,14 @@ impl Purpose {
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first label that is
 /// none.
 pub(crate) fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
-    let bytes = std::fs::read(path).map_err(|source| LoadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    parse(&bytes, purpose).map_err(|damage| damage.in_file(path))
+    let bytes =
+        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+    // A byte order mark, as some editors write it.
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+    parse(bytes, purpose).map_err(|damage| damage.in_file(path))
 }
 
 fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {

@@ -1,9 +1,12 @@
 //! Where presets come from: the program itself, or TOML files. Unknown keys are refused.
 
+use std::path::Path;
+
 use thiserror::Error;
 
 use super::Preset;
 use super::check::Invalid;
+use crate::execution::bounded_read;
 
 /// Presets that come with the program: name and text.
 pub const BUILT_IN: [(&str, &str); 3] = [
@@ -59,11 +62,14 @@ impl Preset {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
             return Self::parse(name, text);
         }
-        let text = std::fs::read_to_string(name).map_err(|source| PresetError::Missing {
-            name: name.to_owned(),
-            known: BUILT_IN.map(|(known, _)| known).join(", "),
-            source,
-        })?;
+        let text =
+            bounded_read::read_text(Path::new(name), bounded_read::PRESET).map_err(|source| {
+                PresetError::Missing {
+                    name: name.to_owned(),
+                    known: BUILT_IN.map(|(known, _)| known).join(", "),
+                    source,
+                }
+            })?;
         Self::parse(name, &text)
     }
 
