@@ -23,7 +23,7 @@ impl DataSet {
 impl Recording {
     /// The samples with the electrodes rotated into the common frame of all data sets.
     #[must_use]
-    pub(crate) fn aligned_samples(&self) -> Vec<Sample> {
+    pub fn aligned_samples(&self) -> Vec<Sample> {
         let rotation = self.data_set.electrode_rotation();
         let rotated = |mut sample: Sample| {
             sample.rotate_right(rotation);
