@@ -7,6 +7,9 @@ use super::measure::Measure;
 use super::score::Score;
 use crate::statistics::{Interval, MeanSd};
 
+/// Fewest people that can show a difference: if all of five people have one sign, a sign test still gives p = 0.06.
+const FEWEST: usize = 6;
+
 /// A difference of two models in one measure, over the people for whom both have a value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Difference {
@@ -38,11 +41,11 @@ impl Difference {
         })
     }
 
-    /// Whether the interval excludes zero. One person shows no difference.
+    /// Whether the interval excludes zero, over six people or more. Intervals over fewer are far too narrow.
     #[must_use]
     pub fn is_shown(&self) -> bool {
-        self.interval
-            .is_some_and(|interval| !interval.contains(0.0))
+        let excludes_zero = |interval: Interval| !interval.contains(0.0);
+        self.people >= FEWEST && self.interval.is_some_and(excludes_zero)
     }
 }
 
@@ -85,14 +88,15 @@ mod tests {
 
     #[test]
     fn a_small_difference_that_everybody_has_is_shown_and_a_mixed_one_is_not() {
-        let other = [(1, 0.3), (2, 0.6), (3, 0.9), (4, 0.5)];
+        let other = [(1, 0.3), (2, 0.6), (3, 0.9), (4, 0.5), (5, 0.7), (6, 0.8)];
         let better = other.map(|(who, value)| (who, value + 0.01 * who as f64));
         assert!(difference(&better, &other).unwrap().is_shown());
-        let mixed = [(1, 0.5), (2, 0.5), (3, 0.95), (4, 0.48)];
+        assert!(!difference(&better[..5], &other).unwrap().is_shown());
+        let mixed = [(1, 0.5), (2, 0.5), (3, 0.95), (4, 0.48), (5, 0.7), (6, 0.7)];
         assert!(!difference(&mixed, &other).unwrap().is_shown());
         let alone = difference(&[(1, 0.9)], &other).unwrap();
         assert_eq!((alone.people, alone.is_shown()), (1, false));
-        assert_eq!(difference(&[(5, 0.9)], &other), None);
+        assert_eq!(difference(&[(7, 0.9)], &other), None);
         let equal = difference(&other, &other).unwrap();
         assert!(!equal.is_shown());
     }

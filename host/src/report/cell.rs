@@ -145,7 +145,7 @@ pub(crate) fn quantile(value: Latency) -> String {
     }
 }
 
-/// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if the interval contains zero.
+/// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if no difference is shown.
 #[must_use]
 pub fn difference(value: Option<Difference>) -> Cell {
     let Some(value) = value else { return none() };

@@ -108,8 +108,8 @@ const DIFFERENCES: Heading<'_> = Heading {
     name: "differences",
     title: "Differences of models, 3 classes",
     caption: "Paired differences: one subject's scores under two models, mean [95 % interval of the mean] \
-        over n subjects. Where the interval contains zero, no difference is shown. The scores themselves are in \
-        the main table.",
+        over n subjects. Where the interval contains zero, or n is below 6, no difference is shown. The scores \
+        themselves are in the main table.",
     rows: "difference",
 };
 
