@@ -15,11 +15,6 @@ fn main() {
 /// below somebody else's repository for instance.
 fn revision() -> Option<String> {
     println!("cargo::rerun-if-changed=build.rs");
-    git(&["ls-files", "--error-unmatch", "build.rs"])?;
-    let root = git(&["rev-parse", "--show-toplevel"])?;
-    for source in SOURCES {
-        println!("cargo::rerun-if-changed={root}/{source}");
-    }
     // A commit, checkout or reset adds a line to the log of HEAD. Not watched is the index: every `git status` may
     // write it, and what `git add` changes is part of no commit yet.
     for name in ["HEAD", "logs/HEAD"] {
@@ -29,6 +24,11 @@ fn revision() -> Option<String> {
         {
             println!("cargo::rerun-if-changed={path}");
         }
+    }
+    git(&["ls-files", "--error-unmatch", "Cargo.toml"])?;
+    let root = git(&["rev-parse", "--show-toplevel"])?;
+    for source in SOURCES {
+        println!("cargo::rerun-if-changed={root}/{source}");
     }
     let commit = git(&["describe", "--always", "--abbrev=12"])?;
     let status = [

@@ -97,8 +97,12 @@ fn succeeds(line: &[String]) {
     assert_eq!(run(line), ExitCode::SUCCESS, "{line:?}");
 }
 
-fn fails(line: &[String]) {
-    assert_eq!(run(line), ExitCode::FAILURE, "{line:?}");
+/// Fails with a message that has these words.
+fn fails(line: &[String], words: &str) {
+    let output = process(line).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{line:?}: {message}");
+    assert!(message.contains(words), "{line:?}: {message}");
 }
 
 fn are_wrong_arguments(line: &[String]) {
@@ -161,11 +165,20 @@ fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
     succeeds(&bench.on("distill", "run", &[]));
     succeeds(&bench.on("quantize", "run", &[]));
     succeeds(&bench.begin("train", "run", &fold("2")));
-    fails(&bench.on("evaluate", "run", &[]));
-    fails(&bench.on("quantize", "run", &[]));
+    fails(
+        &bench.on("evaluate", "run", &[]),
+        "student.bpk does not belong",
+    );
+    fails(
+        &bench.on("quantize", "run", &[]),
+        "student.bpk does not belong",
+    );
     succeeds(&bench.on("distill", "run", &[]));
     // The model file is still the first student's.
-    fails(&bench.on("evaluate", "run", &[]));
+    fails(
+        &bench.on("evaluate", "run", &[]),
+        "student.intent is not the model file",
+    );
     succeeds(&bench.on("quantize", "run", &[]));
     succeeds(&bench.on("evaluate", "run", &[]));
 }
@@ -178,7 +191,10 @@ fn a_student_does_not_belong_to_a_teacher_that_it_did_not_learn_from() {
     succeeds(&bench.on("quantize", "run", &[]));
     let preset = bench.edited(&[("stride = 600", "stride = 300")]);
     succeeds(&bench.begin_with("train", preset.to_str().unwrap(), "run", &[]));
-    fails(&bench.on("evaluate", "run", &[]));
+    fails(
+        &bench.on("evaluate", "run", &[]),
+        "student.bpk does not belong",
+    );
 }
 
 #[test]
@@ -203,7 +219,10 @@ fn resume_is_refused_with_another_configuration() {
     for command in ["train", "quickstart"] {
         succeeds(&bench.begin(command, command, &seven));
         succeeds(&bench.begin(command, command, &resumed));
-        fails(&bench.begin(command, command, &["--seed", "8", "--resume"]));
+        fails(
+            &bench.begin(command, command, &["--seed", "8", "--resume"]),
+            "(seed 7 / 8)",
+        );
     }
     // What an interrupted command advises is the same command with --resume.
     let fold = ["--protocol", "2-fold", "--fold", "1"];
@@ -236,7 +255,10 @@ fn another_teacher_share_makes_another_student() {
     let bench = Bench::new("share");
     succeeds(&bench.begin("train", "run", &[]));
     succeeds(&bench.on("distill", "run", &[]));
-    fails(&bench.on("distill", "run", &["--teacher-share", "0.25", "--resume"]));
+    fails(
+        &bench.on("distill", "run", &["--teacher-share", "0.25", "--resume"]),
+        "(distillation.teacher_share 0.5 / 0.25)",
+    );
     succeeds(&bench.on("distill", "run", &["--teacher-share", "0.25"]));
     succeeds(&bench.on("distill", "run", &["--resume"]));
     succeeds(&bench.on("quantize", "run", &[]));
@@ -313,7 +335,10 @@ fn an_interrupted_command_advises_what_it_has() {
         "{message}"
     );
     // Not complete: there is no teacher to go on with.
-    fails(&bench.on("distill", "run", &[]));
+    fails(
+        &bench.on("distill", "run", &[]),
+        "no teacher to distil from",
+    );
 }
 
 #[test]
@@ -327,7 +352,10 @@ fn a_loss_that_is_no_number_stops_the_training() {
         ("{ warm-up = 0.05 }", "\"constant\""),
     ];
     let preset = bench.edited(&rates);
-    fails(&bench.begin_with("train", preset.to_str().unwrap(), "run", &[]));
+    fails(
+        &bench.begin_with("train", preset.to_str().unwrap(), "run", &[]),
+        "so the training has diverged",
+    );
     assert!(!bench.path("run/teacher.bpk").exists());
 }
 
@@ -339,12 +367,18 @@ fn a_student_that_no_board_runs_is_refused_before_training() {
         "d_model = 96\nheads = 4\nlayers = 2\nspan",
     )];
     let preset = bench.edited(&wide);
-    fails(&bench.begin_with("train", preset.to_str().unwrap(), "run", &[]));
+    fails(
+        &bench.begin_with("train", preset.to_str().unwrap(), "run", &[]),
+        "no board can run this student",
+    );
     assert!(!bench.path("run/teacher.bpk").exists());
     // Heads that the model format does not have.
     let heads = [("heads = 4\nlayers = 2\nspan", "heads = 2\nlayers = 2\nspan")];
     let preset = bench.edited(&heads);
-    fails(&bench.begin_with("train", preset.to_str().unwrap(), "run", &[]));
+    fails(
+        &bench.begin_with("train", preset.to_str().unwrap(), "run", &[]),
+        "this student cannot become a model file",
+    );
 }
 
 #[test]
@@ -434,6 +468,25 @@ fn the_revision_is_that_of_the_program_wherever_it_is_started() {
         let config: serde_json::Value = serde_json::from_slice(&text).unwrap();
         config["git_revision"].clone()
     };
-    let here = revision("here", Path::new(env!("CARGO_MANIFEST_DIR")));
+    let source = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let here = revision("here", source);
     assert_eq!(revision("there", &elsewhere), here);
+    // In its repository the program knows the commit; whether there are changes depends on who works there.
+    let git = |arguments: &[&str]| {
+        let mut command = Command::new("git");
+        command
+            .args(arguments)
+            .current_dir(source)
+            .output()
+            .unwrap()
+    };
+    if git(&["ls-files", "--error-unmatch", "Cargo.toml"])
+        .status
+        .success()
+    {
+        let commit = git(&["describe", "--always", "--abbrev=12"]).stdout;
+        let commit = String::from_utf8(commit).unwrap();
+        let known = here.as_str().unwrap_or_default();
+        assert!(known.starts_with(commit.trim()), "{known}, {commit}");
+    }
 }

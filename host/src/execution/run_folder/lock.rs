@@ -17,7 +17,7 @@ const LONGEST: usize = 400;
 
 /// Held as long as it lives.
 #[derive(Debug)]
-pub(super) struct Lock(#[expect(dead_code, reason = "the lock ends when the file is closed")] File);
+pub(super) struct Lock(File);
 
 impl Lock {
     /// Locks a folder.
@@ -55,6 +55,13 @@ impl Lock {
         }
         describe(&mut file).map_err(io)?;
         Ok(Self(file))
+    }
+}
+
+impl Drop for Lock {
+    /// Closing the file is not enough: a process that is being started in another thread has a copy of it for a moment.
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
     }
 }
 
