@@ -7,8 +7,8 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use crate::cli::arguments::every_recording;
+use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
-use crate::execution::{bounded_read, progress};
 use crate::report::Table;
 use crate::report::model_report::{self, people_rows, tables};
 use crate::run::model_evaluation::{ModelResults, NamedModel, Selection, evaluate_models};
@@ -61,7 +61,7 @@ pub(in crate::cli) fn run(
 ) -> anyhow::Result<()> {
     let models = models
         .iter()
-        .map(|path| named(path))
+        .map(|path| NamedModel::read(path).with_context(|| path.display().to_string()))
         .collect::<anyhow::Result<Vec<_>>>()?;
     for (at, model) in models.iter().enumerate() {
         if models[..at].iter().any(|other| other.name == model.name) {
@@ -106,17 +106,6 @@ fn write_csv(path: &Path, table: &Table) -> anyhow::Result<()> {
         .into_inner()
         .map_err(csv::IntoInnerError::into_error)?;
     Ok(write_whole(path, &bytes)?)
-}
-
-/// A model file; its name in tables is the file's without the extension.
-fn named(path: &Path) -> anyhow::Result<NamedModel> {
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
-    let name = path.file_stem().unwrap_or(path.as_os_str());
-    Ok(NamedModel {
-        name: name.to_string_lossy().into_owned(),
-        bytes,
-    })
 }
 
 /// Says who was left out, and who should not be looked at.

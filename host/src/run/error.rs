@@ -44,6 +44,16 @@ pub enum StepError {
         /// Test people left out.
         test: usize,
     },
+    /// A model that has seen somebody whom it is evaluated on.
+    #[error(
+        "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"
+    )]
+    Seen {
+        /// The model.
+        model: String,
+        /// Somebody whom it has seen.
+        subject: String,
+    },
     /// An unknown name.
     #[error(transparent)]
     Name(#[from] SplitError),

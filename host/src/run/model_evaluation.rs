@@ -1,5 +1,8 @@
 //! Evaluation of model files on any recordings, without a run folder.
 
+mod named_model;
+mod subjects;
+
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -9,24 +12,17 @@ use shared::model::file::Model;
 use shared::stream::smoother::AggregationMode;
 use shared::units::CHANNELS;
 
+pub use self::named_model::{NamedModel, beside};
+pub use self::subjects::EvaluatedSubject;
+use self::subjects::subjects;
 use super::candidates::integer_candidate;
 use super::error::StepError;
 use super::trials::trial;
 use crate::dataset::labels::lag;
-use crate::dataset::split::{circles, expand};
-use crate::dataset::{DataSet, Library, Recording, folds};
+use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::{
     Candidate, EnergyDetector, LookAhead, Score, Trial, Truth, constant, score,
 };
-
-/// A model file under evaluation, with its name in tables.
-#[derive(Clone, Debug)]
-pub struct NamedModel {
-    /// Name in tables.
-    pub name: String,
-    /// The file's content.
-    pub bytes: Vec<u8>,
-}
 
 /// Whom to evaluate on, and how they wear the armband.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -55,17 +51,6 @@ pub struct EvaluatedModel {
     pub seed: u64,
     /// CRC-32 at the end of the file, which identifies it.
     pub checksum: String,
-}
-
-/// A subject in the results.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct EvaluatedSubject {
-    /// The subject, as `data-set/subject`.
-    pub subject: String,
-    /// Names of the models that were trained on this person or validated with: their scores are too good.
-    pub seen_by: Vec<String>,
-    /// Whether it is a test person.
-    pub test: bool,
 }
 
 /// Scores of model files on recordings, each at its own look-ahead; lag-compensated labels.
@@ -192,60 +177,6 @@ fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Voca
             other: models[at].name.clone(),
         }),
     }
-}
-
-/// People who are not evaluated, by reason.
-#[derive(Default)]
-struct LeftOut {
-    seen: Vec<String>,
-    test: Vec<String>,
-}
-
-fn subjects(
-    models: &[NamedModel],
-    parsed: &[Model<'_>],
-    recordings: &[&Recording],
-    selection: &Selection,
-) -> Result<(Vec<EvaluatedSubject>, LeftOut), StepError> {
-    let known = folds::subjects(recordings.iter().copied());
-    let named = expand("--subjects", &selection.subjects, &known)?;
-    let mut evaluated = Vec::new();
-    let mut left_out = LeftOut::default();
-    for &subject in known.values().flatten() {
-        let is_named = named.contains(subject);
-        if !is_named && !named.is_empty() {
-            continue;
-        }
-        let test = circles::is_test(subject);
-        let saw = |model: &Model<'_>| {
-            let mut seen = model.header.provenance.subjects_seen.iter();
-            seen.any(|seen| seen == subject)
-        };
-        let seen_by: Vec<String> = models
-            .iter()
-            .zip(parsed)
-            .filter(|(_, parsed)| saw(parsed))
-            .map(|(model, _)| model.name.clone())
-            .collect();
-        if test && !selection.test && !is_named {
-            left_out.test.push(subject.to_owned());
-        } else if !seen_by.is_empty() && !selection.seen && !is_named {
-            left_out.seen.push(subject.to_owned());
-        } else {
-            evaluated.push(EvaluatedSubject {
-                subject: subject.to_owned(),
-                seen_by,
-                test,
-            });
-        }
-    }
-    if evaluated.is_empty() {
-        return Err(StepError::NobodyToEvaluate {
-            seen: left_out.seen.len(),
-            test: left_out.test.len(),
-        });
-    }
-    Ok((evaluated, left_out))
 }
 
 /// Samples that the labels of each data set are shifted by.

@@ -8,8 +8,11 @@ use thiserror::Error;
 use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
-/// Name and text of the preset of the paper's comparisons.
-const STUDY: (&str, &str) = ("study", include_str!("../../presets/study.toml"));
+/// Names and texts of the research presets: the paper's comparisons; everybody whom the shipped model has not seen.
+const OWN: [(&str, &str); 2] = [
+    ("study", include_str!("../../presets/study.toml")),
+    ("comparison", include_str!("../../presets/comparison.toml")),
+];
 /// The table of a preset file that the product does not know.
 const TABLE: &str = "baselines";
 
@@ -97,23 +100,25 @@ pub(crate) enum SettingsError {
     Preset(#[from] PresetError),
 }
 
-/// A preset and its baseline settings: `study`, a preset of the product, or a TOML file. Without a table
+/// A preset and its baseline settings: `study`, `comparison`, a preset of the product, or a TOML file. Without a table
 /// `[baselines]` the settings are the reference's.
 ///
 /// # Errors
 /// When there is no such preset, a key is unknown or a number is out of range.
 pub(crate) fn find_preset(name: &str) -> Result<(Preset, BaselineSettings), SettingsError> {
-    if name == STUDY.0 {
-        return parse(name, STUDY.1);
-    }
-    if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+    let mut built_in = OWN.iter().chain(&BUILT_IN);
+    if let Some((_, text)) = built_in.find(|(known, _)| *known == name) {
         return parse(name, text);
     }
     if !Path::new(name).exists() {
-        let known: Vec<&str> = BUILT_IN.iter().map(|(known, _)| *known).collect();
+        let known: Vec<&str> = OWN
+            .iter()
+            .chain(&BUILT_IN)
+            .map(|(known, _)| *known)
+            .collect();
         return Err(SettingsError::Missing {
             name: name.to_owned(),
-            known: format!("{}, {}", STUDY.0, known.join(", ")),
+            known: known.join(", "),
         });
     }
     let text =

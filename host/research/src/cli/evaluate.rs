@@ -3,12 +3,14 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Args;
 
 use myointent::cli::arguments::{BackendArguments, open_run};
 use myointent::report::run_report::{self, REPORT};
 use myointent::report::scores::tables;
 use myointent::run::evaluate::evaluate;
+use myointent::run::model_evaluation::{NamedModel, beside};
 use myointent::run::quantize::ModelFile;
 
 use crate::baselines::inference::candidates;
@@ -18,12 +20,16 @@ use crate::baselines::inference::candidates;
 #[command(
     after_help = "Evaluates what the run folder has: teacher, baselines, float student, integer student. Metrics are those of\n\
     `myointent evaluate`, which evaluates no baselines. Writes results.json and report.html.\n\n\
-    Example:\n  myointent-research evaluate --run runs/mine"
+    Examples:\n  myointent-research evaluate --run runs/mine\n  \
+    myointent-research evaluate --run runs/comparison --model models/three-class.intent --model runs/quickstart/student.intent"
 )]
 pub(super) struct Arguments {
     /// Run folder.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
+    /// Further model files, evaluated beside; refused if one has seen somebody whom the run holds out.
+    #[arg(long, value_name = "FILE")]
+    model: Vec<PathBuf>,
     #[command(flatten)]
     backend: BackendArguments,
 }
@@ -36,8 +42,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
     // A run with baselines alone is evaluated too.
     let model = ModelFile::of_run(&context)?;
+    let models = arguments
+        .model
+        .iter()
+        .map(|path| NamedModel::read(path).with_context(|| path.display().to_string()))
+        .collect::<anyhow::Result<Vec<_>>>()?;
     let (results, judged) = evaluate(&context, model.as_ref(), &|trials| {
-        Ok(candidates(&context, trials)?)
+        let mut more = candidates(&context, trials)?;
+        for model in &models {
+            more.push(beside(model, trials)?);
+        }
+        Ok(more)
     })?;
     let page = context.folder.file(REPORT);
     run_report::write(&context, &results, &judged, &page)?;
