@@ -20,7 +20,7 @@ const THRESHOLDS: i32 = 56;
 /// The candidate that always says relax.
 #[must_use]
 pub fn constant(trials: &[Trial]) -> Candidate {
-    candidate(CONSTANT, trials, |_, _| Intent::Relax)
+    candidate(CONSTANT, trials, |_| Intent::Relax)
 }
 
 /// Amplitude without a pattern: above a threshold one active class, else relax.
@@ -51,7 +51,7 @@ impl EnergyDetector {
     /// people of (recall of relax + recall of active) / 2, the lowest on ties, and the active class that is the
     /// most frequent, the lowest on ties. None without a person who has both relax and a gesture.
     #[must_use]
-    pub fn fit<'t>(training: impl IntoIterator<Item = &'t Trial>) -> Option<Self> {
+    pub fn fit(training: &[Trial]) -> Option<Self> {
         let mut classes = [0_usize; MAX_CLASSES];
         // For each person, patches of relax and of gestures by the number of thresholds that they reach.
         let mut people: Vec<(&str, [Vec<usize>; 2])> = Vec::new();
@@ -112,16 +112,9 @@ impl EnergyDetector {
     /// The detector as a candidate, under the device's smoother and without look-ahead.
     #[must_use]
     pub fn candidate(&self, trials: &[Trial]) -> Candidate {
-        Self::candidate_of(trials, |_| *self)
-    }
-
-    /// The same with a detector for each trial.
-    #[must_use]
-    pub fn candidate_of(trials: &[Trial], detector: impl Fn(&Trial) -> Self) -> Candidate {
-        candidate(ENERGY, trials, |trial, energy| {
-            let detector = detector(trial);
-            if energy >= detector.threshold {
-                detector.active
+        candidate(ENERGY, trials, |energy| {
+            if energy >= self.threshold {
+                self.active
             } else {
                 Intent::Relax
             }
@@ -147,11 +140,9 @@ fn energies(emg: &[CleanSample]) -> Vec<f64> {
 }
 
 /// A candidate whose newest row of logits is 1 for the label and 0 for all others.
-fn candidate(name: &str, trials: &[Trial], label: impl Fn(&Trial, f64) -> Intent) -> Candidate {
+fn candidate(name: &str, trials: &[Trial], label: impl Fn(f64) -> Intent) -> Candidate {
     let logits = |trial: &Trial| {
-        let labels = energies(&trial.emg)
-            .into_iter()
-            .map(|energy| label(trial, energy));
+        let labels = energies(&trial.emg).into_iter().map(&label);
         labels
             .map(|label| {
                 let mut rows = LookBackLogits::default();

@@ -34,7 +34,7 @@ pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<()
         drawn: "The people with the lowest balanced accuracy, the worst first, then the best one".to_owned(),
         notes: vec![
             "Labels are lag-compensated: those that were cues are shifted by one constant for each data set, estimated on \
-             the recordings at hand. The energy detector is fitted, for each person, to all others."
+             the recordings at hand. The energy detector has its default threshold."
                 .to_owned(),
         ],
         ..ReportData::default()

@@ -88,7 +88,7 @@ pub struct ModelEvaluation {
 ///
 /// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. The
 /// label lag of a data set is estimated on all its recordings at hand; labels that were found in the muscle activity have
-/// none. The energy detector is fitted, for each person, to all others.
+/// none. The energy detector is the default one, since there are no training people.
 ///
 /// # Errors
 /// When a model is refused, models have different classes, a name is unknown, or nobody is left.
@@ -128,7 +128,7 @@ pub fn evaluate_models(
         .map(|model| integer_candidate(&model.name, &model.bytes, &trials))
         .collect::<Result<Vec<_>, _>>()?;
     candidates.push(constant(&trials));
-    candidates.extend(energy_detector(&trials));
+    candidates.push(EnergyDetector::default().candidate(&trials));
     let models: Vec<EvaluatedModel> = models
         .iter()
         .zip(&parsed)
@@ -195,23 +195,6 @@ fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, usize> {
             (data_set, estimated.unwrap_or(data_set.label_lag()))
         })
         .collect()
-}
-
-/// For each person, the detector fitted to all others; none if somebody has no others to fit to.
-fn energy_detector(trials: &[Trial]) -> Option<Candidate> {
-    let mut people: Vec<&str> = trials.iter().map(|trial| trial.subject.as_str()).collect();
-    people.sort_unstable();
-    people.dedup();
-    let detectors = people
-        .par_iter()
-        .map(|&person| {
-            let others = trials.iter().filter(|trial| trial.subject != person);
-            Some((person, EnergyDetector::fit(others)?))
-        })
-        .collect::<Option<BTreeMap<&str, EnergyDetector>>>()?;
-    Some(EnergyDetector::candidate_of(trials, |trial| {
-        detectors[trial.subject.as_str()]
-    }))
 }
 
 fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {
