@@ -16,8 +16,8 @@ use myointent::evaluation::{
     ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
     Truth, constant, score_all,
 };
-use myointent::inference::device::outputs;
 use myointent::inference::integer_logits;
+use myointent::inference::outputs;
 use myointent_tests::{data, skip};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::file::Model;

@@ -8,7 +8,10 @@ use shared::units::{CleanSample, PATCH, Patch, WINDOW_PATCHES};
 use crate::dataset::lead_in::padded;
 
 /// Logits after each of the patches of a stream, from its beginning.
-fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
+///
+/// # Errors
+/// If the encoder refuses the model.
+pub fn outputs(model: &Model<'_>, patches: &[Patch]) -> Result<Vec<LookBackLogits>, ModelError> {
     let encoder = HostEncoder::new(model)?;
     let mut outputs = Vec::with_capacity(patches.len());
     let mut state = encoder.fresh();

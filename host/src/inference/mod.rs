@@ -8,7 +8,7 @@ mod device;
 mod student;
 mod teacher;
 
-pub use device::integer_logits;
+pub use device::{integer_logits, outputs};
 pub(crate) use student::student_logits;
 pub(crate) use teacher::teacher_logits;
 

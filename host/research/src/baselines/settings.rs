@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn an_unknown_preset_is_refused_with_the_known_names() {
         let error = find_preset("nonsense").unwrap_err().to_string();
-        assert!(error.contains("study, quickstart"), "{error}");
+        assert!(error.contains("study, comparison, quickstart"), "{error}");
     }
 
     #[test]
@@ -191,7 +191,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let refused = |table: &str| {
             let path = folder.path().join("mine.toml");
-            let study = STUDY.1.split("[baselines]").next().unwrap();
+            let study = OWN[0].1.split("[baselines]").next().unwrap();
             std::fs::write(&path, format!("{study}\n[baselines]\n{table}\n")).unwrap();
             find_preset(path.to_str().unwrap()).unwrap_err().to_string()
         };
