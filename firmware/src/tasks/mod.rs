@@ -1,7 +1,7 @@
 //! The four tasks. They meet only in [`messages`](crate::messages).
 //!
 //! All run on one executor in thread mode, in turns. The longest turn is one patch of inference,
-//! 3.5 ms on a chip; the radios queue 300 ms of notifications meanwhile.
+//! 3.5 ms on a chip (estimated, without wait states); `trouble` queues 320 ms of notifications meanwhile.
 
 pub mod inference;
 pub mod output;

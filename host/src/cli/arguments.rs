@@ -34,10 +34,10 @@ const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
 /// Library that computes on tensors.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Backend {
-    /// Burn's newer CPU backend.
+    /// CPU: the library burn-flex; 1.5 to 1.8 times as fast as ndarray.
     #[cfg(feature = "flex")]
     Flex,
-    /// Burn's CPU backend on the ndarray crate.
+    /// CPU: the library burn-ndarray, which Burn deprecates in favour of flex.
     #[cfg(feature = "ndarray")]
     Ndarray,
     /// An NVIDIA GPU.

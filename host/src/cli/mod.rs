@@ -39,6 +39,9 @@ use crate::run::resolve::ConfigError;
                   myointent distill --run runs/mine\n  \
                   myointent quantize --run runs/mine\n  \
                   myointent evaluate --run runs/mine\n\n\
+                  Preset cpu has teacher_share = 0: its student learns from the labels alone. `quickstart --preset cpu` trains\n\
+                  no teacher. Step by step, `train` makes the run folder, with a teacher that this student does not use.\n\
+                  docs/presets.md explains every setting of a preset.\n\n\
                   Exit codes: 0 done, 1 failed, 2 wrong arguments, 130 interrupted."
 )]
 pub struct Cli {
@@ -55,7 +58,7 @@ enum Command {
     Data(data::Command),
     /// Train the teacher, a masked transformer.
     Train(train::Arguments),
-    /// Train the student on the teacher's soft targets and the labels.
+    /// Train the student on the teacher's soft targets and the labels, weighted by the preset's `teacher_share`.
     Distill(distill::Arguments),
     /// Quantize the student and write the model file.
     Quantize(quantize::Arguments),

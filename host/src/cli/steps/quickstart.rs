@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Built-in preset or a TOML file; quickstart if not given.
     #[arg(long)]
     preset: Option<String>,
-    /// Seed of all random numbers, instead of the preset's.
+    /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
     #[arg(long)]
     seed: Option<u64>,
     /// Continue an interrupted quickstart of this run folder. Options that decide the outcome may be left out; if given,

@@ -37,17 +37,17 @@ pub struct Arguments {
     /// preset's fine-tuning settings.
     #[arg(long, value_name = "RUN|FILE")]
     from: Option<PathBuf>,
-    /// Train low-rank adapters alone (LoRA).
+    /// Train low-rank adapters alone (LoRA); needs --from.
     #[arg(long, requires = "from")]
     lora: bool,
     /// Cross-validation: `loso` holds out one subject of each data set, `4-fold` (or any number) a
-    /// fourth of them; without it, the preset's lists decide.
+    /// fourth of them; needs --fold. Without it, the preset's lists and shares and host/people.toml decide.
     #[arg(long, requires = "fold")]
     protocol: Option<Protocol>,
-    /// Fold of the cross-validation, from 1 on; folds are independent.
+    /// Fold of the cross-validation, from 1 on; needs --protocol. Folds are independent.
     #[arg(long, requires = "protocol")]
     fold: Option<usize>,
-    /// Seed of all random numbers, instead of the preset's.
+    /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
     #[arg(long)]
     seed: Option<u64>,
     /// Continue after the last complete epoch of this run folder. Options that decide the outcome may be left out; if

@@ -1,6 +1,6 @@
 //! Label lag: how much later than its label the muscle acts, and labels compensated for it.
 //!
-//! Labels of the public sets are cues: people react 0.2 to 0.9 s after them. One constant per data
+//! Labels of the public sets are cues: people react 0.2 to 0.8 s after them. One constant per data
 //! set, estimated on training subjects alone, shifts the labels to where the muscle usually acts.
 //! It does not remove the spread between people, which is as large again.
 //!
