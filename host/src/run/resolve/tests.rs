@@ -41,12 +41,19 @@ fn resolve(held_out: &[&str], validation: &[&str]) -> Result<ResolvedConfig, Con
     ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
 }
 
-/// A run folder with this configuration.
+/// A run folder with this configuration and a teacher.
 fn run_folder(config: &ResolvedConfig) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    config
-        .save(&RunFolder::open(folder.path()).unwrap())
-        .unwrap();
+    let run = RunFolder::open(folder.path()).unwrap();
+    config.save(&run).unwrap();
+    let device = burn::tensor::Device::default();
+    let teacher = config.preset.teacher.init(config.preset.classes, &device);
+    run.save_model(
+        crate::teacher::training::NAME,
+        config.teacher_lineage(),
+        &teacher,
+    )
+    .unwrap();
     folder
 }
 
