@@ -58,7 +58,7 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Reads a regular file of at most `most` bytes of UTF-8.
 ///
 /// # Errors
-/// As [`fs::read_to_string`], and with a [`Refusal`] inside for what is no regular file, or larger.
+/// As [`fs::read_to_string`], and with the reason inside for what is no regular file, or larger.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let invalid = |error| io::Error::new(ErrorKind::InvalidData, error);
     String::from_utf8(read(path, most)?).map_err(invalid)
