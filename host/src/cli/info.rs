@@ -66,6 +66,7 @@ fn json(model: &Model<'_>) -> serde_json::Value {
         "look_ahead": smoother.look_ahead,
         "hold": smoother.hold,
         "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
+        "subjects_seen": provenance.subjects_seen.iter().collect::<Vec<_>>(),
         "subjects_left_out": provenance.subjects_left_out.iter().collect::<Vec<_>>(),
         "git_revision": provenance.git_revision,
         "seed": provenance.seed,
@@ -84,6 +85,7 @@ fn lines(model: &Model<'_>) -> String {
          encoder       width {}, {} layers, span {} patches, input {:?}\n\
          smoother      {}, look-ahead {} samples, hold {} samples\n\
          trained on    {} (seed {}, revision {})\n\
+         seen          {} people in training or validation (--json names them)\n\
          held out      {}\n",
         intents(model).join(", "),
         dimensions.width,
@@ -99,6 +101,7 @@ fn lines(model: &Model<'_>) -> String {
         list(provenance.data_sets),
         provenance.seed,
         printable(provenance.git_revision),
+        provenance.subjects_seen.iter().count(),
         list(provenance.subjects_left_out),
     );
     for (name, value) in provenance.metrics.iter() {
