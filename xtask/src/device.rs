@@ -37,12 +37,12 @@ impl Image {
             Self::Golden => &[
                 "--package=myointent-device-images",
                 "--bin=golden",
-                "--release",
+                "--profile=device",
             ],
             Self::Count => &[
                 "--package=myointent-device-images",
                 "--bin=count",
-                "--release",
+                "--profile=device",
             ],
         }
     }
