@@ -143,10 +143,15 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         data_set: DataSet,
         read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
     ) -> Result<Found, LoadError> {
-        if (self.wants)(data_set) {
-            read().map(Found::Recordings)
-        } else {
-            Ok(Found::Nothing(Why::NotWanted))
+        if !(self.wants)(data_set) {
+            return Ok(Found::Nothing(Why::NotWanted));
+        }
+        let recordings = read()?;
+        // What is left of a damaged file may be a valid one, of no samples.
+        let empty = recordings.iter().find(|found| found.samples.is_empty());
+        match empty {
+            None => Ok(Found::Recordings(recordings)),
+            Some(empty) => Err(Damage::of_file(Fault::Empty).in_file(&empty.path)),
         }
     }
 
