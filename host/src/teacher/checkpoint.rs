@@ -158,10 +158,26 @@ pub fn save(
     ]);
     let bytes = safetensors::serialize(views, Some(metadata))
         .map_err(|error| unwritable(error.to_string()))?;
+    let bytes = with_sorted_header(&bytes)
+        .ok_or_else(|| unwritable("the header is no JSON object".to_owned()))?;
     write_whole(path, &bytes).map_err(|error| match error {
         RunError::Io { source, .. } => unwritable(source.to_string()),
         other => unwritable(other.to_string()),
     })
+}
+
+/// The same safetensors file with the keys of its header in alphabetical order: the library writes those of the metadata
+/// in any order, and the same teacher shall give the same bytes.
+fn with_sorted_header(file: &[u8]) -> Option<Vec<u8>> {
+    let (length, rest) = file.split_first_chunk::<8>()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+    let (header, tensors) = rest.split_at_checked(length)?;
+    let entries: BTreeMap<String, BTreeMap<String, serde_json::Value>> =
+        serde_json::from_slice(header).ok()?;
+    let mut header = serde_json::to_vec(&entries).ok()?;
+    // The format pads with spaces, so that tensors begin at a multiple of eight.
+    header.resize(header.len().next_multiple_of(8), b' ');
+    Some([&(header.len() as u64).to_le_bytes(), &header[..], tensors].concat())
 }
 
 /// A teacher's tensors as PyTorch lays them out, under this crate's names.
