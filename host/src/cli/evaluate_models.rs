@@ -11,7 +11,9 @@ use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
 use crate::report::Table;
 use crate::report::model_report::{self, people_rows, tables};
-use crate::run::model_evaluation::{ModelResults, NamedModel, Selection, evaluate_models};
+use crate::run::model_evaluation::{
+    EvaluatedSubject, ModelResults, NamedModel, Selection, evaluate_models,
+};
 
 /// Options of `evaluate` for model files on any recordings.
 #[derive(Debug, Args)]
@@ -123,19 +125,22 @@ fn warn(results: &ModelResults) {
         results.left_out_test.len(),
         "left out, because they are test people (--test-people)",
     );
-    let evaluated = |wanted: fn(&crate::run::model_evaluation::EvaluatedSubject) -> bool| {
-        results
-            .subjects
-            .iter()
-            .filter(|subject| wanted(subject))
-            .count()
+    let evaluated = |wanted: fn(&&EvaluatedSubject) -> bool| {
+        let subjects = results.subjects.iter();
+        subjects.filter(wanted).count()
     };
     count(
         evaluated(|subject| !subject.seen_by.is_empty()),
         "warning: evaluated, although a model has seen them in training",
     );
-    count(
-        evaluated(|subject| subject.test),
-        "warning: test people are evaluated, who are for releases: choose nothing by their scores",
-    );
+    warn_of_test_people(evaluated(|subject| subject.test));
+}
+
+/// Says that people are evaluated who are for releases.
+pub(in crate::cli) fn warn_of_test_people(people: usize) {
+    if people > 0 {
+        progress::log(&format!(
+            "warning: {people} test people are evaluated, who are for releases: choose nothing by their scores"
+        ));
+    }
 }

@@ -23,5 +23,6 @@ pub use library::{Ignored, Library, LoadOptions, Repeat, load};
 pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;
 pub use readers::open::Why;
+pub(crate) use recording::by_data_set;
 pub use recording::{DataSet, Recording};
 pub use split::folds;

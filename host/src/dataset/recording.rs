@@ -1,5 +1,6 @@
 //! One recording, and which published set it belongs to.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -92,6 +93,20 @@ impl DataSet {
     pub const fn labelled_by_activity(self) -> bool {
         matches!(self, Self::WangMyo | Self::MyoRps | Self::Epn)
     }
+}
+
+/// Recordings of each data set, in their order.
+pub(crate) fn by_data_set<'r>(
+    recordings: impl IntoIterator<Item = &'r Recording>,
+) -> BTreeMap<DataSet, Vec<&'r Recording>> {
+    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
+    for recording in recordings {
+        by_set
+            .entry(recording.data_set)
+            .or_default()
+            .push(recording);
+    }
+    by_set
 }
 
 /// One continuous stream of one person.

@@ -17,11 +17,13 @@ mod timeline;
 
 use std::path::Path;
 
+use shared::intent::Vocabulary;
+
 use self::curves::Panel;
 pub use self::table::Table;
 use self::timeline::Timeline;
-use crate::evaluation::EvaluationError;
 use crate::evaluation::metric::confusion::Confusion;
+use crate::evaluation::{Candidate, EvaluationError, LookAhead, Trial, confusion, gestures};
 use crate::execution::run_folder::{RunError, write_whole};
 
 /// Contents of a report; empty parts are left out of the page.
@@ -47,6 +49,27 @@ struct ReportData {
     latencies: Vec<Option<i32>>,
     /// Limits of the numbers; one paragraph each.
     notes: Vec<String>,
+}
+
+impl ReportData {
+    /// Adds the confusion and the latencies of a candidate.
+    ///
+    /// # Errors
+    /// When labels cannot be compared or the smoother's settings are invalid.
+    fn add_errors(
+        &mut self,
+        candidate: &Candidate,
+        trials: &[Trial],
+        vocabulary: Vocabulary,
+        look_ahead: LookAhead,
+    ) -> Result<(), EvaluationError> {
+        self.confusion = Some(confusion(candidate, trials, vocabulary, look_ahead)?);
+        self.latencies = gestures(candidate, trials, vocabulary, look_ahead)?
+            .into_iter()
+            .map(|gesture| gesture.latency)
+            .collect();
+        Ok(())
+    }
 }
 
 /// Why a report was not written.

@@ -7,11 +7,10 @@ use shared::units::SAMPLE_PERIOD_MS;
 use super::cell::{difference, quantile};
 use super::run_report::{SHOWN, changes, timeline};
 use super::scores::{COMPARED, table};
-use super::{ReportData, ReportError, Table, page};
+use super::{ReportData, ReportError, Table};
 use crate::evaluation::metric::event::summary::SubjectEvents;
 use crate::evaluation::metric::summary::SubjectScore;
-use crate::evaluation::{ALL, Difference, Measure, Score, confusion, gestures};
-use crate::execution::run_folder::write_whole;
+use crate::evaluation::{ALL, Difference, Measure, Score};
 use crate::run::model_evaluation::{ModelEvaluation, ModelResults};
 
 /// People who are drawn: the worst ones, and the best.
@@ -40,6 +39,7 @@ pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<()
         ..ReportData::default()
     };
     let (trials, candidate) = (&evaluation.trials, &evaluation.candidates[0]);
+    let vocabulary = evaluation.vocabulary;
     let people = people(results);
     let drawn = people
         .iter()
@@ -48,18 +48,13 @@ pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<()
     for person in drawn {
         let own = (0..trials.len()).filter(|&at| trials[at].subject == person.subject);
         if let Some(at) = own.max_by_key(|&at| changes(&trials[at])) {
-            let classes = evaluation.vocabulary.classes();
+            let classes = vocabulary.classes();
             let timeline = timeline(candidate, trials, at, model.look_ahead, classes)?;
             report.timelines.push(timeline.section(0..SHOWN));
         }
     }
-    let vocabulary = evaluation.vocabulary;
-    report.confusion = Some(confusion(candidate, trials, vocabulary, model.look_ahead)?);
-    report.latencies = gestures(candidate, trials, vocabulary, model.look_ahead)?
-        .into_iter()
-        .map(|gesture| gesture.latency)
-        .collect();
-    Ok(write_whole(page, page::html(&report)?.as_bytes())?)
+    report.add_errors(candidate, trials, vocabulary, model.look_ahead)?;
+    super::write_html(&report, page)
 }
 
 /// Scores of all models and floors; differences of the first model to all others; people, the worst first.

@@ -8,9 +8,7 @@ use super::curves::{Curve, Panel};
 use super::scores::tables;
 use super::timeline::{Timeline, timeline_svg};
 use super::{ReportData, ReportError};
-use crate::evaluation::{
-    Candidate, EvaluationError, LookAhead, Trial, confusion, gestures, smooth,
-};
+use crate::evaluation::{Candidate, EvaluationError, LookAhead, Trial, smooth};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
@@ -61,11 +59,7 @@ pub fn write(
             let timeline = timeline(candidate, trials, at, look_ahead, classes)?;
             data.timelines.push(timeline.section(0..SHOWN));
         }
-        data.confusion = Some(confusion(candidate, trials, vocabulary, look_ahead)?);
-        data.latencies = gestures(candidate, trials, vocabulary, look_ahead)?
-            .into_iter()
-            .map(|gesture| gesture.latency)
-            .collect();
+        data.add_errors(candidate, trials, vocabulary, look_ahead)?;
     }
     super::write_html(&data, page)?;
     if let Some(timeline) = data.timelines.first() {

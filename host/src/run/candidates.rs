@@ -43,13 +43,12 @@ pub(super) fn student_candidate(
 /// The logits of a model file's integer student over all trials.
 pub(super) fn integer_candidate(
     name: &str,
-    bytes: &[u8],
+    model: &Model<'_>,
     trials: &[Trial],
 ) -> Result<Candidate, StepError> {
-    let model = Model::parse(bytes)?;
     let logits = trials
         .par_iter()
-        .map(|trial| integer_logits(&model, &trial.emg))
+        .map(|trial| integer_logits(model, &trial.emg))
         .collect::<Result<_, _>>()?;
     Ok(Candidate {
         name: name.to_owned(),

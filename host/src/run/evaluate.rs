@@ -1,6 +1,7 @@
 //! Step 4: evaluation of every model of the run on the held-out subjects.
 
 use serde::{Deserialize, Serialize};
+use shared::model::file::Model;
 
 use super::aggregation::aggregation;
 use super::candidates::{integer_candidate, student_candidate, teacher_candidate};
@@ -149,14 +150,18 @@ fn candidates(
         candidates.push(student_candidate(context, STUDENT, &student, trials)?);
     }
     if let Some(bytes) = model {
-        candidates.push(integer_candidate(INTEGER, bytes, trials)?);
+        candidates.push(integer_candidate(INTEGER, &Model::parse(bytes)?, trials)?);
     }
     if context.has(distillation::LABELS_ONLY)
         && let Some(student) = if_own(context.student(distillation::LABELS_ONLY))?
     {
         candidates.push(student_candidate(context, LABELS_ONLY, &student, trials)?);
         let bytes = model_bytes(context, &student, LookAhead::AllRows, Vec::new())?;
-        candidates.push(integer_candidate(INTEGER_LABELS_ONLY, &bytes, trials)?);
+        candidates.push(integer_candidate(
+            INTEGER_LABELS_ONLY,
+            &Model::parse(&bytes)?,
+            trials,
+        )?);
     }
     Ok(candidates)
 }

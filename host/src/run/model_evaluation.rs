@@ -19,7 +19,7 @@ use super::candidates::integer_candidate;
 use super::error::StepError;
 use super::trials::trial;
 use crate::dataset::labels::lag;
-use crate::dataset::{DataSet, Library, Recording};
+use crate::dataset::{DataSet, Library, Recording, by_data_set};
 use crate::evaluation::{
     Candidate, EnergyDetector, LookAhead, Score, Trial, Truth, constant, score,
 };
@@ -105,10 +105,7 @@ pub fn evaluate_models(
     let labelled: Vec<&Recording> = library
         .recordings
         .iter()
-        .filter(|recording| {
-            !recording.other_movement.is_empty()
-                || recording.labels_in(vocabulary).iter().any(Option::is_some)
-        })
+        .filter(|recording| recording.can_be_evaluated(vocabulary))
         .collect();
     let (subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
     let lags = lags(&labelled);
@@ -125,7 +122,8 @@ pub fn evaluate_models(
         .collect();
     let mut candidates = models
         .iter()
-        .map(|model| integer_candidate(&model.name, &model.bytes, &trials))
+        .zip(&parsed)
+        .map(|(model, parsed)| integer_candidate(&model.name, parsed, &trials))
         .collect::<Result<Vec<_>, _>>()?;
     candidates.push(constant(&trials));
     candidates.push(EnergyDetector::default().candidate(&trials));
@@ -181,14 +179,7 @@ fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Voca
 
 /// Samples that the labels of each data set are shifted by.
 fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, usize> {
-    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-    for &recording in recordings {
-        by_set
-            .entry(recording.data_set)
-            .or_default()
-            .push(recording);
-    }
-    by_set
+    by_data_set(recordings.iter().copied())
         .into_iter()
         .map(|(data_set, own)| {
             let estimated = lag::estimate(&own).map(|estimate| estimate.lag_samples);

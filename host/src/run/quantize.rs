@@ -104,7 +104,7 @@ pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> 
     let student = context.student(distillation::NAME)?;
     let aggregation = aggregation(context)?;
     let made_from = context.config.fingerprint();
-    let model = model_without_figures(context)?;
+    let model = model_without_figures(context, &student, aggregation)?;
     let figures = match context.folder.load_stamped::<Figures>(FIGURES, made_from) {
         Ok(kept) if kept.content.model == model => kept.content.figures,
         _ => Vec::new(),
@@ -116,8 +116,9 @@ pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> 
 
 /// Keeps the scores of the run's own model file for its header.
 pub(super) fn save_figures(context: &RunContext, figures: Vec<Figure>) -> Result<(), StepError> {
+    let student = context.student(distillation::NAME)?;
     let figures = Figures {
-        model: model_without_figures(context)?,
+        model: model_without_figures(context, &student, aggregation(context)?)?,
         figures,
     };
     let made_from = context.config.fingerprint();
@@ -125,9 +126,12 @@ pub(super) fn save_figures(context: &RunContext, figures: Vec<Figure>) -> Result
 }
 
 /// What tells the run's model file from others: its fingerprint without figures.
-fn model_without_figures(context: &RunContext) -> Result<Fingerprint, StepError> {
-    let student = context.student(distillation::NAME)?;
-    let bytes = model_bytes(context, &student, aggregation(context)?, Vec::new())?;
+fn model_without_figures(
+    context: &RunContext,
+    student: &Student,
+    aggregation: LookAhead,
+) -> Result<Fingerprint, StepError> {
+    let bytes = model_bytes(context, student, aggregation, Vec::new())?;
     Ok(Fingerprint::of_bytes(&bytes))
 }
 

@@ -14,7 +14,7 @@ use super::preset::{LabelLag, Preset};
 use crate::dataset::folds::{self, Protocol};
 use crate::dataset::labels::lag;
 use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
-use crate::dataset::{DataSet, Library, Recording};
+use crate::dataset::{DataSet, Library, Recording, by_data_set};
 use crate::execution::revision::revision;
 use crate::execution::run_folder::{RunError, RunFolder};
 use crate::teacher::checkpoint::{self, CheckpointError};
@@ -133,7 +133,7 @@ impl ResolvedConfig {
         let mut labelled: Vec<&Recording> = library
             .recordings
             .iter()
-            .filter(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some))
+            .filter(|recording| recording.has_labels_in(vocabulary))
             .collect();
         if labelled.is_empty() {
             return Err(ConfigError::NoLabels {
@@ -176,9 +176,10 @@ impl ResolvedConfig {
     /// When somebody who is held out here, or a test person, was trained on or validated with there or before, or the
     /// checkpoint cannot be read. A checkpoint of the reference does not say who was.
     pub fn start_from(&mut self, start: &Path) -> Result<(), ConfigError> {
-        let seen = match RunFolder::existing(start).and_then(|run| Self::load(&run)) {
-            Ok(origin) => origin.subjects_seen(),
-            Err(_) => checkpoint::subjects_seen(start)?.unwrap_or_default(),
+        let seen = if start.is_dir() {
+            Self::load(&RunFolder::existing(start)?)?.subjects_seen()
+        } else {
+            checkpoint::subjects_seen(start)?.unwrap_or_default()
         };
         let left_out = self.split.held_out.iter().chain(&self.split.test);
         let subjects: Vec<&str> = left_out
@@ -224,7 +225,7 @@ fn split(
         held_out_share: data.held_out_share,
         validation: &data.validation,
         validation_share: data.validation_share,
-        fold: fold.as_deref(),
+        circles: fold.is_none(),
     };
     let mut split = split::assign(recordings.iter().copied(), &assignment)?;
     if data.most_subjects > 0 {
@@ -248,16 +249,10 @@ fn split(
 
 /// Lag of the labels of each data set.
 fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<DataSet, Lag> {
-    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-    for recording in recordings {
-        let own = by_set.entry(recording.data_set).or_default();
-        if split.role(&recording.subject) == Some(Role::Training) {
-            own.push(recording);
-        }
-    }
-    by_set
+    by_data_set(recordings.iter().copied())
         .into_iter()
-        .map(|(data_set, training)| {
+        .map(|(data_set, mut training)| {
+            training.retain(|recording| split.role(&recording.subject) == Some(Role::Training));
             let documented = data_set.label_lag();
             let lag = match preset.data.label_lag {
                 LabelLag::None => Lag {

@@ -1,7 +1,5 @@
 //! The streams that a run trains on and validates with.
 
-use std::collections::BTreeMap;
-
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::config::ResolvedConfig;
@@ -9,7 +7,7 @@ use crate::dataset::corpus::{Corpus, Stream};
 use crate::dataset::folds;
 use crate::dataset::splice::{self, SpliceOptions};
 use crate::dataset::split::Role;
-use crate::dataset::{DataSet, Library, Recording};
+use crate::dataset::{Library, Recording, by_data_set};
 
 impl ResolvedConfig {
     /// The streams of the training subjects.
@@ -33,10 +31,7 @@ impl ResolvedConfig {
     ) -> Vec<&'a Recording> {
         let vocabulary = self.preset.vocabulary();
         let mut recordings = self.split.select(&library.recordings, role);
-        recordings.retain(|recording| {
-            !recording.other_movement.is_empty()
-                || recording.labels_in(vocabulary).iter().any(Option::is_some)
-        });
+        recordings.retain(|recording| recording.can_be_evaluated(vocabulary));
         recordings
     }
 
@@ -48,7 +43,7 @@ impl ResolvedConfig {
     ) -> Vec<&'a Recording> {
         let vocabulary = self.preset.vocabulary();
         let mut recordings = self.split.select(&library.recordings, role);
-        recordings.retain(|recording| recording.labels_in(vocabulary).iter().any(Option::is_some));
+        recordings.retain(|recording| recording.has_labels_in(vocabulary));
         recordings
     }
 
@@ -83,13 +78,7 @@ impl ResolvedConfig {
 
     fn corpus(&self, library: &Library, role: Role) -> Corpus {
         let vocabulary = self.preset.vocabulary();
-        let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-        for recording in self.split.select(&library.recordings, role) {
-            by_set
-                .entry(recording.data_set)
-                .or_default()
-                .push(recording);
-        }
+        let by_set = by_data_set(self.split.select(&library.recordings, role));
         let subjects = folds::subjects(by_set.values().flatten().copied());
         let most = subjects.values().map(Vec::len).max().unwrap_or(0);
         let mut streams = Vec::new();

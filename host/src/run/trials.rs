@@ -1,16 +1,13 @@
 //! The recordings that a run's models are evaluated on, or that settings are chosen on.
 
-use std::collections::BTreeMap;
-
 use shared::intent::Vocabulary;
 use shared::stream::preprocess::clean;
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
 use crate::dataset::labels::lag;
-use crate::dataset::labels::runs::runs;
 use crate::dataset::split::Role;
-use crate::dataset::{DataSet, Library, Recording};
+use crate::dataset::{Library, Recording, by_data_set};
 use crate::evaluation::Trial;
 
 /// Held-out recordings as published.
@@ -32,14 +29,7 @@ pub(super) fn training(config: &ResolvedConfig, library: &Library) -> Vec<Trial>
 /// protocol has no advantage on it.
 pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {
     const SECONDS: f64 = 60.0;
-    let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
-    for recording in config.labelled_recordings(library, Role::HeldOut) {
-        by_set
-            .entry(recording.data_set)
-            .or_default()
-            .push(recording);
-    }
-    by_set
+    by_data_set(config.labelled_recordings(library, Role::HeldOut))
         .values()
         .flat_map(|recordings| config.spliced(recordings, SECONDS))
         .map(|recording| Trial {
@@ -79,11 +69,7 @@ pub(super) fn trial(
     let published = recording.labels_in(vocabulary);
     let length = raw.len();
     let mut other_movement = vec![false; length];
-    let outside = runs(&recording.labels)
-        .into_iter()
-        .filter(|run| run.label.is_some_and(|intent| !vocabulary.contains(intent)));
-    let outside = outside.map(|run| run.start..run.end);
-    for range in recording.other_movement.iter().cloned().chain(outside) {
+    for range in recording.movement_outside(vocabulary) {
         let [start, end] = [range.start, range.end].map(|at| (at + lag).min(length));
         other_movement[start..end].fill(true);
     }

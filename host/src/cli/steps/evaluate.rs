@@ -9,7 +9,6 @@ use clap::Args;
 use crate::cli::arguments::{BackendArguments, open_run};
 use crate::cli::evaluate_models;
 use crate::dataset::split::circles::is_test;
-use crate::execution::progress;
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
@@ -65,7 +64,8 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(path) => Some(ModelFile::read(&context, path)?),
         None => ModelFile::of_run(&context)?,
     };
-    warn_of_test_people(&context.config.split.held_out);
+    let held_out = context.config.split.held_out.iter();
+    evaluate_models::warn_of_test_people(held_out.filter(|subject| is_test(subject)).count());
     let (results, evaluation) = evaluate(&context, model.as_ref(), &no_more)?;
     let page = context.folder.file(REPORT);
     if evaluation.is_kept {
@@ -86,14 +86,4 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Says that people are evaluated who are for releases.
-fn warn_of_test_people(held_out: &[String]) {
-    let test = held_out.iter().filter(|subject| is_test(subject)).count();
-    if test > 0 {
-        progress::log(&format!(
-            "warning: {test} test people are evaluated, who are for releases: choose nothing by their scores"
-        ));
-    }
 }

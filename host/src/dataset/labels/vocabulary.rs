@@ -25,6 +25,18 @@ impl Recording {
         labels
     }
 
+    /// Whether any sample has a label of a vocabulary.
+    #[must_use]
+    pub fn has_labels_in(&self, vocabulary: Vocabulary) -> bool {
+        self.labels_in(vocabulary).iter().any(Option::is_some)
+    }
+
+    /// Whether models can be evaluated on it: it has labels of a vocabulary, or movement that is none of the six intents.
+    #[must_use]
+    pub(crate) fn can_be_evaluated(&self, vocabulary: Vocabulary) -> bool {
+        !self.other_movement.is_empty() || self.has_labels_in(vocabulary)
+    }
+
     /// Movement that is no intent of a vocabulary: other movement, and intents outside the vocabulary. Ranges of
     /// samples in order, as late as the labels.
     #[must_use]

@@ -11,7 +11,7 @@ use super::Library;
 use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::labels::runs::{Run, runs};
 use crate::dataset::readers::open::Why;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, by_data_set};
 
 /// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
 const SATURATED: f64 = 0.02;
@@ -82,13 +82,8 @@ impl Inspection {
     /// Examines every sample of a library.
     #[must_use]
     pub fn new(library: &Library) -> Self {
-        let mut by_set: BTreeMap<DataSet, Vec<&Recording>> = BTreeMap::new();
         let mut by_anomaly: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for recording in &library.recordings {
-            by_set
-                .entry(recording.data_set)
-                .or_default()
-                .push(recording);
             for what in anomalies(recording) {
                 by_anomaly
                     .entry(what)
@@ -108,7 +103,7 @@ impl Inspection {
             by_anomaly.entry(what.into()).or_default().push(which);
         }
         Self {
-            sets: by_set
+            sets: by_data_set(&library.recordings)
                 .into_iter()
                 .map(|(set, recordings)| inspect(set, &recordings))
                 .collect(),

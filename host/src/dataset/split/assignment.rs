@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rand::seq::SliceRandom;
 
-use super::circles::{Circles, is_test};
+use super::circles::{Circles, in_circle, is_test};
 use super::error::SplitError;
 use super::{Split, folds};
 use crate::dataset::recording::{DataSet, Recording};
@@ -23,8 +23,8 @@ pub(crate) struct Assignment<'a> {
     pub validation: &'a [String],
     /// Share of a set's subjects to validate with where neither list nor circles say who.
     pub validation_share: f64,
-    /// Subjects that a fold of a cross-validation holds out, instead of lists and circles of development.
-    pub fold: Option<&'a [String]>,
+    /// Whether the committed circles of development assign roles too: not in a cross-validation, whose folds are listed.
+    pub circles: bool,
 }
 
 /// Assigns the subjects of the recordings to their roles.
@@ -50,7 +50,7 @@ pub(crate) fn assign<'r>(
     }
     let mut split = Split::default();
     for (&data_set, known) in &subjects {
-        let circles = Circles::of(data_set).filter(|_| assignment.fold.is_none());
+        let circles = Circles::of(data_set).filter(|_| assignment.circles);
         let mut rest: Vec<&str> = known.clone();
         let test = take(&mut rest, |subject| {
             is_test(subject) && !listed_out.contains(subject)
@@ -64,15 +64,12 @@ pub(crate) fn assign<'r>(
         };
         // Whoever is listed to validate is not drawn to be held out.
         let reserved = take(&mut rest, |subject| listed_in.contains(subject));
-        let held_out = match assignment.fold {
-            Some(fold) => take(&mut rest, |subject| fold.iter().any(|held| held == subject)),
-            None => choose(
-                &mut rest,
-                &listed_out,
-                circles.map(|circles| &circles.settings[..]),
-                |rest| draw(assignment.held_out_share, rest),
-            ),
-        };
+        let held_out = choose(
+            &mut rest,
+            &listed_out,
+            circles.map(|circles| &circles.settings[..]),
+            |rest| draw(assignment.held_out_share, rest),
+        );
         rest.extend(reserved);
         let validation = choose(
             &mut rest,
@@ -138,13 +135,6 @@ fn drawn(share: f64, known: usize, rest: usize) -> usize {
 /// Takes the subjects out of `rest` that `wanted` accepts.
 fn take<'s>(rest: &mut Vec<&'s str>, wanted: impl Fn(&str) -> bool) -> Vec<&'s str> {
     rest.extract_if(.., |subject| wanted(subject)).collect()
-}
-
-fn in_circle(circle: &[String], subject: &str) -> bool {
-    let person = subject
-        .split_once('/')
-        .map_or(subject, |(_, person)| person);
-    circle.iter().any(|name| name == person)
 }
 
 /// The subjects that a list names: by themselves, or all of a data set but its test people. `list` is its name in errors.

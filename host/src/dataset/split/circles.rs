@@ -43,10 +43,18 @@ impl Circles {
 /// Whether a subject (`data-set/subject`) belongs to the test circle.
 #[must_use]
 pub fn is_test(subject: &str) -> bool {
-    let (set, person) = subject.split_once('/').unwrap_or_default();
+    let (set, _) = subject.split_once('/').unwrap_or_default();
     COMMITTED
         .get(set)
-        .is_some_and(|circles| circles.test.iter().any(|name| name == person))
+        .is_some_and(|circles| in_circle(&circles.test, subject))
+}
+
+/// Whether a subject (`data-set/subject`) is one of a circle's people.
+pub(super) fn in_circle(circle: &[String], subject: &str) -> bool {
+    let person = subject
+        .split_once('/')
+        .map_or(subject, |(_, person)| person);
+    circle.iter().any(|name| name == person)
 }
 
 #[cfg(test)]

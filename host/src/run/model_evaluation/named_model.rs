@@ -48,7 +48,7 @@ pub fn beside(model: &NamedModel, trials: &[Trial]) -> Result<Candidate, StepErr
     let seen: Vec<&str> = parsed.header.provenance.subjects_seen.iter().collect();
     let evaluated = trials.iter().map(|trial| trial.subject.as_str());
     match evaluated.into_iter().find(|subject| seen.contains(subject)) {
-        None => integer_candidate(&model.name, &model.bytes, trials),
+        None => integer_candidate(&model.name, &parsed, trials),
         Some(subject) => Err(StepError::Seen {
             model: model.name.clone(),
             subject: subject.to_owned(),

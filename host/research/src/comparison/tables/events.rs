@@ -1,56 +1,32 @@
 //! Tables of events: what a user counts, from the labels at the times at which they are emitted.
 
-use super::heading::{Heading, ModelRow, set_title};
+use super::heading::{Heading, ModelRow};
 use super::scores::estimate;
-use super::sheet::{Column, Row, Sheet};
+use super::sheet::{Column, Sheet};
 use myointent::evaluation::{Measure, Truth};
-use myointent::report::cell::{self, ESTIMATE, LATENCY, MEAN_SD, ONE, Parts};
+use myointent::report::cell::{self, ESTIMATE, LATENCY, MEAN_SD, Parts};
 
 const RECOGNISED: Parts = &["recognised", "gestures"];
 
 /// A table with a row per data set, look-ahead and model that has a score.
 pub(super) fn events(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Truth) -> Sheet {
-    let columns = vec![
-        Column::new("recordings", ONE),
-        Column::new("look-ahead", ONE),
-        Column::new(heading.rows, ONE),
+    let columns = [
         Column::new("recognised", ESTIMATE),
         Column::new("latency ms", LATENCY),
         Column::new("false/min", MEAN_SD),
         Column::new("flicker/min", MEAN_SD),
         Column::new("n", RECOGNISED),
     ];
-    let variants: Vec<_> = models.iter().map(|row| row.variant).collect();
-    let mut sheet = heading.sheet(truth, &variants, columns);
-    let mut sets: Vec<(bool, &str)> = variants.iter().flat_map(|v| v.data_sets()).collect();
-    sets.sort_unstable();
-    sets.dedup();
-    for (_, set) in sets {
-        for ahead in 0..2 {
-            for row in models {
-                let look_ahead = row.variant.look_aheads()[ahead];
-                let Some(score) = row.variant.score(row.model, set, look_ahead, truth) else {
-                    continue;
-                };
-                let events = &score.events;
-                let cells = vec![
-                    cell::text(set_title(set)),
-                    cell::text(look_ahead.name()),
-                    cell::text(row.label.as_str()),
-                    estimate(score, Measure::Recognition),
-                    cell::latency(events.latency),
-                    cell::rate(events.false_activations),
-                    cell::rate(events.flicker),
-                    cell::support(events.recognised, events.gestures),
-                ];
-                sheet.rows.push(Row {
-                    cells,
-                    source: row.variant.provenance(),
-                });
-            }
-        }
-    }
-    sheet
+    heading.sheet_by_set(truth, models, columns, |score| {
+        let events = &score.events;
+        vec![
+            estimate(score, Measure::Recognition),
+            cell::latency(events.latency),
+            cell::rate(events.false_activations),
+            cell::rate(events.flicker),
+            cell::support(events.recognised, events.gestures),
+        ]
+    })
 }
 
 #[cfg(test)]

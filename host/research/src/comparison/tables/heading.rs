@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::sheet::{Column, Sheet};
+use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
-use myointent::evaluation::{ALL, Truth};
+use myointent::evaluation::{ALL, Score, Truth};
+use myointent::report::cell::{self, Cell, ONE};
 
 /// Name, title and caption that the two tables of one kind share.
 pub(super) struct Heading<'a> {
@@ -47,6 +48,45 @@ impl Heading<'_> {
             rows: Vec::new(),
             warnings,
         }
+    }
+
+    /// A table with a row for each data set, look-ahead and model that has a score. `columns` are those of `cells`, behind
+    /// the columns of these three.
+    pub(super) fn sheet_by_set(
+        &self,
+        truth: Truth,
+        models: &[ModelRow<'_>],
+        columns: impl IntoIterator<Item = Column>,
+        cells: impl Fn(&Score) -> Vec<Cell>,
+    ) -> Sheet {
+        let names = ["recordings", "look-ahead", self.rows];
+        let columns = names
+            .map(|name| Column::new(name, ONE))
+            .into_iter()
+            .chain(columns);
+        let variants: Vec<_> = models.iter().map(|row| row.variant).collect();
+        let mut sheet = self.sheet(truth, &variants, columns.collect());
+        let sets: BTreeSet<(bool, &str)> = variants.iter().flat_map(|v| v.data_sets()).collect();
+        for (_, set) in sets {
+            for ahead in 0..2 {
+                for row in models {
+                    let look_ahead = row.variant.look_aheads()[ahead];
+                    let Some(score) = row.variant.score(row.model, set, look_ahead, truth) else {
+                        continue;
+                    };
+                    let names = [set_title(set), look_ahead.name(), row.label.as_str()];
+                    sheet.rows.push(Row {
+                        cells: names
+                            .into_iter()
+                            .map(cell::text)
+                            .chain(cells(score))
+                            .collect(),
+                        source: row.variant.provenance(),
+                    });
+                }
+            }
+        }
+        sheet
     }
 }
 

@@ -1,61 +1,31 @@
 //! Tables of prediction offsets, the paper's measure: how late a model follows the transitions that it follows, each
 //! label at its reference time. Means are over transitions, not over subjects.
 
-use super::heading::{Heading, ModelRow, set_title};
-use super::sheet::{Column, Row, Sheet};
+use super::heading::{Heading, ModelRow};
+use super::sheet::{Column, Sheet};
 use myointent::evaluation::Truth;
-use myointent::evaluation::metric::summary::Summary;
-use myointent::report::cell::{self, Cell, MEAN_SD, ONE, Parts};
+use myointent::report::cell::{self, MEAN_SD, ONE, Parts};
 
 const FOLLOWED: Parts = &["followed", "transitions"];
 
 /// A table with a row per data set, look-ahead and model that has a score.
 pub(super) fn offsets(heading: &Heading<'_>, models: &[ModelRow<'_>], truth: Truth) -> Sheet {
-    let columns = vec![
-        Column::new("recordings", ONE),
-        Column::new("look-ahead", ONE),
-        Column::new(heading.rows, ONE),
+    let columns = [
         Column::new("offset ms", MEAN_SD),
         Column::new("median", ONE),
         Column::new("absolute", MEAN_SD),
         Column::new("n", FOLLOWED),
     ];
-    let variants: Vec<_> = models.iter().map(|row| row.variant).collect();
-    let mut sheet = heading.sheet(truth, &variants, columns);
-    let mut sets: Vec<(bool, &str)> = variants.iter().flat_map(|v| v.data_sets()).collect();
-    sets.sort_unstable();
-    sets.dedup();
-    for (_, set) in sets {
-        for ahead in 0..2 {
-            for row in models {
-                let look_ahead = row.variant.look_aheads()[ahead];
-                let Some(score) = row.variant.score(row.model, set, look_ahead, truth) else {
-                    continue;
-                };
-                let mut cells = vec![
-                    cell::text(set_title(set)),
-                    cell::text(look_ahead.name()),
-                    cell::text(row.label.as_str()),
-                ];
-                cells.extend(offset_cells(score.widest()));
-                sheet.rows.push(Row {
-                    cells,
-                    source: row.variant.provenance(),
-                });
-            }
-        }
-    }
-    sheet
-}
-
-fn offset_cells(summary: &Summary) -> [Cell; 4] {
-    let offset = summary.offset;
-    [
-        cell::signed_ms(offset.map(|offset| offset.signed)),
-        cell::one_ms(offset.map(|offset| offset.signed_median)),
-        cell::absolute_ms(offset.map(|offset| offset.absolute)),
-        cell::support(summary.correct, summary.events),
-    ]
+    heading.sheet_by_set(truth, models, columns, |score| {
+        let summary = score.widest();
+        let offset = summary.offset;
+        vec![
+            cell::signed_ms(offset.map(|offset| offset.signed)),
+            cell::one_ms(offset.map(|offset| offset.signed_median)),
+            cell::absolute_ms(offset.map(|offset| offset.absolute)),
+            cell::support(summary.correct, summary.events),
+        ]
+    })
 }
 
 #[cfg(test)]

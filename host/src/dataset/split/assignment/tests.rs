@@ -29,6 +29,7 @@ fn shares(seed: u64) -> Assignment<'static> {
         seed,
         held_out_share: 0.3,
         validation_share: 0.2,
+        circles: true,
         ..Assignment::default()
     }
 }
@@ -113,7 +114,9 @@ fn a_fold_replaces_the_circles_of_development_but_not_the_test_people() {
     let split = assign(
         &all,
         &Assignment {
-            fold: Some(&fold),
+            held_out: &fold,
+            held_out_share: 0.0,
+            circles: false,
             ..shares(1)
         },
     )
