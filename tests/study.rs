@@ -204,3 +204,79 @@ fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
         "one teacher from two kinds of files"
     );
 }
+
+#[test]
+fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
+    let folder = folder("cross-validation");
+    let (data, _) = recordings(&folder);
+    let one = study_preset(&folder);
+    let text = fs::read_to_string(&one).unwrap();
+    let other = folder.join("other.toml");
+    let text = text
+        .replace("name = \"small\"", "name = \"other\"")
+        .replace("teacher_share = 0.5", "teacher_share = 0.0");
+    fs::write(&other, text).unwrap();
+    let out = folder.join("out");
+    let [data, one, other, path] = [&data, &one, &other, &out].map(|path| path.to_str().unwrap());
+    let command = |rest: &[&str]| {
+        let line = [
+            "cross-validate",
+            "--preset",
+            one,
+            "--preset",
+            other,
+            "--data",
+            data,
+            "--out",
+            path,
+            "--folds",
+            "2",
+            "--seeds",
+            "1,2",
+        ];
+        research(&[&line[..], rest].concat())
+    };
+    assert!(!command(&["--fold", "3"]));
+    assert!(command(&["--fold", "2"]));
+    assert!(
+        !out.join("people.csv").exists(),
+        "half of the jobs are left"
+    );
+    let student = |preset: &str| {
+        let run = out.join(preset).join("seed-2").join("fold-2");
+        (
+            fs::read(run.join("student.intent")).unwrap(),
+            run.join("teacher.bpk").exists(),
+        )
+    };
+    let before = student("small");
+    assert!(before.1, "a preset with a teacher trains one");
+    assert!(!student("other").1);
+    assert!(command(&[]));
+    assert_eq!(student("small"), before);
+
+    let rows = fs::read_to_string(out.join("people.csv")).unwrap();
+    let mut people: Vec<(&str, &str, &str)> = rows
+        .lines()
+        .skip(1)
+        .map(|row| {
+            // The look-ahead has a comma of its own, in quotes.
+            let fields: Vec<&str> = row.split(',').collect();
+            (fields[0], fields[3], fields[4])
+        })
+        .collect();
+    people.sort_unstable();
+    // Four people, two seeds, two presets, two aggregation modes: each person in one fold of each.
+    assert_eq!(people.len(), 4 * 2 * 2 * 2);
+    people.dedup();
+    assert_eq!(people.len(), 4 * 2 * 2);
+    let page = fs::read_to_string(out.join("tables.md")).unwrap();
+    assert!(page.contains("other (0.25 s, all rows) - small"));
+    for seed in ["seed-1", "seed-2"] {
+        let run = out.join("other").join(seed).join("fold-1");
+        let split = &json(&run.join("config.json"))["split"];
+        let held_out = names(&split["held_out"]);
+        let others = [names(&split["training"]), names(&split["validation"])].concat();
+        assert!(!held_out.is_empty() && held_out.iter().all(|subject| !others.contains(subject)));
+    }
+}

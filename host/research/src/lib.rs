@@ -9,4 +9,6 @@
 mod baselines;
 pub mod cli;
 mod comparison;
+mod cross_validation;
+mod job;
 pub mod offline;

@@ -9,7 +9,6 @@ use clap::Args;
 use crate::cli::arguments::every_recording;
 use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
-use crate::report::Table;
 use crate::report::model_report::{self, people_rows, tables};
 use crate::run::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, evaluate_models,
@@ -85,7 +84,7 @@ pub(in crate::cli) fn run(
     warn(results);
     model_report::write(&evaluation, &data.display().to_string(), &options.report)?;
     if let Some(path) = &options.csv {
-        write_csv(path, &people_rows(results))?;
+        write_whole(path, &people_rows(results).csv()?)?;
     }
     let mut out = std::io::stdout().lock();
     if json {
@@ -97,17 +96,6 @@ pub(in crate::cli) fn run(
     }
     writeln!(out, "report: {}", options.report.display())?;
     Ok(())
-}
-
-fn write_csv(path: &Path, table: &Table) -> anyhow::Result<()> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for record in std::iter::once(&table.header).chain(&table.rows) {
-        writer.write_record(record)?;
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(csv::IntoInnerError::into_error)?;
-    Ok(write_whole(path, &bytes)?)
 }
 
 /// Says who was left out, and who should not be looked at.

@@ -25,12 +25,16 @@ impl Difference {
     /// `score - other`; none if nobody has a value under both.
     #[must_use]
     pub fn of(measure: Measure, score: &Score, other: &Score) -> Option<Self> {
-        let others = measure.values(other);
-        let differences: Vec<f64> = measure
-            .values(score)
-            .into_iter()
+        Self::paired(&measure.values(score), &measure.values(other))
+    }
+
+    /// Differences of the people who have a value in both lists, each list with a person once.
+    #[must_use]
+    pub fn paired(values: &[(&str, f64)], others: &[(&str, f64)]) -> Option<Self> {
+        let differences: Vec<f64> = values
+            .iter()
             .filter_map(|(person, value)| {
-                let (_, other) = others.iter().find(|(own, _)| *own == person)?;
+                let (_, other) = others.iter().find(|(own, _)| own == person)?;
                 Some(value - other)
             })
             .collect();

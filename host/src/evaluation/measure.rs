@@ -14,6 +14,8 @@ pub enum Measure {
     Recognition,
     /// False activations a minute of rest.
     FalseActivations,
+    /// Activations a minute of movement outside the vocabulary.
+    OtherActivations,
     /// Label changes a minute beyond the true ones.
     Flicker,
     /// Raw accuracy.
@@ -29,6 +31,7 @@ impl Measure {
             Self::TransitionAccuracy => "TA",
             Self::Recognition => "recognised",
             Self::FalseActivations => "false/min",
+            Self::OtherActivations => "other/min",
             Self::Flicker => "flicker/min",
             Self::RawAccuracy => "raw",
         }
@@ -54,6 +57,9 @@ impl Measure {
                 .collect(),
             Self::FalseActivations => events()
                 .filter_map(|s| Some((s.subject.as_str(), s.rest.per_minute()?)))
+                .collect(),
+            Self::OtherActivations => events()
+                .filter_map(|s| Some((s.subject.as_str(), s.other_movement.per_minute()?)))
                 .collect(),
             Self::Flicker => events()
                 .filter_map(|s| Some((s.subject.as_str(), s.flicker.per_minute()?)))

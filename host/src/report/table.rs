@@ -59,6 +59,20 @@ impl Table {
         out
     }
 
+    /// Header and rows as CSV.
+    ///
+    /// # Errors
+    /// When a row has another number of cells than the header.
+    pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for record in std::iter::once(&self.header).chain(&self.rows) {
+            writer.write_record(record)?;
+        }
+        Ok(writer
+            .into_inner()
+            .map_err(csv::IntoInnerError::into_error)?)
+    }
+
     /// A table of GitHub's Markdown, aligned in the source too.
     #[must_use]
     pub fn markdown(&self) -> String {

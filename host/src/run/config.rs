@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::preset::Preset;
-use crate::dataset::labels::lag::{self, LagEstimate};
+use crate::dataset::labels::lag::LagEstimate;
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Recording};
 use crate::execution::fingerprint::Fingerprint;
@@ -88,15 +87,6 @@ impl ResolvedConfig {
     #[must_use]
     pub(crate) fn lag(&self, data_set: DataSet) -> usize {
         self.lags.get(&data_set).map_or(0, |lag| lag.samples)
-    }
-
-    /// Lag-compensated labels of a recording, in the preset's vocabulary.
-    #[must_use]
-    pub(crate) fn lag_compensated_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
-        lag::compensated(
-            &recording.labels_in(self.preset.vocabulary()),
-            self.lag(recording.data_set),
-        )
     }
 
     /// Samples of a recording, electrodes rotated to the common orientation if the preset says so.

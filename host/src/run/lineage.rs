@@ -180,6 +180,7 @@ pub(crate) fn recordings(library: &Library, split: &Split) -> Fingerprint {
                 &recording.name,
                 Fingerprint::of_bytes(&samples),
                 Fingerprint::of_bytes(&labels),
+                &recording.other_movement,
             )
         })
         .collect();

@@ -80,6 +80,9 @@ pub struct DataSelection {
     /// that of the set, to this power. 0: the same for every subject; 1: the same for every data set.
     #[serde(default)]
     pub balance: f64,
+    /// What movement outside the vocabulary is in training.
+    #[serde(default, skip_serializing_if = "OtherMovement::is_unknown")]
+    pub other_movement: OtherMovement,
     /// Whether recordings are also used as published.
     pub as_published: bool,
     /// Maximum number of training subjects per data set; 0: all.
@@ -94,6 +97,24 @@ pub enum LabelLag {
     Estimated,
     /// None, as in the paper.
     None,
+}
+
+/// The label of movement outside the vocabulary in training: pointing, pronation, intents of a larger vocabulary.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OtherMovement {
+    /// None: nothing is learnt from it.
+    #[default]
+    Unknown,
+    /// Relax: no intent of the vocabulary is meant.
+    Relax,
+}
+
+impl OtherMovement {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
+    fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
+    }
 }
 
 impl Preset {

@@ -199,6 +199,19 @@ impl ResolvedConfig {
     }
 }
 
+/// The people whom each of `folds` folds holds out, over all data sets: for the data sets of the preset the same as in
+/// [`ResolvedConfig::new`] with a fold of [`Protocol::LeaveGroupsOut`].
+#[must_use]
+pub fn fold_people(preset: &Preset, library: &Library, folds: usize) -> Vec<Vec<String>> {
+    let vocabulary = preset.vocabulary();
+    let labelled: Vec<&Recording> = library
+        .recordings
+        .iter()
+        .filter(|recording| recording.has_labels_in(vocabulary))
+        .collect();
+    folds::folds(developers(&labelled), folds, preset.seed)
+}
+
 /// Recordings of everybody but the test people.
 fn developers<'r>(recordings: &[&'r Recording]) -> impl Iterator<Item = &'r Recording> {
     recordings

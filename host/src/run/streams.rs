@@ -1,10 +1,13 @@
 //! The streams that a run trains on and validates with.
 
+use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::config::ResolvedConfig;
+use super::preset::OtherMovement;
 use crate::dataset::corpus::{Corpus, Stream};
 use crate::dataset::folds;
+use crate::dataset::labels::lag;
 use crate::dataset::splice::{self, SpliceOptions};
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Recording, by_data_set};
@@ -49,7 +52,12 @@ impl ResolvedConfig {
 
     /// Spliced recordings, one per subject, with lag-compensated labels; the recordings given are those of one data
     /// set.
-    pub(super) fn spliced(&self, recordings: &[&Recording], seconds: f64) -> Vec<Recording> {
+    pub(super) fn spliced(
+        &self,
+        recordings: &[&Recording],
+        seconds: f64,
+        other_movement: OtherMovement,
+    ) -> Vec<Recording> {
         let vocabulary = self.preset.vocabulary();
         let Some(first) = recordings.first() else {
             return Vec::new();
@@ -58,6 +66,7 @@ impl ResolvedConfig {
             .iter()
             .map(|&recording| Recording {
                 labels: recording.labels_in(vocabulary),
+                other_movement: recording.movement_outside(vocabulary),
                 samples: self.samples(recording),
                 ..recording.clone()
             })
@@ -71,31 +80,43 @@ impl ResolvedConfig {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
             count: 1,
             lag_samples: self.lag(first.data_set),
+            other_movement_is_relax: other_movement == OtherMovement::Relax,
             seed: self.preset.seed,
         };
         splice::splice(&own.iter().collect::<Vec<_>>(), &options)
     }
 
+    /// Lag-compensated labels of a recording, in the preset's vocabulary; movement outside it as the preset says.
+    fn training_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
+        let vocabulary = self.preset.vocabulary();
+        let lag = self.lag(recording.data_set);
+        let mut labels = lag::compensated(&recording.labels_in(vocabulary), lag);
+        if self.preset.data.other_movement == OtherMovement::Relax {
+            for range in recording.movement_outside(vocabulary) {
+                let range = lag::compensated_range(&range, lag, labels.len());
+                labels[range].fill(Some(Intent::Relax));
+            }
+        }
+        labels
+    }
+
     fn corpus(&self, library: &Library, role: Role) -> Corpus {
         let vocabulary = self.preset.vocabulary();
+        let data = &self.preset.data;
         let by_set = by_data_set(self.split.select(&library.recordings, role));
         let subjects = folds::subjects(by_set.values().flatten().copied());
         let most = subjects.values().map(Vec::len).max().unwrap_or(0);
         let mut streams = Vec::new();
         for (data_set, recordings) in &by_set {
-            if self.preset.data.as_published {
+            if data.as_published {
                 streams.extend(recordings.iter().map(|recording| {
-                    Stream::new(
-                        self.samples(recording),
-                        self.lag_compensated_labels(recording),
-                    )
+                    Stream::new(self.samples(recording), self.training_labels(recording))
                 }));
             }
-            if self.preset.data.spliced_seconds > 0.0 {
+            if data.spliced_seconds > 0.0 {
                 let ratio = most as f64 / subjects[data_set].len() as f64;
-                let seconds =
-                    self.preset.data.spliced_seconds * ratio.powf(self.preset.data.balance);
-                let spliced = self.spliced(recordings, seconds);
+                let seconds = data.spliced_seconds * ratio.powf(data.balance);
+                let spliced = self.spliced(recordings, seconds, data.other_movement);
                 streams.extend(
                     spliced
                         .into_iter()

@@ -5,6 +5,7 @@ use shared::stream::preprocess::clean;
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
+use super::preset::OtherMovement;
 use crate::dataset::labels::lag;
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Recording, by_data_set};
@@ -31,7 +32,7 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
     const SECONDS: f64 = 60.0;
     by_data_set(config.labelled_recordings(library, Role::HeldOut))
         .values()
-        .flat_map(|recordings| config.spliced(recordings, SECONDS))
+        .flat_map(|recordings| config.spliced(recordings, SECONDS, OtherMovement::Unknown))
         .map(|recording| Trial {
             data_set: recording.data_set,
             subject: recording.subject,
@@ -70,8 +71,7 @@ pub(super) fn trial(
     let length = raw.len();
     let mut other_movement = vec![false; length];
     for range in recording.movement_outside(vocabulary) {
-        let [start, end] = [range.start, range.end].map(|at| (at + lag).min(length));
-        other_movement[start..end].fill(true);
+        other_movement[lag::compensated_range(&range, lag, length)].fill(true);
     }
     if !other_movement.contains(&true) {
         other_movement.clear();

@@ -1,7 +1,9 @@
 //! The command line: one file per subcommand.
 
 mod baselines;
+mod cross_validate;
 mod evaluate;
+mod shell;
 mod study;
 mod summary;
 mod tables;
@@ -14,7 +16,7 @@ use myointent::execution::progress;
 
 use crate::baselines::settings::SettingsError;
 use crate::baselines::training::TrainingError;
-use crate::comparison::study::JobError;
+use crate::job::JobError;
 
 /// Baselines and comparisons of the paper, on the recordings and run folders of `myointent`.
 #[derive(Debug, Parser)]
@@ -34,6 +36,8 @@ enum Command {
     Baselines(baselines::Arguments),
     /// Evaluate the models and baselines of a run on the held-out subjects.
     Evaluate(evaluate::Arguments),
+    /// Compare presets: every person but the test people held out once, for several seeds.
+    CrossValidate(cross_validate::Arguments),
     /// Train and evaluate the paper's comparisons, each subject held out once.
     Study(study::Arguments),
     /// Merge the results of a variant's folds.
@@ -48,12 +52,13 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let advice = match &self.command {
             Command::Baselines(_) => "to continue, give the same command and --resume",
-            Command::Study(_) => "to continue, give the same command",
+            Command::Study(_) | Command::CrossValidate(_) => "to continue, give the same command",
             _ => "to try again, give the same command",
         };
         let result = match self.command {
             Command::Baselines(arguments) => baselines::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
+            Command::CrossValidate(arguments) => cross_validate::run(&arguments),
             Command::Study(arguments) => study::run(&arguments),
             Command::Summary(arguments) => summary::run(&arguments),
             Command::Tables(arguments) => tables::run(&arguments),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum as _};
 
+use super::shell::{line, program};
 use crate::baselines::settings::find_preset;
 use crate::comparison::study::Study;
 use crate::comparison::variant::{Variant, data_sets};
@@ -108,10 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// The shell command of one job, to be run in the current folder.
 fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> String {
-    let program = std::env::args()
-        .next()
-        .unwrap_or_else(|| "myointent-research".to_owned());
-    let mut words = vec![program, "study".to_owned()];
+    let mut words = vec![program(), "study".to_owned()];
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     option("preset", arguments.preset.clone());
     option("study", arguments.study.display().to_string());
@@ -133,32 +131,5 @@ fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> Stri
     if arguments.data.strict {
         words.push("--strict".to_owned());
     }
-    words
-        .iter()
-        .map(|word| quoted(word))
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
-/// A word, quoted for a shell where needed.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_needs_it() {
-        assert_eq!(quoted("runs/study-1"), "runs/study-1");
-        assert_eq!(quoted("my data"), "'my data'");
-        assert_eq!(quoted("it's"), r"'it'\''s'");
-        assert_eq!(quoted(""), "''");
-    }
+    line(&words)
 }

@@ -7,15 +7,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use burn::tensor::Device;
-use thiserror::Error;
 
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
-use myointent::execution::run_folder::{RunError, RunFolder, weights_file};
-use myointent::run::StepError;
-use myointent::run::config::{CONFIG, ResolvedConfig};
+use myointent::execution::run_folder::{RunFolder, weights_file};
+use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use myointent::run::distill::{distill, train_on_labels};
 use myointent::run::evaluate::{RESULTS, Results, evaluate};
@@ -29,7 +27,8 @@ use super::variant::Variant;
 use crate::baselines::Baseline;
 use crate::baselines::inference::candidates;
 use crate::baselines::settings::BaselineSettings;
-use crate::baselines::training::{TrainingError, train_all};
+use crate::baselines::training::train_all;
+use crate::job::{JobError, begun};
 
 /// What all jobs of a study have in common.
 pub(crate) struct Study<'a> {
@@ -51,52 +50,6 @@ pub(crate) struct Study<'a> {
     pub(crate) device: Device,
     /// Set by Ctrl-C.
     pub(crate) interrupt: &'a Interrupt,
-}
-
-/// Why a job failed.
-#[derive(Debug, Error)]
-pub(crate) enum JobError {
-    /// The variant's preset does not fit the recordings.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// The run folder cannot be used.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A step of the run failed, or the user interrupted.
-    #[error(transparent)]
-    Step(#[from] StepError),
-    /// A baseline cannot be trained, or the user interrupted.
-    #[error(transparent)]
-    Baseline(#[from] TrainingError),
-    /// The teacher that the variant starts from is missing.
-    #[error(
-        "{path}: no teacher to start from; run `myointent-research study --variant pretraining` first"
-    )]
-    NoPretraining {
-        /// Run folder of the pre-training.
-        path: PathBuf,
-    },
-    /// The folder holds a run with other settings.
-    #[error(
-        "{path}: made with another preset, protocol or recordings; give another --study folder"
-    )]
-    OtherRun {
-        /// The configuration in the folder.
-        path: PathBuf,
-    },
-}
-
-impl JobError {
-    /// Whether the user interrupted.
-    pub(crate) const fn is_interrupt(&self) -> bool {
-        match self {
-            Self::Run(error) | Self::Step(StepError::Run(error)) => {
-                matches!(error, RunError::Interrupted { .. })
-            }
-            Self::Baseline(error) => error.is_interrupt(),
-            _ => false,
-        }
-    }
 }
 
 impl Study<'_> {
@@ -191,16 +144,6 @@ impl Study<'_> {
             }
             config.start_from(&start)?;
         }
-        match ResolvedConfig::load(folder) {
-            Ok(saved) if saved.fingerprint() != config.fingerprint() => Err(JobError::OtherRun {
-                path: folder.file(CONFIG),
-            }),
-            Ok(saved) => Ok(saved),
-            Err(RunError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
-                config.save(folder)?;
-                Ok(config)
-            }
-            Err(error) => Err(error.into()),
-        }
+        begun(folder, config)
     }
 }

@@ -9,6 +9,8 @@
 //! half of either run (there the muscle has settled in spite of the lag). The crossing is the first
 //! sample from which e stays on the far side of the half-way level for 50 ms.
 
+use std::ops::Range;
+
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
@@ -113,6 +115,17 @@ pub(crate) fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<
     let mut compensated = vec![start; lag];
     compensated.extend_from_slice(&labels[..labels.len() - lag]);
     compensated
+}
+
+/// A range of samples of a recording of `length` samples, `lag_samples` later.
+#[must_use]
+pub(crate) fn compensated_range(
+    range: &Range<usize>,
+    lag_samples: usize,
+    length: usize,
+) -> Range<usize> {
+    let [start, end] = [range.start, range.end].map(|at| (at + lag_samples).min(length));
+    start..end
 }
 
 /// Samples by which the muscle follows the change between two runs; negative if it comes first.

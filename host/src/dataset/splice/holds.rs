@@ -19,17 +19,17 @@ pub(super) const HOLD: Range<usize> = 120..601;
 /// How often rest comes between two steady gestures.
 const REST_BETWEEN: f64 = 0.6;
 
-/// Recordings of one steady label, by label.
-pub(super) type Holds<'a> = BTreeMap<Intent, Vec<&'a Source<'a>>>;
+/// Recordings of one steady label, by label; none is movement outside the vocabulary.
+pub(super) type Holds<'a> = BTreeMap<Option<Intent>, Vec<&'a Source<'a>>>;
 
 /// The steady holds among a subject's recordings.
 pub(super) fn holds<'a>(sources: &'a [Source<'a>]) -> Holds<'a> {
     let mut holds: Holds<'a> = BTreeMap::new();
     for source in sources {
         if let [run] = runs(&source.labels)[..]
-            && let Some(intent) = run.label
+            && (run.label.is_some() || source.is_other_movement())
         {
-            holds.entry(intent).or_default().push(source);
+            holds.entry(run.label).or_default().push(source);
         }
     }
     holds
@@ -37,12 +37,13 @@ pub(super) fn holds<'a>(sources: &'a [Source<'a>]) -> Holds<'a> {
 
 /// Joins crops of holds; none if there are fewer than two labels.
 pub(super) fn walk(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
-    let gestures: Vec<Intent> = holds
+    const RELAX: Option<Intent> = Some(Intent::Relax);
+    let gestures: Vec<Option<Intent>> = holds
         .keys()
         .copied()
-        .filter(|&intent| intent != Intent::Relax)
+        .filter(|&label| label != RELAX)
         .collect();
-    let rests = holds.contains_key(&Intent::Relax);
+    let rests = holds.contains_key(&RELAX);
     if gestures.len() + usize::from(rests) < 2 {
         return None;
     }
@@ -54,9 +55,9 @@ pub(super) fn walk(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -
         joined.append(source, crop, samples);
 
         let others: Vec<_> = gestures.iter().copied().filter(|&g| g != label).collect();
-        let rest = rests && label != Intent::Relax;
+        let rest = rests && label != RELAX;
         label = if rest && (others.is_empty() || random.random_bool(REST_BETWEEN)) {
-            Intent::Relax
+            RELAX
         } else {
             *others.choose(random)?
         };

@@ -33,11 +33,14 @@ pub struct SpliceOptions {
     pub count: usize,
     /// Label lag in samples: labels are compensated for it before cutting.
     pub lag_samples: usize,
+    /// Whether movement outside the vocabulary is labelled relax and steady holds of it are used; otherwise it has no label.
+    pub other_movement_is_relax: bool,
     /// Seed of every draw; a subject's draws do not depend on the other subjects.
     pub seed: u64,
 }
 
-/// Splices every subject's labelled recordings; pass recordings of one data set.
+/// Splices every subject's labelled recordings; pass recordings of one data set, whose [`Recording::other_movement`] is
+/// all movement outside the vocabulary.
 ///
 /// Returns `count` recordings, `spliced-0` and on, for each subject with at least one usable
 /// transition or two different steady holds, in alphabetical order of subjects. Their path is
@@ -45,7 +48,11 @@ pub struct SpliceOptions {
 #[must_use]
 pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recording> {
     let mut by_subject: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
-    for recording in recordings.iter().filter(|r| r.has_labels()) {
+    let is_used = |recording: &Recording| {
+        recording.has_labels()
+            || options.other_movement_is_relax && !recording.other_movement.is_empty()
+    };
+    for recording in recordings.iter().filter(|r| is_used(r)) {
         by_subject
             .entry(&recording.subject)
             .or_default()
@@ -55,7 +62,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
     for (subject, recordings) in by_subject {
         let sources: Vec<Source<'_>> = recordings
             .iter()
-            .map(|r| Source::new(r, options.lag_samples))
+            .map(|r| Source::new(r, options.lag_samples, options.other_movement_is_relax))
             .collect();
         let material = Material::of(&sources);
         for index in 0..options.count {

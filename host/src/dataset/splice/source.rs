@@ -13,15 +13,34 @@ use crate::dataset::recording::Recording;
 /// A recording with the labels that the pieces carry.
 pub(super) struct Source<'a> {
     samples: &'a [Sample],
+    /// None in movement outside the vocabulary, so that it is spliced like a gesture and not like rest.
     pub labels: Vec<Option<Intent>>,
+    /// Where the joined recording says relax instead of none, in order; empty if it shall not.
+    relax: Vec<Range<usize>>,
 }
 
 impl<'a> Source<'a> {
-    pub fn new(recording: &'a Recording, lag_samples: usize) -> Self {
+    pub fn new(
+        recording: &'a Recording,
+        lag_samples: usize,
+        other_movement_is_relax: bool,
+    ) -> Self {
+        let labels = lag::compensated(&recording.labels, lag_samples);
+        let other_movement = recording.other_movement.iter();
         Self {
             samples: &recording.samples,
-            labels: lag::compensated(&recording.labels, lag_samples),
+            relax: other_movement
+                .filter(|_| other_movement_is_relax)
+                .map(|range| lag::compensated_range(range, lag_samples, labels.len()))
+                .collect(),
+            labels,
         }
+    }
+
+    /// Whether all of it is movement outside the vocabulary that shall become relax.
+    pub fn is_other_movement(&self) -> bool {
+        let covered: usize = self.relax.iter().map(Range::len).sum();
+        covered > 0 && covered >= self.labels.len()
     }
 
     /// A random crop whose length is drawn from `lengths`; the whole source if it is shorter.
@@ -46,7 +65,13 @@ impl Joined {
         let end = cut.end.min(cut.start + samples - self.samples.len());
         self.samples
             .extend_from_slice(&source.samples[cut.start..end]);
+        let joined = self.labels.len();
         self.labels
             .extend_from_slice(&source.labels[cut.start..end]);
+        for range in &source.relax {
+            let [from, to] =
+                [range.start, range.end].map(|at| at.clamp(cut.start, end) - cut.start);
+            self.labels[joined + from..joined + to].fill(Some(Intent::Relax));
+        }
     }
 }

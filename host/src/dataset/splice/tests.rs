@@ -40,6 +40,7 @@ const OPTIONS: SpliceOptions = SpliceOptions {
     samples: 4321,
     count: 2,
     lag_samples: 0,
+    other_movement_is_relax: false,
     seed: 42,
 };
 
@@ -175,4 +176,55 @@ fn subjects_are_not_mixed_and_unlabelled_ones_left_out() {
     ];
     let spliced = splice(&people.iter().collect::<Vec<_>>(), &OPTIONS);
     assert!(spliced.iter().all(|r| r.subject == "a"));
+}
+
+#[test]
+fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_labelled_relax() {
+    let mut cued = recording("a", &[(R, 300), (C, 300), (R, 300), (None, 300), (R, 300)]);
+    cued.other_movement = vec![900..1200];
+    let mut steady = recording("a", &[(None, 1000)]);
+    steady.samples.fill([55; 8]);
+    steady.other_movement = vec![0..1000];
+    let splice_all = |other_movement_is_relax| {
+        let options = SpliceOptions {
+            samples: 40_000,
+            other_movement_is_relax,
+            ..OPTIONS
+        };
+        splice(&[&cued, &steady], &options).swap_remove(0)
+    };
+    let relaxed = splice_all(true);
+    let labels_of = |mark: i8| -> BTreeSet<_> {
+        let marked = relaxed.samples.iter().zip(&relaxed.labels);
+        let marked = marked.filter(|(sample, _)| sample[0] == mark);
+        marked.map(|(_, &label)| label).collect()
+    };
+    // The movement is there, in transitions and in holds, always as relax; the gesture keeps its label.
+    assert_eq!(labels_of(mark(None)), BTreeSet::from([R]));
+    assert_eq!(labels_of(55), BTreeSet::from([R]));
+    assert_eq!(labels_of(mark(C)), BTreeSet::from([C]));
+    let unknown = splice_all(false);
+    assert!(unknown.labels.contains(&None));
+    assert!(unknown.samples.iter().all(|sample| sample[0] != 55));
+}
+
+#[test]
+fn a_person_of_steady_holds_alone_has_other_movement_between_them() {
+    let mut other = recording("a", &[(None, 1000)]);
+    other.other_movement = vec![0..1000];
+    let holds = [
+        recording("a", &[(R, 1000)]),
+        recording("a", &[(C, 1000)]),
+        other,
+    ];
+    let options = SpliceOptions {
+        samples: 20_000,
+        other_movement_is_relax: true,
+        ..OPTIONS
+    };
+    let spliced = &splice(&holds.iter().collect::<Vec<_>>(), &options)[0];
+    let of_other = spliced.samples.iter().zip(&spliced.labels);
+    let of_other = of_other.filter(|(sample, _)| sample[0] == mark(None));
+    assert!(of_other.clone().count() > 2000);
+    assert!(of_other.map(|(_, label)| label).all(|&label| label == R));
 }

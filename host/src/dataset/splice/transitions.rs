@@ -76,7 +76,7 @@ pub(super) fn walk(
     let mut label = pieces.choose(random)?.from;
     while joined.samples.len() < samples {
         // Longer than any cued run: in daily use rest lasts.
-        if let Some(steady) = label.and_then(|intent| holds.get(&intent))
+        if let Some(steady) = holds.get(&label)
             && random.random_bool(STEADY)
         {
             let source = steady.choose(random)?;

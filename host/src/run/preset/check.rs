@@ -11,6 +11,11 @@ const EPOCHS: usize = 1_000_000;
 /// Most seconds of spliced recordings of a subject.
 const DAY: f64 = 86_400.0;
 
+/// Largest standard deviation of the logarithm of a gain: 20 times as much or as little.
+const MOST_DEVIATION: f64 = 3.0;
+/// Largest standard deviation of added noise, in counts: the range of a sample.
+const MOST_NOISE: f64 = 128.0;
+
 /// A value that a run cannot use.
 pub(super) struct Invalid {
     pub(super) key: &'static str,
@@ -178,12 +183,16 @@ impl Preset {
             .into_iter()
             .flatten()
             .find_map(|augmentation| {
-                let gain = augmentation.gain;
+                let deviations = [augmentation.gain, augmentation.electrode_gain];
+                let shares = [augmentation.shift, augmentation.silent_electrode];
                 require(
-                    gain.is_finite() && gain >= 0.0 && augmentation.rotation <= 3,
+                    deviations.iter().all(|deviation| (0.0..=MOST_DEVIATION).contains(deviation))
+                        && shares.iter().all(|share| (0.0..=1.0).contains(share))
+                        && (0.0..=MOST_NOISE).contains(&augmentation.noise)
+                        && augmentation.rotation <= 3,
                     "augmentation",
                     augmentation,
-                    "a gain of 0 or more and a rotation of 0 to 3",
+                    "gain and electrode_gain of 0 to 3, rotation of 0 to 3, shift and silent_electrode of 0 to 1, noise of 0 to 128",
                 )
             })
     }

@@ -4,7 +4,7 @@ mod check;
 mod error;
 mod evaluated_run;
 #[cfg(test)]
-pub(super) mod fixture;
+pub(crate) mod fixture;
 mod merge;
 mod provenance;
 mod study_results;

@@ -1,0 +1,144 @@
+//! Tables of a cross-validation.
+
+use myointent::evaluation::{Difference, Measure};
+use myointent::report::Table;
+use myointent::report::cell;
+use myointent::statistics::{Interval, MeanSd};
+
+use super::merged::Merged;
+
+/// Measures whose intervals are shown.
+const SHARES: [Measure; 3] = [
+    Measure::BalancedAccuracy,
+    Measure::TransitionAccuracy,
+    Measure::Recognition,
+];
+/// Measures a minute.
+const RATES: [Measure; 3] = [
+    Measure::FalseActivations,
+    Measure::OtherActivations,
+    Measure::Flicker,
+];
+
+/// Scores over all people and by data set, a row for each preset and aggregation mode.
+pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
+    let measures = SHARES.map(Measure::name).into_iter();
+    let header = ["recordings", "preset (look-ahead)"]
+        .into_iter()
+        .chain(measures)
+        .chain(["latency ms"])
+        .chain(RATES.map(Measure::name))
+        .chain(["raw", "people"]);
+    let caption = "Integer students on held-out people: mean over people [95 % interval] of each person's mean over seeds";
+    let mut table = Table::new(caption, header);
+    for set in sections(merged) {
+        for own in merged {
+            let numbers = |measure| -> Vec<f64> {
+                let values = own.values(measure, set).into_iter();
+                values.map(|(_, value)| value).collect()
+            };
+            let share = |measure| {
+                let numbers = numbers(measure);
+                cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers)).shown
+            };
+            let one = |measure, digits: usize| {
+                MeanSd::of(&numbers(measure))
+                    .map_or_else(|| cell::none().shown, |v| format!("{:.digits$}", v.mean))
+            };
+            let names = [set.unwrap_or("all").to_owned(), own.name()];
+            table.push(
+                names
+                    .into_iter()
+                    .chain(SHARES.map(share))
+                    .chain([cell::latency(own.latency(set)).shown])
+                    .chain(RATES.map(|measure| one(measure, 1)))
+                    .chain([
+                        one(Measure::RawAccuracy, 3),
+                        numbers(Measure::RawAccuracy).len().to_string(),
+                    ]),
+            );
+        }
+    }
+    table
+}
+
+/// Every other row of [`scores`] against the first one with its aggregation mode, paired over people.
+pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
+    let caption = "Differences, paired over people; mean [95 % interval] over n people";
+    let measures = SHARES
+        .into_iter()
+        .chain([Measure::FalseActivations, Measure::OtherActivations]);
+    let measures: Vec<Measure> = measures.collect();
+    let names = measures.iter().map(|measure| measure.name());
+    let mut table = Table::new(
+        caption,
+        ["recordings", "difference"].into_iter().chain(names),
+    );
+    for set in sections(merged) {
+        for own in merged {
+            let Some(first) = merged
+                .iter()
+                .find(|first| first.look_ahead == own.look_ahead && first.preset != own.preset)
+                .filter(|first| first.preset == merged[0].preset)
+            else {
+                continue;
+            };
+            let paired = |&measure: &Measure| {
+                let (values, others) = (own.values(measure, set), first.values(measure, set));
+                cell::difference(Difference::paired(&values, &others)).shown
+            };
+            let names = [
+                set.unwrap_or("all").to_owned(),
+                format!("{} - {}", own.name(), first.preset),
+            ];
+            table.push(names.into_iter().chain(measures.iter().map(paired)));
+        }
+    }
+    table
+}
+
+/// All people and seeds, a row each, as CSV keeps them.
+pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
+    let measures = SHARES
+        .into_iter()
+        .chain(RATES)
+        .chain([Measure::RawAccuracy]);
+    let measures: Vec<Measure> = measures.collect();
+    let names = measures.iter().map(|measure| measure.name());
+    let header = ["preset", "look-ahead", "seed", "subject"]
+        .into_iter()
+        .chain(names);
+    let mut table = Table::new("", header);
+    for own in merged {
+        for (seed, score) in own.scores() {
+            for person in &score.widest().subjects {
+                let value = |measure: &Measure| {
+                    let values = measure.values(score);
+                    let found = values.iter().find(|(name, _)| *name == person.subject);
+                    found.map_or_else(String::new, |(_, value)| format!("{value:.4}"))
+                };
+                let names = [
+                    own.preset.to_owned(),
+                    own.look_ahead.name().to_owned(),
+                    seed.to_string(),
+                    person.subject.clone(),
+                ];
+                table.push(names.into_iter().chain(measures.iter().map(value)));
+            }
+        }
+    }
+    table
+}
+
+/// All people, then each data set.
+fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Option<&'a str>> {
+    let mut sets: Vec<Option<&str>> = merged
+        .iter()
+        .flat_map(Merged::data_sets)
+        .map(Some)
+        .chain([None])
+        .collect();
+    sets.sort_unstable();
+    sets.dedup();
+    sets
+}

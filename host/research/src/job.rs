@@ -1,0 +1,79 @@
+//! A job of a study or of a cross-validation: one run folder, begun once and gone on with after an interruption.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use myointent::execution::run_folder::{RunError, RunFolder};
+use myointent::run::StepError;
+use myointent::run::config::{CONFIG, ResolvedConfig};
+use myointent::run::resolve::ConfigError;
+
+use crate::baselines::training::TrainingError;
+
+/// Why a job failed.
+#[derive(Debug, Error)]
+pub(crate) enum JobError {
+    /// The variant's preset does not fit the recordings.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The run folder cannot be used.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A step of the run failed, or the user interrupted.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// A baseline cannot be trained, or the user interrupted.
+    #[error(transparent)]
+    Baseline(#[from] TrainingError),
+    /// The teacher that the variant starts from is missing.
+    #[error(
+        "{path}: no teacher to start from; run `myointent-research study --variant pretraining` first"
+    )]
+    NoPretraining {
+        /// Run folder of the pre-training.
+        path: PathBuf,
+    },
+    /// The folder holds a run with other settings.
+    #[error(
+        "{path}: made with another preset, protocol or recordings; give another --study folder"
+    )]
+    OtherRun {
+        /// The configuration in the folder.
+        path: PathBuf,
+    },
+}
+
+impl JobError {
+    /// Whether the user interrupted.
+    pub(crate) const fn is_interrupt(&self) -> bool {
+        match self {
+            Self::Run(error) | Self::Step(StepError::Run(error)) => {
+                matches!(error, RunError::Interrupted { .. })
+            }
+            Self::Baseline(error) => error.is_interrupt(),
+            _ => false,
+        }
+    }
+}
+
+/// The configuration in the folder if the job was started before, or the new one, which is saved there.
+///
+/// # Errors
+/// [`JobError::OtherRun`] if the folder holds a run with other settings.
+pub(crate) fn begun(
+    folder: &RunFolder,
+    config: ResolvedConfig,
+) -> Result<ResolvedConfig, JobError> {
+    match ResolvedConfig::load(folder) {
+        Ok(saved) if saved.fingerprint() != config.fingerprint() => Err(JobError::OtherRun {
+            path: folder.file(CONFIG),
+        }),
+        Ok(saved) => Ok(saved),
+        Err(RunError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+            config.save(folder)?;
+            Ok(config)
+        }
+        Err(error) => Err(error.into()),
+    }
+}
