@@ -3,7 +3,7 @@
 /// Most classes of a model.
 pub const MAX_CLASSES: usize = 6;
 
-/// One intent. The class numbers are those of the paper's data sets, the same in both vocabularies.
+/// One intent. The class numbers are those of the paper's data sets, the same in all vocabularies.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[repr(u8)]
 pub enum Intent {
@@ -68,21 +68,24 @@ impl Intent {
     }
 }
 
-/// The intents of a model: the first three, or all six.
+/// The intents of a model: the first three, the first five, or all six.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Vocabulary {
     /// relax, open, close.
     Three,
+    /// relax, open, close, wave-in, wave-out.
+    Five,
     /// relax, open, close, wave-in, wave-out, pinch.
     Six,
 }
 
 impl Vocabulary {
-    /// Number of classes: 3 or 6.
+    /// Number of classes: 3, 5 or 6.
     #[must_use]
     pub const fn classes(self) -> usize {
         match self {
             Self::Three => 3,
+            Self::Five => 5,
             Self::Six => 6,
         }
     }
@@ -92,6 +95,7 @@ impl Vocabulary {
     pub const fn with_classes(classes: usize) -> Option<Self> {
         match classes {
             3 => Some(Self::Three),
+            5 => Some(Self::Five),
             6 => Some(Self::Six),
             _ => None,
         }
@@ -125,9 +129,16 @@ mod tests {
     }
 
     #[test]
-    fn three_classes_hold_neither_wave_nor_pinch() {
+    fn each_vocabulary_has_its_first_intents() {
         assert!(Vocabulary::Three.contains(Intent::Close));
         assert!(!Vocabulary::Three.contains(Intent::WaveIn));
+        assert!(Vocabulary::Five.contains(Intent::WaveOut));
+        assert!(!Vocabulary::Five.contains(Intent::Pinch));
+        for vocabulary in [Vocabulary::Three, Vocabulary::Five, Vocabulary::Six] {
+            let classes = vocabulary.classes();
+            assert_eq!(Vocabulary::with_classes(classes), Some(vocabulary));
+            assert_eq!(vocabulary.intents().len(), classes);
+        }
         assert_eq!(Vocabulary::with_classes(4), None);
     }
 }

@@ -99,7 +99,7 @@ pub struct SynthArguments {
 
 fn vocabulary(text: &str) -> Result<Vocabulary, String> {
     let classes = text.parse().ok().and_then(Vocabulary::with_classes);
-    classes.ok_or_else(|| "expected 3 or 6".to_owned())
+    classes.ok_or_else(|| "expected 3, 5 or 6".to_owned())
 }
 
 /// Runs `myointent data`.

@@ -11,11 +11,14 @@ use crate::student::learner::StudentLearner;
 use crate::teacher;
 use crate::training::fit::fit;
 
-/// Trains the student.
+/// Trains the student; before it the members of the ensemble that it learns from, if the preset has one.
 ///
 /// # Errors
 /// When the teacher is missing, the folder cannot be written or the user interrupts.
 pub fn distill(context: &RunContext) -> Result<(), StepError> {
+    for member in context.config.preset.distillation.members() {
+        train(context, member)?;
+    }
     train(context, distillation::NAME)
 }
 
@@ -31,7 +34,7 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let preset = &context.config.preset;
     let config = &context.config.distillation(name);
     refuse_impossible(preset, &context.inference_device())?;
-    if config.teacher_share > 0.0 && !context.has(teacher::training::NAME) {
+    if config.needs_teacher() && !context.has(teacher::training::NAME) {
         let path = context.folder.weights_path(teacher::training::NAME);
         return Err(StepError::NoTeacher { path });
     }
@@ -51,7 +54,8 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     } else {
         None
     };
-    context.device.seed(preset.seed);
+    let seed = context.config.student_seed(name);
+    context.device.seed(seed);
     let model = preset.student.init(preset.classes, &context.device);
     let learner = StudentLearner::new(
         name,
@@ -65,7 +69,7 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     fit(
         &learner,
         model,
-        config.train_config(preset.seed),
+        config.train_config(seed),
         &context.training(made_from),
     )?;
     Ok(())

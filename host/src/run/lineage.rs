@@ -49,7 +49,9 @@ struct StudentInputs<'a> {
     streams: Streams<'a>,
     student: &'a StudentConfig,
     distillation: &'a Distillation,
-    /// Weights of the teacher that it learns from; none if from the labels alone.
+    /// Seed of its weights and batches.
+    seed: u64,
+    /// Weights of the teacher, or of the ensemble's members, that it learns from; none if from the labels alone.
     teacher: Option<Fingerprint>,
 }
 
@@ -99,10 +101,33 @@ impl ResolvedConfig {
     /// The settings that a student is trained with, by the name of its files.
     pub(super) fn distillation(&self, name: &str) -> Distillation {
         let mut settings = self.preset.distillation.clone();
-        if name == distillation::LABELS_ONLY {
+        if name != distillation::NAME {
             settings.teacher_share = 0.0;
         }
         settings
+    }
+
+    /// The seed that a student is trained with, by the name of its files: each member of an ensemble has its own.
+    pub(super) fn student_seed(&self, name: &str) -> u64 {
+        let member = distillation::MEMBERS.iter().position(|own| *own == name);
+        let offset = member.map_or(0, |member| member as u64 + 1);
+        self.preset.seed.wrapping_add(offset)
+    }
+
+    /// Fingerprint of the weights that the run's student learns from: the teacher's, or those of the ensemble.
+    ///
+    /// # Errors
+    /// When one of them is missing or not this run's.
+    pub(super) fn teaching_weights(&self, run: &RunFolder) -> Result<Fingerprint, RunError> {
+        let members = self.preset.distillation.members();
+        if members.is_empty() {
+            return run.weights_fingerprint(teacher::training::NAME, self.teacher_lineage());
+        }
+        let weights = members
+            .iter()
+            .map(|member| run.weights_fingerprint(member, self.student_lineage(member, run)?))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Fingerprint::of(&weights))
     }
 
     /// What the teacher is made from.
@@ -123,8 +148,7 @@ impl ResolvedConfig {
     ) -> Result<Fingerprint, RunError> {
         let distillation = self.distillation(name);
         let teacher = if distillation.teacher_share > 0.0 {
-            let lineage = self.teacher_lineage();
-            Some(run.weights_fingerprint(teacher::training::NAME, lineage)?)
+            Some(self.teaching_weights(run)?)
         } else {
             None
         };
@@ -132,6 +156,7 @@ impl ResolvedConfig {
             streams: self.streams(),
             student: &self.preset.student,
             distillation: &distillation,
+            seed: self.student_seed(name),
             teacher,
         }))
     }

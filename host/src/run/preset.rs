@@ -25,7 +25,7 @@ pub struct Preset {
     pub name: String,
     /// Seed of every random draw.
     pub seed: u64,
-    /// Number of intents: 3 or 6.
+    /// Number of intents: 3, 5 or 6.
     pub classes: usize,
     /// Recordings to use, and subjects to hold out.
     pub data: DataSelection,

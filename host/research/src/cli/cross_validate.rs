@@ -21,8 +21,8 @@ use crate::cross_validation::{CrossValidation, Job, Merged, differences, people,
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A job is one fold of one preset with one seed: it trains the student (and the teacher, if the preset's\n\
-    `teacher_share` is above 0) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
+    after_help = "A job is one fold of one preset with one seed: it trains the student (and before it the teacher or\n\
+    the ensemble that it learns from) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
     all data sets found, also of those that the preset does not train on; test people are in none. The seed decides folds,\n\
     validation people and training. A person's value is the mean over seeds; intervals are over people.\n\n\
     Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. When all are done,\n\

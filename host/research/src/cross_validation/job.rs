@@ -98,7 +98,7 @@ impl CrossValidation<'_> {
             resume: true,
             interrupt: self.interrupt.clone(),
         };
-        if job.preset.distillation.teacher_share > 0.0 {
+        if job.preset.distillation.needs_teacher() {
             train(&context)?;
         }
         distill(&context)?;

@@ -64,7 +64,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = begin(arguments, preset)?;
     log_start(&context);
 
-    if arguments.teacher || context.config.preset.distillation.teacher_share > 0.0 {
+    if arguments.teacher || context.config.preset.distillation.needs_teacher() {
         train(&context)?;
     }
     distill(&context)?;

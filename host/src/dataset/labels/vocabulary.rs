@@ -1,4 +1,4 @@
-//! Labels of six classes in a vocabulary of three or six.
+//! Labels of six classes in a smaller vocabulary.
 
 use std::ops::Range;
 
@@ -59,14 +59,13 @@ impl DataSet {
     }
 }
 
-/// The vocabulary that labels need: three classes unless one of them is outside.
+/// The smallest vocabulary with all labels.
 pub(crate) fn smallest<'a>(labels: impl IntoIterator<Item = &'a Option<Intent>>) -> Vocabulary {
-    let mut known = labels.into_iter().flatten();
-    if known.all(|&intent| Vocabulary::Three.contains(intent)) {
-        Vocabulary::Three
-    } else {
-        Vocabulary::Six
-    }
+    let last = labels.into_iter().flatten().max();
+    [Vocabulary::Three, Vocabulary::Five]
+        .into_iter()
+        .find(|vocabulary| last.is_none_or(|&intent| vocabulary.contains(intent)))
+        .unwrap_or(Vocabulary::Six)
 }
 
 #[cfg(test)]
@@ -110,9 +109,10 @@ mod tests {
     }
 
     #[test]
-    fn three_classes_do_until_a_label_needs_six() {
+    fn three_classes_do_until_a_label_needs_more() {
         assert_eq!(smallest(&[R, None, C]), Vocabulary::Three);
-        assert_eq!(smallest(&[R, W]), Vocabulary::Six);
+        assert_eq!(smallest(&[R, W, C]), Vocabulary::Five);
+        assert_eq!(smallest(&[Some(Intent::Pinch), W]), Vocabulary::Six);
         assert_eq!(smallest(&[]), Vocabulary::Three);
     }
 }

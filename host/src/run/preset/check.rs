@@ -5,6 +5,7 @@ use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
 
 use super::Preset;
 use super::memory::LIMIT;
+use crate::student::distillation::MEMBERS;
 
 /// Most epochs of a training.
 const EPOCHS: usize = 1_000_000;
@@ -46,7 +47,7 @@ impl Preset {
             Vocabulary::with_classes(self.classes).is_some(),
             "classes",
             self.classes,
-            "3 or 6",
+            "3, 5 or 6",
         );
         classes
             .or_else(|| self.invalid_teacher())
@@ -152,6 +153,12 @@ impl Preset {
                 "distillation",
                 distillation.patches,
                 "patches above the span; batch, steps and epochs of 1 or more",
+            ),
+            require(
+                distillation.ensemble <= MEMBERS.len(),
+                "distillation.ensemble",
+                distillation.ensemble,
+                "0 to 8 students",
             ),
             require(
                 (0.0..=1.0).contains(&distillation.teacher_share),

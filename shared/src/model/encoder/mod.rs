@@ -111,7 +111,7 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         })
     }
 
-    /// Number of classes, 3 or 6.
+    /// Number of classes, 3, 5 or 6.
     #[must_use]
     pub const fn classes(&self) -> usize {
         self.dimensions.vocabulary.classes()

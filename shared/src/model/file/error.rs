@@ -107,7 +107,7 @@ pub enum ModelError {
         found: usize,
     },
     /// Unsupported number of classes.
-    #[error("{found} classes, expected 3 or 6: train one of the two vocabularies")]
+    #[error("{found} classes, expected 3, 5 or 6: train one of the three vocabularies")]
     Classes {
         /// The file's classes.
         found: usize,
