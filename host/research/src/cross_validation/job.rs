@@ -83,7 +83,7 @@ impl CrossValidation<'_> {
             progress::log(&format!("{}: already evaluated", path.display()));
             return Ok(scores);
         }
-        let folder = RunFolder::open(&path)?;
+        let folder = RunFolder::open(&path)?.locked()?;
         let config = begun(&folder, self.config(job)?)?;
         progress::log(&format!(
             "{}: {} people to train on",
