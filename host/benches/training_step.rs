@@ -1,9 +1,10 @@
-//! Seconds of a teacher's training step and of a window's inference, for comparison with PyTorch by
-//! `host/benches/torch/compare.py`.
+//! Seconds of a training step of teacher and student and of a window's inference, for comparison with
+//! PyTorch by `host/benches/torch/compare.py`.
 //!
-//! The arguments are a preset and a batch size. For each line of input it prints a line of JSON: for
-//! `step` the seconds of a training step (batch, forward, backward, AdamW) on two threads, for `window`
-//! those of one window's inference on one thread.
+//! The arguments are a preset and the teacher's batch size. For each line of input it prints a line of
+//! JSON: for `step` the seconds of the teacher's training step (batch, forward, backward, AdamW) on two
+//! threads, for `student` those of the student's, for `window` those of one window's inference on one
+//! thread.
 
 use std::io::BufRead as _;
 use std::time::Instant;
@@ -14,6 +15,7 @@ use burn::tensor::Device;
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::run::preset::Preset;
+use myointent::student::learner::StudentLearner;
 use myointent::teacher::learner::TeacherLearner;
 use myointent::teacher::model::TeacherInput;
 use myointent::training::learner::Learner as _;
@@ -67,6 +69,20 @@ fn main() -> anyhow::Result<()> {
     }
     let mut model = Some(preset.teacher.init(3, &device));
     let mut adam = optimizer(settings.weight_decay);
+    let distillation = &preset.distillation;
+    let span = preset.student.span;
+    let student_learner = StudentLearner::new(
+        "student",
+        span,
+        &corpus,
+        None,
+        &corpus,
+        distillation,
+        &device,
+    );
+    let excerpts = student_learner.epoch(&mut rng).remove(0);
+    let mut student = preset.student.init(3, &device);
+    let mut student_adam = optimizer(distillation.weight_decay);
     let emg = vec![0.5; shape.window * CHANNELS];
 
     for line in std::io::stdin().lock().lines() {
@@ -84,7 +100,13 @@ fn main() -> anyhow::Result<()> {
                 drop(read_back(before.valid().forward(input).intent));
                 before
             }),
-            other => bail!("step or window, not `{other}`"),
+            "student" => two.install(|| {
+                let shards = student_learner.shards(&excerpts, &mut rng);
+                let (gradients, _) = gradients(&student_learner, &student, shards);
+                student = student_adam.step(1e-4, student.clone(), gradients);
+                before
+            }),
+            other => bail!("step, student or window, not `{other}`"),
         });
         let seconds = start.elapsed().as_secs_f64();
         let busy = processor_seconds() - busy;

@@ -2,6 +2,9 @@
 
 mod batch;
 pub mod distillation;
+mod forward;
+#[cfg(feature = "flex")]
+mod fused;
 pub mod learner;
 pub mod model;
 pub(crate) mod quantization;

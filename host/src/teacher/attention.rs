@@ -6,10 +6,6 @@
 #[cfg(feature = "flex")]
 mod fused;
 #[cfg(feature = "flex")]
-mod matmul;
-#[cfg(feature = "flex")]
-mod softmax;
-#[cfg(feature = "flex")]
 mod window;
 
 use burn::tensor::Tensor;
@@ -29,17 +25,10 @@ pub(super) fn attend(
     mask: Option<Mask>,
 ) -> Tensor<3> {
     #[cfg(feature = "flex")]
-    if is_flex(&qkv) {
+    if crate::training::kernels::is_flex(&qkv) {
         return on_flex(qkv, heads, blocked, mask);
     }
     plain(qkv, heads, blocked, mask)
-}
-
-/// Whether the CPU backend's fused operations accept this tensor.
-#[cfg(feature = "flex")]
-pub(super) fn is_flex(x: &Tensor<3>) -> bool {
-    use burn::tensor::{DType, Device};
-    x.dtype() == DType::F32 && x.device() == Device::flex()
 }
 
 #[cfg(feature = "flex")]

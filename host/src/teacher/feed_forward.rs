@@ -13,7 +13,7 @@ use crate::training::dropout::Mask;
 #[must_use]
 pub(super) fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     #[cfg(feature = "flex")]
-    if super::attention::is_flex(&x) {
+    if crate::training::kernels::is_flex(&x) {
         use burn::backend::Dispatch;
         use fused::FusedActivation as _;
         return Tensor::from_dispatch(Dispatch::fused_activation(x.into_dispatch(), mask));
@@ -43,8 +43,8 @@ mod fused {
     use rayon::prelude::*;
 
     use super::Mask;
-    use crate::teacher::exponential::exp_negative;
     use crate::training::dropout::RowMask;
+    use crate::training::kernels::exponential::exp_negative;
 
     /// GELU and dropout as one operation, `[b, tokens, width]`.
     #[backend_extension(Flex, Autodiff)]

@@ -3,8 +3,6 @@
 mod attention;
 pub mod batch;
 pub mod checkpoint;
-#[cfg(feature = "flex")]
-mod exponential;
 mod feed_forward;
 pub mod learner;
 pub(crate) mod lora;

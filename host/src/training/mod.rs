@@ -6,6 +6,8 @@ mod checkpoint;
 pub mod dropout;
 mod ema;
 pub mod fit;
+#[cfg(feature = "flex")]
+pub(crate) mod kernels;
 pub mod learner;
 pub mod loss;
 pub(crate) mod metrics;

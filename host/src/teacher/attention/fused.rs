@@ -13,9 +13,9 @@ use burn::tensor::TensorData;
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::softmax::RowStatistics;
 use super::window::{Backward, Forward, Window};
 use crate::training::dropout::Mask;
+use crate::training::kernels::softmax::RowStatistics;
 
 /// Parameters of attention.
 #[derive(Clone, Debug)]

@@ -6,9 +6,9 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::matmul::{Rows, Transposed, padded, product};
-use super::softmax::{self, RowStatistics};
 use crate::training::dropout::Mask;
+use crate::training::kernels::matmul::{Rows, RowsMut, Transposed, padded, product};
+use crate::training::kernels::softmax::{self, RowStatistics};
 
 /// Scores in a block: with their gradients, half of a cache of 2 MiB.
 const BLOCK: usize = 128 * 1024;
@@ -112,14 +112,10 @@ impl WithSimd for Forward<'_> {
             let values = padded_copy(window.part(head, 2), attending, width);
             for start in (0..attending).step_by(block) {
                 let rows = block.min(attending - start);
-                let queries = from(window.part(head, 0), start);
-                product::<S, false>(
-                    simd,
-                    &mut scores,
-                    queries,
-                    &transposed_keys,
-                    [rows, width, keys],
-                );
+                let queries = window.part(head, 0).from(start, 0);
+                let sizes = [rows, width, keys];
+                let to = matrix_mut(&mut scores, keys);
+                product::<S, false>(simd, to, queries, matrix(&transposed_keys, keys), sizes);
                 for row in 0..rows {
                     let (query, scores) = (start + row, &mut scores[row * keys..][..attending]);
                     let row_statistics = softmax::exponentials(scores, scale);
@@ -127,14 +123,10 @@ impl WithSimd for Forward<'_> {
                     factors[row] = row_statistics.inverse_sum * window.dropout_scale();
                     window.drop(head, query, scores);
                 }
-                let weights = head_of(&scores, 0, keys);
-                product::<S, false>(
-                    simd,
-                    &mut attended,
-                    weights,
-                    &values,
-                    [rows, attending, columns],
-                );
+                let weights = matrix(&scores, keys);
+                let sizes = [rows, attending, columns];
+                let to = matrix_mut(&mut attended, columns);
+                product::<S, false>(simd, to, weights, matrix(&values, columns), sizes);
                 for row in 0..rows {
                     let to = &mut output[(start + row) * window.d + head * width..][..width];
                     for (to, from) in to.iter_mut().zip(&attended[row * columns..]) {
@@ -167,22 +159,14 @@ impl WithSimd for Backward<'_> {
             let mut sums = [0, 1, 2].map(|_| vec![0.0; attending * columns]);
             for start in (0..attending).step_by(block) {
                 let rows = block.min(attending - start);
-                let queries = from(window.part(head, 0), start);
-                product::<S, false>(
-                    simd,
-                    &mut weights,
-                    queries,
-                    &transposed_keys,
-                    [rows, width, keys],
-                );
-                let gradients = from(gradient, start);
-                product::<S, false>(
-                    simd,
-                    &mut scores,
-                    gradients,
-                    &transposed_values,
-                    [rows, width, keys],
-                );
+                let queries = window.part(head, 0).from(start, 0);
+                let sizes = [rows, width, keys];
+                let to = matrix_mut(&mut weights, keys);
+                product::<S, false>(simd, to, queries, matrix(&transposed_keys, keys), sizes);
+                let gradients = gradient.from(start, 0);
+                let to = matrix_mut(&mut scores, keys);
+                let values = matrix(&transposed_values, keys);
+                product::<S, false>(simd, to, gradients, values, sizes);
                 for row in 0..rows {
                     let query = start + row;
                     factors.fill(window.dropout_scale());
@@ -195,28 +179,21 @@ impl WithSimd for Backward<'_> {
                         scale,
                     );
                 }
-                let here = start * columns;
-                let scores = head_of(&scores, 0, keys);
-                let weights = Transposed(head_of(&weights, 0, keys));
+                let scores = matrix(&scores, keys);
+                let weights = Transposed(matrix(&weights, keys));
                 let [by_query, by_key, by_value] = &mut sums;
-                let by_query = &mut by_query[here..];
-                product::<S, false>(simd, by_query, scores, &key, [rows, attending, columns]);
+                let mut by_query = matrix_mut(by_query, columns);
+                let to = by_query.from(start, 0);
+                let sizes = [rows, attending, columns];
+                product::<S, false>(simd, to, scores, matrix(&key, columns), sizes);
                 let scores = Transposed(scores);
-                product::<S, true>(
-                    simd,
-                    by_key,
-                    scores,
-                    &query[here..],
-                    [attending, rows, columns],
-                );
-                let gradient = &padded_gradient[here..];
-                product::<S, true>(
-                    simd,
-                    by_value,
-                    weights,
-                    gradient,
-                    [attending, rows, columns],
-                );
+                let to = matrix_mut(by_key, columns);
+                let sizes = [attending, rows, columns];
+                let query = matrix(&query, columns).from(start, 0);
+                product::<S, true>(simd, to, scores, query, sizes);
+                let to = matrix_mut(by_value, columns);
+                let gradient = matrix(&padded_gradient, columns).from(start, 0);
+                product::<S, true>(simd, to, weights, gradient, sizes);
             }
             for (part, sums) in sums.iter().enumerate() {
                 for (token, sums) in sums.chunks_exact(columns).enumerate() {
@@ -228,10 +205,14 @@ impl WithSimd for Backward<'_> {
     }
 }
 
-/// The rows of a matrix from row `start` on.
 #[inline(always)]
-fn from(rows: Rows<'_>, start: usize) -> Rows<'_> {
-    head_of(rows.values, start * rows.stride, rows.stride)
+fn matrix(values: &[f32], stride: usize) -> Rows<'_> {
+    Rows { values, stride }
+}
+
+#[inline(always)]
+fn matrix_mut(values: &mut [f32], stride: usize) -> RowsMut<'_> {
+    RowsMut { values, stride }
 }
 
 /// A copy with padded rows, `[rows, padded width]`.

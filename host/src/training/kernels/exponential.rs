@@ -9,7 +9,7 @@
 /// `x = n ln 2 + r`: a power of two from its exponent bits, times the Taylor series of `exp(r)`, whose
 /// next term is below `(ln 2 / 2)^7 / 7! = 1.2e-7`.
 #[inline(always)]
-pub(super) fn exp_negative(x: f32) -> f32 {
+pub(crate) fn exp_negative(x: f32) -> f32 {
     /// 1.5 * 2^23: the lowest bits of a small number plus this are the nearest integer.
     const ROUND: f32 = 12_582_912.0;
     /// ln 2 in two parts, the first with few significant bits, so that its multiples are exact.

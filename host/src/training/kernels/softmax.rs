@@ -1,15 +1,13 @@
 //! Softmax over a row of attention scores, forward and backward, as loops that the compiler vectorizes.
 
-use crate::teacher::exponential::exp_negative;
-
-/// Independent partial sums of a row: without them each addition would wait for the one before.
-const LANES: usize = 16;
+use super::exponential::exp_negative;
+use super::reduction::{dot, fold};
 
 /// Softmax statistics of a row of scores `x`, whose weights are `exp((x - max) * scale) * inverse_sum`.
 ///
 /// Two numbers, because their sum as one logarithm, in f32, would not reproduce the weights.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RowStatistics {
+pub(crate) struct RowStatistics {
     /// The largest score.
     pub max: f32,
     /// One over the sum of the exponentials.
@@ -18,7 +16,7 @@ pub(super) struct RowStatistics {
 
 /// Replaces a row's scores by their exponentials: the weights, not yet multiplied by `inverse_sum`.
 #[inline(always)]
-pub(super) fn exponentials(row: &mut [f32], scale: f32) -> RowStatistics {
+pub(crate) fn exponentials(row: &mut [f32], scale: f32) -> RowStatistics {
     let max = fold(row, f32::NEG_INFINITY, |a, b| if a > b { a } else { b });
     for x in row.iter_mut() {
         *x = exp_negative((*x - max) * scale);
@@ -32,7 +30,7 @@ pub(super) fn exponentials(row: &mut [f32], scale: f32) -> RowStatistics {
 ///
 /// `factors` are those of dropout, 0 where a weight is dropped.
 #[inline(always)]
-pub(super) fn backward(
+pub(crate) fn backward(
     scores: &mut [f32],
     gradients: &mut [f32],
     factors: &[f32],
@@ -49,34 +47,6 @@ pub(super) fn backward(
         *gradient = *weight * (*gradient - mean) * scale;
         *weight *= factor;
     }
-}
-
-/// Sum of the products of two rows.
-#[inline(always)]
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let mut lanes = [0.0; LANES];
-    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest = a.remainder().iter().zip(b.remainder());
-    let rest: f32 = rest.map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
-            *lane += a * b;
-        }
-    }
-    lanes.iter().sum::<f32>() + rest
-}
-
-#[inline(always)]
-fn fold(row: &[f32], start: f32, join: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut lanes = [start; LANES];
-    let chunks = row.chunks_exact(LANES);
-    let rest = chunks.remainder();
-    for chunk in chunks {
-        for (lane, &x) in lanes.iter_mut().zip(chunk) {
-            *lane = join(*lane, x);
-        }
-    }
-    rest.iter().chain(&lanes).fold(start, |a, &b| join(a, b))
 }
 
 #[cfg(test)]
