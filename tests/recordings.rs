@@ -19,7 +19,7 @@ use myointent::evaluation::{
 use myointent::inference::integer_logits;
 use myointent::inference::outputs;
 use myointent_tests::{data, skip};
-use shared::intent::{Intent, Vocabulary};
+use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::model::file::Model;
 use shared::stream::preprocess::clean;
 use shared::units::{CleanSample, PATCH, Sample, WINDOW};
@@ -703,6 +703,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         name: "model".to_owned(),
         looks_back: true,
         logits: logits.collect(),
+        entry_margins: [0.0; MAX_CLASSES],
     };
     let detector = EnergyDetector::fit(&training).unwrap();
     let candidates = [own, constant(&trials), detector.candidate(&trials)];
@@ -798,6 +799,7 @@ fn the_lead_in_decides_the_first_labels() {
             name: name.to_owned(),
             looks_back: true,
             logits: all.iter().map(logits).collect(),
+            entry_margins: [0.0; MAX_CLASSES],
         }
     };
     let candidates = [

@@ -267,7 +267,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
         .map(|row| {
             // The look-ahead has a comma of its own, in quotes.
             let fields: Vec<&str> = row.split(',').collect();
-            (fields[0], fields[3], fields[4])
+            (fields[0], fields[4], fields[5])
         })
         .collect();
     people.sort_unstable();
@@ -276,7 +276,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     people.dedup();
     assert_eq!(people.len(), 4 * 2 * 2);
     let page = fs::read_to_string(out.join("tables.md")).unwrap();
-    assert!(page.contains("other (0.25 s, all rows) - small"));
+    assert!(page.contains("other (0.25 s, all rows) - small (0.25 s, all rows)"));
     for seed in ["seed-1", "seed-2"] {
         let run = out.join("other").join(seed).join("fold-1");
         let split = &json(&run.join("config.json"))["split"];

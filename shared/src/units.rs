@@ -20,6 +20,8 @@ pub const LOOK_AHEAD: usize = 50;
 pub const HOLD: usize = 20;
 /// Longest hold of the smoother, in samples: a label that outlives a change of mind by a second helps nobody.
 pub const MAX_HOLD: usize = 200;
+/// Largest entry margin of the smoother's confidence gate, as a difference of mean logits: no model is that sure.
+pub const MAX_ENTRY_MARGIN: f32 = 50.0;
 
 const _: () = assert!(WINDOW.is_multiple_of(PATCH));
 const _: () = assert!(LOOK_AHEAD.is_multiple_of(PATCH) && HOLD.is_multiple_of(PATCH));

@@ -65,6 +65,7 @@ fn json(model: &Model<'_>) -> serde_json::Value {
         "aggregation": format!("{:?}", smoother.aggregation),
         "look_ahead": smoother.look_ahead,
         "hold": smoother.hold,
+        "entry_margins": smoother.entry_margins[..dimensions.vocabulary.classes()],
         "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
         "subjects_seen": provenance.subjects_seen.iter().collect::<Vec<_>>(),
         "subjects_left_out": provenance.subjects_left_out.iter().collect::<Vec<_>>(),
@@ -80,10 +81,12 @@ fn lines(model: &Model<'_>) -> String {
     let (dimensions, smoother, provenance) =
         (&header.dimensions, &header.smoother, &header.provenance);
     let list = |texts: List<'_, &str>| texts.iter().map(printable).collect::<Vec<_>>().join(", ");
+    let margins = smoother.entry_margins[..dimensions.vocabulary.classes()].iter();
+    let margins: Vec<String> = margins.map(ToString::to_string).collect();
     let mut lines = format!(
         "intents       {}\n\
          encoder       width {}, {} layers, span {} patches, input {:?}\n\
-         smoother      {}, look-ahead {} samples, hold {} samples\n\
+         smoother      {}, look-ahead {} samples, hold {} samples, entry margins {}\n\
          trained on    {} (seed {}, revision {})\n\
          seen          {} people in training or validation (--json names them)\n\
          held out      {}\n",
@@ -98,6 +101,7 @@ fn lines(model: &Model<'_>) -> String {
         },
         smoother.look_ahead,
         smoother.hold,
+        margins.join(", "),
         list(provenance.data_sets),
         provenance.seed,
         printable(provenance.git_revision),

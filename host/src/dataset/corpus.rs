@@ -1,5 +1,7 @@
 //! What training reads: cleaned EMG with labels, stream by stream.
 
+use std::ops::Range;
+
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::preprocess::clean;
 use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample};
@@ -13,17 +15,33 @@ pub struct Stream {
     pub emg: Vec<CleanSample>,
     /// The intent at each sample, within the vocabulary; none where it is unknown.
     pub labels: Vec<Option<Intent>>,
+    /// Where the label is relax because of movement outside the vocabulary: ranges of samples, in order.
+    pub other_movement: Vec<Range<usize>>,
 }
 
 impl Stream {
-    /// Cleans samples; one label each.
+    /// Cleans samples; one label each, none of them for movement outside the vocabulary.
     #[must_use]
     pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
         Self {
             emg: clean(raw.iter().copied()).collect(),
             raw,
             labels,
+            other_movement: Vec::new(),
         }
+    }
+
+    /// Whether most of each patch is movement outside the vocabulary; a partial last patch is left out.
+    #[must_use]
+    pub(crate) fn other_movement_patches(&self) -> Vec<bool> {
+        let mut samples = vec![false; self.labels.len()];
+        for range in &self.other_movement {
+            samples[range.clone()].fill(true);
+        }
+        samples
+            .chunks_exact(PATCH)
+            .map(|patch| 2 * patch.iter().filter(|&&other| other).count() > PATCH)
+            .collect()
     }
 }
 

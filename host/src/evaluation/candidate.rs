@@ -1,6 +1,8 @@
 //! A model under evaluation.
 
+use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
+use shared::stream::smoother::Settings;
 
 use super::condition::LookAhead;
 
@@ -14,6 +16,8 @@ pub struct Candidate {
     pub looks_back: bool,
     /// Logits at each patch of each trial, in the order of the trials.
     pub logits: Vec<Vec<LookBackLogits>>,
+    /// Its confidence gate ([`Settings::entry_margins`]).
+    pub entry_margins: [f32; MAX_CLASSES],
 }
 
 impl Candidate {
@@ -22,6 +26,15 @@ impl Candidate {
         LookAhead::ALL
             .into_iter()
             .filter(|&look_ahead| self.looks_back || look_ahead == LookAhead::None)
+    }
+
+    /// The smoother's settings under a condition.
+    #[must_use]
+    pub(crate) fn settings(&self, look_ahead: LookAhead) -> Settings {
+        Settings {
+            entry_margins: self.entry_margins,
+            ..look_ahead.settings()
+        }
     }
 
     /// The condition `wanted`, or no look-ahead where that is all it can do.
@@ -46,6 +59,7 @@ mod tests {
                 name: "any".to_owned(),
                 looks_back,
                 logits: Vec::new(),
+                entry_margins: [0.0; MAX_CLASSES],
             };
             candidate.conditions().collect::<Vec<_>>()
         };

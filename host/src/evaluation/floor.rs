@@ -155,6 +155,7 @@ fn candidate(name: &str, trials: &[Trial], label: impl Fn(f64) -> Intent) -> Can
         name: name.to_owned(),
         looks_back: false,
         logits: trials.iter().map(logits).collect(),
+        entry_margins: [0.0; MAX_CLASSES],
     }
 }
 

@@ -109,8 +109,14 @@ pub fn score(
                 Truth::LagCompensated => &trial.lag_compensated,
             };
             Some(
-                score_trial(trial, logits, labels, vocabulary, look_ahead.settings())
-                    .map(|scores| (trial, scores)),
+                score_trial(
+                    trial,
+                    logits,
+                    labels,
+                    vocabulary,
+                    candidate.settings(look_ahead),
+                )
+                .map(|scores| (trial, scores)),
             )
         })
         .collect::<Result<_, _>>()?;
@@ -211,7 +217,13 @@ pub(crate) fn gestures(
     let mut gestures = Vec::new();
     for (trial, logits) in trials.iter().zip(&candidate.logits) {
         let truth = &trial.lag_compensated;
-        let scores = score_trial(trial, logits, truth, vocabulary, look_ahead.settings())?;
+        let scores = score_trial(
+            trial,
+            logits,
+            truth,
+            vocabulary,
+            candidate.settings(look_ahead),
+        )?;
         gestures.extend(scores.events.gestures);
     }
     Ok(gestures)
@@ -234,7 +246,7 @@ pub(crate) fn confusion(
             logits,
             trial.emg.len(),
             vocabulary.classes(),
-            look_ahead.settings(),
+            candidate.settings(look_ahead),
         )?;
         confusion.add(&trial.lag_compensated, &labels.reference)?;
     }
@@ -275,6 +287,7 @@ mod tests {
             name: "m".to_owned(),
             looks_back: true,
             logits: vec![logits],
+            entry_margins: [0.0; 6],
         };
         (trial, candidate)
     }

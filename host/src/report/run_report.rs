@@ -133,7 +133,7 @@ pub(super) fn timeline(
         &candidate.logits[at],
         trial.emg.len(),
         classes,
-        look_ahead.settings(),
+        candidate.settings(look_ahead),
     )?;
     Ok(Timeline {
         subject: trial.subject.clone(),

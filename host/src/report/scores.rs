@@ -274,6 +274,7 @@ mod tests {
             name: INTEGER.to_owned(),
             looks_back: true,
             logits: vec![(0..200).map(rows).collect(); 2],
+            entry_margins: [0.0; 6],
         };
         let detector = EnergyDetector::fit(&trials).unwrap();
         let candidates = [model, constant(&trials), detector.candidate(&trials)];

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
+use super::preset::Aggregation;
 use super::trials;
 use crate::evaluation::{LookAhead, Truth, score};
 use crate::execution::fingerprint::Fingerprint;
@@ -16,11 +17,11 @@ const AGGREGATION: &str = "aggregation.json";
 
 /// The content of that file.
 #[derive(Serialize, Deserialize)]
-struct Aggregation {
+struct Chosen {
     aggregation: LookAhead,
 }
 
-/// The mode with which the student (or the teacher, in a run without a student) follows more transitions of the
+/// The preset's mode; without one, the mode with which the student (or the teacher, in a run without a student) follows more transitions of the
 /// validation subjects; all rows on a tie.
 ///
 /// # Errors
@@ -28,6 +29,11 @@ struct Aggregation {
 pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> {
     const NAME: &str = "choosing the aggregation mode";
     let (folder, config) = (&context.folder, &context.config);
+    match config.preset.smoother.aggregation {
+        Some(Aggregation::AllRows) => return Ok(LookAhead::AllRows),
+        Some(Aggregation::SameInstant) => return Ok(LookAhead::SameInstant),
+        None => {}
+    }
     let weights = if context.has(distillation::NAME) {
         let lineage = config.student_lineage(distillation::NAME, folder)?;
         folder.weights_fingerprint(distillation::NAME, lineage)?
@@ -38,7 +44,7 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     };
     let made_from = Fingerprint::of(&(config.streams_lineage(), weights));
     // One chosen with another model is no mistake: it is chosen again.
-    if let Ok(kept) = folder.load_stamped::<Aggregation>(AGGREGATION, made_from) {
+    if let Ok(kept) = folder.load_stamped::<Chosen>(AGGREGATION, made_from) {
         return Ok(kept.content.aggregation);
     }
     let trials = trials::validation(&context.config, &context.library);
@@ -64,7 +70,7 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     } else {
         LookAhead::AllRows
     };
-    let content = Aggregation {
+    let content = Chosen {
         aggregation: chosen,
     };
     folder.save_stamped(AGGREGATION, made_from, &content)?;

@@ -54,6 +54,7 @@ pub(super) fn integer_candidate(
         name: name.to_owned(),
         looks_back: true,
         logits,
+        entry_margins: model.header.smoother.entry_margins,
     })
 }
 
@@ -71,5 +72,6 @@ fn candidate(
         name: name.to_owned(),
         looks_back: true,
         logits,
+        entry_margins: context.config.preset.smoother.entry_margins(),
     })
 }

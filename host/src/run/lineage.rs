@@ -16,7 +16,7 @@ use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::bounded_read;
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::{RunError, RunFolder};
-use crate::run::preset::DataSelection;
+use crate::run::preset::{DataSelection, Smoothing};
 use crate::student::distillation::{self, Distillation};
 use crate::student::model::StudentConfig;
 use crate::teacher;
@@ -63,6 +63,7 @@ struct Everything<'a> {
     teacher: TeacherInputs<'a>,
     student: &'a StudentConfig,
     distillation: &'a Distillation,
+    smoother: &'a Smoothing,
 }
 
 impl ResolvedConfig {
@@ -75,6 +76,7 @@ impl ResolvedConfig {
             teacher: self.teacher_inputs(),
             student: &self.preset.student,
             distillation: &self.preset.distillation,
+            smoother: &self.preset.smoother,
         })
     }
 

@@ -21,6 +21,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
         aggregation: AggregationMode::AllRowsFrom,
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
+        entry_margins: preset.smoother.entry_margins(),
     };
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());

@@ -5,7 +5,7 @@ mod memory;
 mod source;
 
 use serde::{Deserialize, Serialize};
-use shared::intent::Vocabulary;
+use shared::intent::{MAX_CLASSES, Vocabulary};
 
 use crate::dataset::DataSet;
 use crate::student::distillation::Distillation;
@@ -39,6 +39,44 @@ pub struct Preset {
     pub student: StudentConfig,
     /// How the student is trained.
     pub distillation: Distillation,
+    /// How the model file's labels are smoothed.
+    #[serde(default, skip_serializing_if = "Smoothing::is_default")]
+    pub smoother: Smoothing,
+}
+
+/// What a model file says of the smoother; look-ahead and hold are the paper's.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Smoothing {
+    /// Which rows are summed; none: what follows more transitions of the validation subjects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aggregation: Option<Aggregation>,
+    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)), class after class
+    /// from relax on; 0 for classes beyond its end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub entry_margins: Vec<f32>,
+}
+
+/// Which rows the smoother sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Aggregation {
+    /// All rows from the instant on.
+    AllRows,
+    /// The row of the instant alone.
+    SameInstant,
+}
+
+impl Smoothing {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The confidence gate of all classes that there are.
+    #[must_use]
+    pub fn entry_margins(&self) -> [f32; MAX_CLASSES] {
+        std::array::from_fn(|class| self.entry_margins.get(class).copied().unwrap_or(0.0))
+    }
 }
 
 /// Settings of fine-tuning; all others are those of the teacher's training.

@@ -162,6 +162,7 @@ pub(super) fn model_bytes(
         },
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
+        entry_margins: context.config.preset.smoother.entry_margins(),
     };
     quantization::quantize(
         student,

@@ -1,5 +1,7 @@
 //! The streams that a run trains on and validates with.
 
+use std::ops::Range;
+
 use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
@@ -86,18 +88,21 @@ impl ResolvedConfig {
         splice::splice(&own.iter().collect::<Vec<_>>(), &options)
     }
 
-    /// Lag-compensated labels of a recording, in the preset's vocabulary; movement outside it as the preset says.
-    fn training_labels(&self, recording: &Recording) -> Vec<Option<Intent>> {
+    /// Lag-compensated labels of a recording, in the preset's vocabulary, and where they are relax because of movement
+    /// outside it.
+    fn training_labels(&self, recording: &Recording) -> (Vec<Option<Intent>>, Vec<Range<usize>>) {
         let vocabulary = self.preset.vocabulary();
         let lag = self.lag(recording.data_set);
         let mut labels = lag::compensated(&recording.labels_in(vocabulary), lag);
+        let mut other_movement = Vec::new();
         if self.preset.data.other_movement == OtherMovement::Relax {
             for range in recording.movement_outside(vocabulary) {
                 let range = lag::compensated_range(&range, lag, labels.len());
-                labels[range].fill(Some(Intent::Relax));
+                labels[range.clone()].fill(Some(Intent::Relax));
+                other_movement.push(range);
             }
         }
-        labels
+        (labels, other_movement)
     }
 
     fn corpus(&self, library: &Library, role: Role) -> Corpus {
@@ -110,18 +115,21 @@ impl ResolvedConfig {
         for (data_set, recordings) in &by_set {
             if data.as_published {
                 streams.extend(recordings.iter().map(|recording| {
-                    Stream::new(self.samples(recording), self.training_labels(recording))
+                    let (labels, other_movement) = self.training_labels(recording);
+                    Stream {
+                        other_movement,
+                        ..Stream::new(self.samples(recording), labels)
+                    }
                 }));
             }
             if data.spliced_seconds > 0.0 {
                 let ratio = most as f64 / subjects[data_set].len() as f64;
                 let seconds = data.spliced_seconds * ratio.powf(data.balance);
                 let spliced = self.spliced(recordings, seconds, data.other_movement);
-                streams.extend(
-                    spliced
-                        .into_iter()
-                        .map(|joined| Stream::new(joined.samples, joined.labels)),
-                );
+                streams.extend(spliced.into_iter().map(|joined| Stream {
+                    other_movement: joined.other_movement,
+                    ..Stream::new(joined.samples, joined.labels)
+                }));
             }
         }
         Corpus {

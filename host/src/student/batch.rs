@@ -13,9 +13,9 @@ pub struct Batch {
     pub(super) emg: Tensor<3>,
     /// Class of the label, 0 where there is none, `[b, patches, 6, 1]`.
     pub(super) targets: Tensor<4, Int>,
-    /// 1 where there is a label, `[b, patches, 6]`.
+    /// Weight of the label, 0 where there is none, `[b, patches, 6]`.
     pub(super) label_mask: Tensor<3>,
-    /// Number of labelled outputs that the label loss is a mean over.
+    /// Sum of the weights that the label loss is a mean over.
     pub(super) labelled: f64,
     /// The teacher's logits, if there is a teacher.
     pub(super) soft_targets: Option<SoftTargets>,
@@ -80,8 +80,9 @@ impl Batch {
                     let output = (row * patches + patch - excerpt.start) * LOOK_BACK + back;
                     if let Some(intent) = sequence.labels[estimated] {
                         targets[output] = intent.class() as i32;
-                        label_mask[output] = 1.0;
-                        labelled += 1.0;
+                        let weight = sequence.weights[estimated];
+                        label_mask[output] = weight;
+                        labelled += f64::from(weight);
                     }
                     if let Some(soft_targets) = &sequence.soft_targets {
                         distillation_mask[output] = 1.0;
@@ -153,7 +154,21 @@ mod tests {
                 logits
             })
             .collect();
-        sequences(&corpus, Some(vec![soft_targets]))
+        sequences(&corpus, 1.0, Some(vec![soft_targets]))
+    }
+
+    #[test]
+    fn movement_outside_the_vocabulary_has_its_weight() {
+        let mut sequence = sequence();
+        let whole = Batch::new(&sequence, &[excerpt(60)], SHAPE, &Device::default());
+        for patch in 70..75 {
+            sequence[0].weights[patch] = 0.25;
+        }
+        let lighter = Batch::new(&sequence, &[excerpt(60)], SHAPE, &Device::default());
+        // Each of the five patches is estimated six times.
+        assert_eq!(lighter.labelled, whole.labelled - 0.75 * 30.0);
+        let sum: f32 = read_back(lighter.label_mask).iter().sum();
+        assert_eq!(f64::from(sum), lighter.labelled);
     }
 
     fn excerpt(start: usize) -> Excerpt {

@@ -48,8 +48,8 @@ impl<'a> StudentLearner<'a> {
                 context: span,
                 classes: corpus.vocabulary.classes(),
             },
-            sequences: sequences(corpus, soft_targets),
-            validation_sequences: sequences(validation, None),
+            sequences: sequences(corpus, config.other_movement_weight as f32, soft_targets),
+            validation_sequences: sequences(validation, config.other_movement_weight as f32, None),
             device,
         }
     }

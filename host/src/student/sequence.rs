@@ -16,6 +16,8 @@ pub(super) struct Sequence {
     pub(super) emg: Vec<[u8; CHANNELS]>,
     /// Label of every patch; none in the lead-in.
     pub(super) labels: Vec<Option<Intent>>,
+    /// Weight of every patch's label in the loss.
+    pub(super) weights: Vec<f32>,
     /// The teacher's logits at every patch after the lead-in.
     pub(super) soft_targets: Option<Vec<LookBackLogits>>,
 }
@@ -26,9 +28,11 @@ impl Sequence {
     }
 }
 
-/// The sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream.
+/// The sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream, `other_movement` is the weight
+/// of labels of movement outside the vocabulary.
 pub(super) fn sequences(
     corpus: &Corpus,
+    other_movement: f32,
     soft_targets: Option<Vec<Vec<LookBackLogits>>>,
 ) -> Vec<Sequence> {
     let mut soft_targets = soft_targets.map(Vec::into_iter);
@@ -39,9 +43,14 @@ pub(super) fn sequences(
             let own = patch_labels(&stream.labels);
             let whole = own.len() * PATCH;
             let unknown = std::iter::repeat_n(None, WINDOW_PATCHES);
+            let weight = |other: bool| if other { other_movement } else { 1.0 };
+            let weights = stream.other_movement_patches().into_iter().map(weight);
             Sequence {
                 emg: padded(&stream.emg[..whole]),
                 labels: unknown.chain(own).collect(),
+                weights: std::iter::repeat_n(1.0, WINDOW_PATCHES)
+                    .chain(weights)
+                    .collect(),
                 soft_targets: soft_targets
                     .as_mut()
                     .map(|streams| streams.next().unwrap_or_default()),

@@ -9,12 +9,18 @@
 //! on the device. Windows are not stored: each adds its part, a prefix sum of its rows, to the sums of
 //! the instants that still wait, so a push costs `look_ahead + 1` row additions.
 //!
+//! A confidence gate may ask for more evidence to enter a class than to stay in it ([`Settings::entry_margins`]): where
+//! the margin is not reached, the label stays, or becomes relax if relax has more than the label. After Scheme, Hudgins
+//! and Englehart (IEEE Trans. Biomed. Eng. 60(6), 2013), who reject by confidence, class by class; the margin of two
+//! logits is the logarithm of the ratio of their probabilities.
+//!
 //! Source: ReactEMG (arXiv 2506.19815) and the live aggregator of its public code, which has both
 //! modes; `tests/golden` compares labels with it. Sums are f32, windows in time order, rows newest
 //! first: the order is part of the definition.
 
 mod settings;
 
+use crate::intent::Intent;
 use crate::units::SampleIndex;
 
 pub use settings::{AggregationMode, Settings, SettingsError};
@@ -22,7 +28,7 @@ pub use settings::{AggregationMode, Settings, SettingsError};
 /// A label as a class number, with its instant and its delay.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Decision {
-    /// Class of the largest sum, the lowest on ties.
+    /// Class of the largest sum, the lowest on ties; or what the confidence gate leaves.
     pub class: usize,
     /// Reference time: the newest sample of the row that the label refers to.
     pub instant: SampleIndex,
@@ -43,7 +49,12 @@ pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     seen: usize,
     /// Windows since the restart, modulo `hold`.
     phase: usize,
+    /// Class of the newest label; relax before the first one.
+    current: usize,
 }
+
+/// The class of rest, which needs no evidence.
+const RELAX: usize = Intent::Relax.class();
 
 impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     /// A smoother before its first window, for rows of `classes` logits.
@@ -77,6 +88,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             newest: 0,
             seen: 0,
             phase: 0,
+            current: RELAX,
         })
     }
 
@@ -84,6 +96,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     pub fn restart(&mut self) {
         self.seen = 0;
         self.phase = 0;
+        self.current = RELAX;
     }
 
     /// Takes the rows of the window that ends at sample `window_end`, newest first. Returns a label when
@@ -106,12 +119,40 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.phase = (self.phase + 1) % self.settings.hold;
         due.then(|| {
             let behind = self.settings.look_ahead as u32 * self.settings.row_samples;
+            self.current = self.gated((self.newest + 1) % depth);
             Decision {
-                class: largest(&self.sums[(self.newest + 1) % depth][..self.classes]),
+                class: self.current,
                 instant: SampleIndex(window_end.0.wrapping_sub(behind)),
                 window_end,
             }
         })
+    }
+
+    /// The class of the largest of an instant's sums if the gate lets it in, else the label before it or relax.
+    fn gated(&self, instant: usize) -> usize {
+        let sums = &self.sums[instant][..self.classes];
+        let best = largest(sums);
+        if best == RELAX
+            || best == self.current
+            || sums[best] - second(sums, best) >= self.gate(best)
+        {
+            best
+        } else if self.current != RELAX && sums[self.current] > sums[RELAX] {
+            self.current
+        } else {
+            RELAX
+        }
+    }
+
+    /// The margin of a class's sum: that of its mean, times the number of rows in a sum.
+    fn gate(&self, class: usize) -> f32 {
+        let depth = self.settings.look_ahead + 1;
+        let rows = match self.settings.aggregation {
+            AggregationMode::AllRowsFrom => depth * (depth + 1) / 2,
+            AggregationMode::SameInstant => depth,
+        };
+        let margin = self.settings.entry_margins.get(class);
+        margin.copied().unwrap_or(0.0) * rows as f32
     }
 
     /// Adds one window's rows to the sums of the instants that still wait for their label. With rows
@@ -145,6 +186,18 @@ fn largest(values: &[f32]) -> usize {
         }
     }
     best
+}
+
+/// The largest value but that at `best`; minus infinity if there is no other.
+fn second(values: &[f32], best: usize) -> f32 {
+    let others = values
+        .iter()
+        .enumerate()
+        .filter(|(place, _)| *place != best);
+    others.fold(
+        f32::NEG_INFINITY,
+        |most, (_, &value)| if value > most { value } else { most },
+    )
 }
 
 #[cfg(test)]

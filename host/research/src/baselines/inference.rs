@@ -1,6 +1,7 @@
 //! Logits of trained baselines at every patch of a recording.
 
 use burn::tensor::{Device, Tensor, TensorData};
+use shared::intent::MAX_CLASSES;
 use shared::model::LookBackLogits;
 use shared::units::{CleanSample, PATCH, Sample};
 
@@ -155,6 +156,7 @@ pub(crate) fn candidates(
             name: baseline.name().to_owned(),
             looks_back: baseline.looks_back(),
             logits,
+            entry_margins: [0.0; MAX_CLASSES],
         });
     }
     Ok(candidates)

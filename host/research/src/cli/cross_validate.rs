@@ -7,16 +7,19 @@ use std::sync::Arc;
 use anyhow::bail;
 use clap::{Args, ValueEnum as _};
 use myointent::cli::arguments::{BackendArguments, DataArguments};
-use myointent::evaluation::{LookAhead, Score};
+use myointent::evaluation::LookAhead;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::write_whole;
 use myointent::run::preset::Preset;
 use myointent::run::resolve::ConfigError;
+use shared::units::MAX_ENTRY_MARGIN;
 
 use super::shell::{line, program};
 use crate::baselines::settings::find_preset;
-use crate::cross_validation::{CrossValidation, Job, Merged, differences, people, scores};
+use crate::cross_validation::{
+    CrossValidation, FoldScore, Job, Merged, differences, people, scores,
+};
 
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
@@ -41,6 +44,10 @@ pub(super) struct Arguments {
     /// Number of folds.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..))]
     folds: u8,
+    /// Also evaluate with these confidence gates, separated by commas: by how much the mean logit of open, close, ...
+    /// has to exceed all others for the label to become this class. Nothing is trained again.
+    #[arg(long, value_name = "MARGINS", value_delimiter = ',', value_parser = entry_margin)]
+    entry_margins: Vec<f32>,
     /// Number of the only fold to run, 1 first; all if not given.
     #[arg(long)]
     fold: Option<u8>,
@@ -83,7 +90,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen();
     let validation = CrossValidation {
         folder: &arguments.out,
-        folds: arguments.folds.into(),
+        folds: of,
+        entry_margins: margins(arguments).collect(),
         library,
         data: data.as_deref(),
         strict: arguments.data.strict,
@@ -105,7 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     }
     // Other folds and seeds may have been run by other commands.
-    let mut results: Vec<Vec<(u64, Vec<Score>)>> = Vec::new();
+    let mut results: Vec<Vec<(u64, Vec<FoldScore>)>> = Vec::new();
     let mut missing = 0;
     for preset in &presets {
         let mut own = Vec::new();
@@ -125,7 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ));
         return Ok(());
     }
-    let merged = merged(&presets, &results);
+    let merged = merged(arguments, &presets, &results);
     for table in [scores(&merged), differences(&merged)] {
         writeln!(out, "{}", table.plain())?;
     }
@@ -160,6 +168,19 @@ fn presets(names: &[String]) -> anyhow::Result<Vec<Preset>> {
     Ok(presets)
 }
 
+fn entry_margin(text: &str) -> Result<f32, String> {
+    let margin = text.parse().ok();
+    margin
+        .filter(|margin| (0.0..=MAX_ENTRY_MARGIN).contains(margin))
+        .ok_or_else(|| format!("expected 0 to {MAX_ENTRY_MARGIN}"))
+}
+
+/// The preset's own confidence gate, then those asked for.
+fn margins(arguments: &Arguments) -> impl Iterator<Item = Option<f32>> {
+    let asked = arguments.entry_margins.iter().copied().map(Some);
+    std::iter::once(None).chain(asked)
+}
+
 fn folds(arguments: &Arguments) -> impl Iterator<Item = u8> {
     let only = arguments.fold;
     (1..=arguments.folds).filter(move |&fold| only.is_none_or(|only| only == fold))
@@ -184,6 +205,10 @@ fn command(arguments: &Arguments, preset: &str, seed: u64, fold: u8) -> String {
     option("folds", arguments.folds.to_string());
     option("fold", fold.to_string());
     option("out", arguments.out.display().to_string());
+    if !arguments.entry_margins.is_empty() {
+        let margins: Vec<String> = arguments.entry_margins.iter().map(f32::to_string).collect();
+        option("entry-margins", margins.join(","));
+    }
     if let Some(data) = arguments.data.folder() {
         option("data", data.display().to_string());
     }
@@ -200,15 +225,21 @@ fn command(arguments: &Arguments, preset: &str, seed: u64, fold: u8) -> String {
     line(&words)
 }
 
-/// Every preset under both aggregation modes.
-fn merged<'a>(presets: &'a [Preset], results: &'a [Vec<(u64, Vec<Score>)>]) -> Vec<Merged<'a>> {
+/// Every preset under both aggregation modes and each confidence gate.
+fn merged<'a>(
+    arguments: &Arguments,
+    presets: &'a [Preset],
+    results: &'a [Vec<(u64, Vec<FoldScore>)>],
+) -> Vec<Merged<'a>> {
     let mut merged = Vec::new();
     for (preset, own) in presets.iter().zip(results) {
-        for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
-            let scores = own
-                .iter()
-                .flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)));
-            merged.push(Merged::new(&preset.name, look_ahead, scores));
+        for margin in margins(arguments) {
+            for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
+                let scores = own
+                    .iter()
+                    .flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)));
+                merged.push(Merged::new(&preset.name, look_ahead, margin, scores));
+            }
         }
     }
     merged

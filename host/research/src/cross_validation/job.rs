@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
+use shared::intent::{Intent, MAX_CLASSES};
 
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
@@ -33,6 +34,8 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) folder: &'a Path,
     /// Number of folds.
     pub(crate) folds: usize,
+    /// Confidence gates to evaluate with; none is that of the preset.
+    pub(crate) entry_margins: Vec<Option<f32>>,
     /// The recordings.
     pub(crate) library: Arc<Library>,
     /// Folder of the recordings; none for synthetic ones.
@@ -46,10 +49,18 @@ pub(crate) struct CrossValidation<'a> {
 }
 
 /// The content of that file.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 struct FoldScores {
-    /// Scores over all of the fold's people, under each aggregation mode.
-    scores: Vec<Score>,
+    scores: Vec<FoldScore>,
+}
+
+/// A score over all of a fold's people.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct FoldScore {
+    /// Confidence gate of all classes but relax; none: that of the preset.
+    pub(crate) entry_margin: Option<f32>,
+    /// The score.
+    pub(crate) score: Score,
 }
 
 /// A preset with its seed, and a fold from 1 on.
@@ -60,28 +71,37 @@ pub(crate) struct Job {
 }
 
 impl CrossValidation<'_> {
-    /// The scores of a job, if it has been done; none if not, or with other settings or recordings.
+    /// The scores of a job with every wanted confidence gate, if it has been done; none if not, or with other settings or
+    /// recordings.
     ///
     /// # Errors
     /// When the preset does not fit the recordings.
-    pub(crate) fn done(&self, job: &Job) -> Result<Option<Vec<Score>>, JobError> {
+    pub(crate) fn done(&self, job: &Job) -> Result<Option<Vec<FoldScore>>, JobError> {
         let Ok(folder) = RunFolder::existing(&self.path(job)) else {
             return Ok(None);
         };
         let made_from = self.config(job)?.fingerprint();
-        let kept = folder.load_stamped::<FoldScores>(SCORES, made_from);
-        Ok(kept.ok().map(|kept| kept.content.scores))
+        let Ok(kept) = folder.load_stamped::<FoldScores>(SCORES, made_from) else {
+            return Ok(None);
+        };
+        let mut scores = kept.content.scores;
+        let has = |margin: &Option<f32>| scores.iter().any(|own| own.entry_margin == *margin);
+        if !self.entry_margins.iter().all(has) {
+            return Ok(None);
+        }
+        scores.retain(|own| self.entry_margins.contains(&own.entry_margin));
+        Ok(Some(scores))
     }
 
     /// Trains the job's models, or the rest of them, and evaluates the integer student.
     ///
     /// # Errors
     /// When a step fails, the folder holds a run with other settings or the user interrupts.
-    pub(crate) fn run(&self, job: &Job) -> Result<Vec<Score>, JobError> {
+    pub(crate) fn run(&self, job: &Job) -> Result<(), JobError> {
         let path = self.path(job);
-        if let Some(scores) = self.done(job)? {
+        if self.done(job)?.is_some() {
             progress::log(&format!("{}: already evaluated", path.display()));
-            return Ok(scores);
+            return Ok(());
         }
         let folder = RunFolder::open(&path)?.locked()?;
         let config = begun(&folder, self.config(job)?)?;
@@ -103,12 +123,12 @@ impl CrossValidation<'_> {
         }
         distill(&context)?;
         let bytes = quantize(&context, &context.folder.file(MODEL))?;
-        let kept = FoldScores {
+        let scores = FoldScores {
             scores: self.evaluate(job, bytes)?,
         };
         let made_from = context.config.fingerprint();
-        context.folder.save_stamped(SCORES, made_from, &kept)?;
-        Ok(kept.scores)
+        context.folder.save_stamped(SCORES, made_from, &scores)?;
+        Ok(())
     }
 
     /// Run folder of a job.
@@ -131,7 +151,7 @@ impl CrossValidation<'_> {
     }
 
     /// Scores on the fold's people of all data sets, under both aggregation modes.
-    fn evaluate(&self, job: &Job, bytes: Vec<u8>) -> Result<Vec<Score>, JobError> {
+    fn evaluate(&self, job: &Job, bytes: Vec<u8>) -> Result<Vec<FoldScore>, JobError> {
         let model = NamedModel {
             name: job.preset.name.clone(),
             bytes,
@@ -141,20 +161,36 @@ impl CrossValidation<'_> {
             subjects: people.into_iter().nth(job.fold - 1).unwrap_or_default(),
             ..Selection::default()
         };
-        let evaluation = evaluate_models(&[model], &self.library, &selection)?;
+        let mut evaluation = evaluate_models(&[model], &self.library, &selection)?;
+        let candidate = &mut evaluation.candidates[0];
+        let own_margins = candidate.entry_margins;
         let mut scores = Vec::new();
-        for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
-            let rows = score(
-                &evaluation.candidates[0],
-                &evaluation.trials,
-                evaluation.vocabulary,
-                look_ahead,
-                Truth::LagCompensated,
-            );
-            scores.extend(rows.map_err(StepError::from)?);
+        for &entry_margin in &self.entry_margins {
+            candidate.entry_margins = entry_margin.map_or(own_margins, gate);
+            for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
+                let rows = score(
+                    candidate,
+                    &evaluation.trials,
+                    evaluation.vocabulary,
+                    look_ahead,
+                    Truth::LagCompensated,
+                );
+                let rows = rows.map_err(StepError::from)?.into_iter();
+                scores.extend(rows.map(|score| FoldScore {
+                    entry_margin,
+                    score,
+                }));
+            }
         }
-        let single = scores.iter().all(|score| score.data_set != ALL);
-        scores.retain(|score| single || score.data_set == ALL);
+        let single = scores.iter().all(|own| own.score.data_set != ALL);
+        scores.retain(|own| single || own.score.data_set == ALL);
         Ok(scores)
     }
+}
+
+/// The same margin for every class but relax.
+fn gate(margin: f32) -> [f32; MAX_CLASSES] {
+    let mut margins = [margin; MAX_CLASSES];
+    margins[Intent::Relax.class()] = 0.0;
+    margins
 }

@@ -1,29 +1,37 @@
-//! The scores of one preset under one aggregation mode, over all folds and seeds.
+//! The scores of one preset under one aggregation mode and confidence gate, over all folds and seeds.
 
 use std::collections::BTreeMap;
 
 use myointent::evaluation::metric::event::latency::{self, LatencySummary};
 use myointent::evaluation::{LookAhead, Measure, Score};
 
-/// A preset's scores under one aggregation mode: those of every fold, by seed.
+use super::job::FoldScore;
+
+/// A preset's scores under one aggregation mode and confidence gate: those of every fold, by seed.
 pub(crate) struct Merged<'a> {
     pub(crate) preset: &'a str,
     pub(crate) look_ahead: LookAhead,
+    /// The gate of all classes but relax; none: that of the preset.
+    pub(crate) entry_margin: Option<f32>,
     scores: Vec<(u64, &'a Score)>,
 }
 
 impl<'a> Merged<'a> {
-    /// The scores of a preset under one mode among all scores of its jobs, each with its seed.
+    /// The scores of a preset under one mode and gate among all scores of its jobs, each with its seed.
     pub(crate) fn new(
         preset: &'a str,
         look_ahead: LookAhead,
-        scores: impl IntoIterator<Item = (u64, &'a Score)>,
+        entry_margin: Option<f32>,
+        scores: impl IntoIterator<Item = (u64, &'a FoldScore)>,
     ) -> Self {
         let scores = scores.into_iter();
         Self {
             preset,
             look_ahead,
+            entry_margin,
             scores: scores
+                .filter(|(_, own)| own.entry_margin == entry_margin)
+                .map(|(seed, own)| (seed, &own.score))
                 .filter(|(_, score)| score.look_ahead == look_ahead)
                 .collect(),
         }
@@ -31,7 +39,9 @@ impl<'a> Merged<'a> {
 
     /// Name in tables.
     pub(crate) fn name(&self) -> String {
-        format!("{} ({})", self.preset, self.look_ahead.name())
+        let gate = self.entry_margin.map(|margin| format!(", margin {margin}"));
+        let gate = gate.unwrap_or_default();
+        format!("{} ({}{gate})", self.preset, self.look_ahead.name())
     }
 
     /// Scores with the seed of their job.
@@ -99,7 +109,7 @@ mod tests {
     use crate::comparison::results::fixture::{results, score};
 
     /// The scores of one fold, `subject` with this accuracy.
-    fn fold(people: &[(&str, f64, &[i32], usize)]) -> Vec<Score> {
+    fn fold(people: &[(&str, f64, &[i32], usize)]) -> Vec<FoldScore> {
         let people = people
             .iter()
             .map(|&(subject, accuracy, offsets, gestures)| {
@@ -112,7 +122,11 @@ mod tests {
             .iter()
             .any(|score| score.data_set == myointent::evaluation::ALL);
         scores.retain(|score| !several || score.data_set == myointent::evaluation::ALL);
-        scores
+        let scores = scores.into_iter().map(|score| FoldScore {
+            entry_margin: None,
+            score,
+        });
+        scores.collect()
     }
 
     #[test]
@@ -129,7 +143,7 @@ mod tests {
             let folds = folds.iter();
             folds.flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)))
         };
-        let merged = Merged::new("p", LookAhead::AllRows, scores());
+        let merged = Merged::new("p", LookAhead::AllRows, None, scores());
         assert_eq!(merged.name(), "p (0.25 s, all rows)");
         assert_eq!(merged.data_sets(), ["x", "y"]);
         let balanced = |set| merged.values(Measure::BalancedAccuracy, set);
@@ -142,7 +156,8 @@ mod tests {
         let expected = latency::summary(&[60, 80, 80], 4);
         assert_eq!(merged.latency(Some("x")), expected);
         assert!(expected.is_some());
-        let none = Merged::new("p", LookAhead::SameInstant, std::iter::empty());
+        let none = Merged::new("p", LookAhead::AllRows, Some(1.0), scores());
+        assert_eq!(none.name(), "p (0.25 s, all rows, margin 1)");
         assert!(none.values(Measure::BalancedAccuracy, None).is_empty());
     }
 }

@@ -8,6 +8,6 @@ mod job;
 mod merged;
 mod tables;
 
-pub(crate) use job::{CrossValidation, Job};
+pub(crate) use job::{CrossValidation, FoldScore, Job};
 pub(crate) use merged::Merged;
 pub(crate) use tables::{differences, people, scores};

@@ -62,7 +62,7 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// Every other row of [`scores`] against the first one with its aggregation mode, paired over people.
+/// Every row of [`scores`] against the first one with its aggregation mode, paired over people.
 pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
     let caption = "Differences, paired over people; mean [95 % interval] over n people";
     let measures = SHARES
@@ -78,8 +78,8 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
         for own in merged {
             let Some(first) = merged
                 .iter()
-                .find(|first| first.look_ahead == own.look_ahead && first.preset != own.preset)
-                .filter(|first| first.preset == merged[0].preset)
+                .find(|first| first.look_ahead == own.look_ahead)
+                .filter(|first| first.name() != own.name())
             else {
                 continue;
             };
@@ -89,7 +89,7 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
             };
             let names = [
                 set.unwrap_or("all").to_owned(),
-                format!("{} - {}", own.name(), first.preset),
+                format!("{} - {}", own.name(), first.name()),
             ];
             table.push(names.into_iter().chain(measures.iter().map(paired)));
         }
@@ -105,7 +105,7 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
         .chain([Measure::RawAccuracy]);
     let measures: Vec<Measure> = measures.collect();
     let names = measures.iter().map(|measure| measure.name());
-    let header = ["preset", "look-ahead", "seed", "subject"]
+    let header = ["preset", "look-ahead", "entry margin", "seed", "subject"]
         .into_iter()
         .chain(names);
     let mut table = Table::new("", header);
@@ -120,6 +120,8 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
                 let names = [
                     own.preset.to_owned(),
                     own.look_ahead.name().to_owned(),
+                    own.entry_margin
+                        .map_or_else(String::new, |margin| margin.to_string()),
                     seed.to_string(),
                     person.subject.clone(),
                 ];

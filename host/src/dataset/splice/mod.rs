@@ -68,7 +68,11 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
         for index in 0..options.count {
             let seed = options.seed ^ (index as u64).rotate_left(32);
             let mut random = seed::generator(seed, subject);
-            let Some(Joined { samples, labels }) = material.walk(options.samples, &mut random)
+            let Some(Joined {
+                samples,
+                labels,
+                relax,
+            }) = material.walk(options.samples, &mut random)
             else {
                 continue;
             };
@@ -80,7 +84,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 samples,
                 labels,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
-                other_movement: Vec::new(),
+                other_movement: relax,
             });
         }
     }

@@ -57,6 +57,8 @@ impl<'a> Source<'a> {
 pub(super) struct Joined {
     pub samples: Vec<Sample>,
     pub labels: Vec<Option<Intent>>,
+    /// Movement outside the vocabulary that is labelled relax.
+    pub relax: Vec<Range<usize>>,
 }
 
 impl Joined {
@@ -71,7 +73,13 @@ impl Joined {
         for range in &source.relax {
             let [from, to] =
                 [range.start, range.end].map(|at| at.clamp(cut.start, end) - cut.start);
-            self.labels[joined + from..joined + to].fill(Some(Intent::Relax));
+            let range = joined + from..joined + to;
+            self.labels[range.clone()].fill(Some(Intent::Relax));
+            match self.relax.last_mut() {
+                _ if range.is_empty() => {}
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => self.relax.push(range),
+            }
         }
     }
 }

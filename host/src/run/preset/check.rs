@@ -1,7 +1,7 @@
 //! Which values of a preset are valid.
 
 use shared::intent::Vocabulary;
-use shared::units::{LOOK_BACK, PATCH, WINDOW, WINDOW_PATCHES};
+use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
 
 use super::Preset;
 use super::memory::LIMIT;
@@ -55,6 +55,7 @@ impl Preset {
             .or_else(|| self.invalid_student())
             .or_else(|| self.invalid_distillation())
             .or_else(|| self.invalid_augmentation())
+            .or_else(|| self.invalid_smoother())
             .or_else(|| self.invalid_data())
             .or_else(|| self.too_large())
     }
@@ -155,6 +156,12 @@ impl Preset {
                 "patches above the span; batch, steps and epochs of 1 or more",
             ),
             require(
+                (0.0..=1.0).contains(&distillation.other_movement_weight),
+                "distillation.other_movement_weight",
+                distillation.other_movement_weight,
+                "0 to 1",
+            ),
+            require(
                 distillation.ensemble <= MEMBERS.len(),
                 "distillation.ensemble",
                 distillation.ensemble,
@@ -182,6 +189,19 @@ impl Preset {
         .into_iter()
         .flatten()
         .next()
+    }
+
+    fn invalid_smoother(&self) -> Option<Invalid> {
+        let margins = &self.smoother.entry_margins;
+        require(
+            margins.len() <= self.classes
+                && margins
+                    .iter()
+                    .all(|margin| (0.0..=MAX_ENTRY_MARGIN).contains(margin)),
+            "smoother.entry_margins",
+            margins,
+            "a margin of 0 to 50 for each class at most",
+        )
     }
 
     fn invalid_augmentation(&self) -> Option<Invalid> {

@@ -3,7 +3,7 @@
 use super::names::{Excerpt, TensorName};
 use super::{ALIGNMENT, FORMAT_VERSION, LARGEST, MAGIC};
 use crate::model::dimensions::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH};
-use crate::units::{LOOK_BACK, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
+use crate::units::{LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
 /// Why bytes are not a model for this program.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
@@ -164,12 +164,6 @@ pub enum ModelError {
         /// The file's code.
         found: u8,
     },
-    /// Unsupported likelihood.
-    #[error("likelihood {found}, expected 0 (logits): export the model again")]
-    Likelihood {
-        /// The file's code.
-        found: u8,
-    },
     /// Unsupported look-ahead.
     #[error("look-ahead {found} samples, expected whole patches up to {most}: export with one")]
     LookAhead {
@@ -185,6 +179,12 @@ pub enum ModelError {
     Hold {
         /// The file's hold.
         found: usize,
+    },
+    /// An entry margin out of range.
+    #[error("entry margin {found}, expected 0 to {MAX_ENTRY_MARGIN}: export with one")]
+    EntryMargin {
+        /// The file's margin.
+        found: f32,
     },
     /// A metric that is infinite or NaN.
     #[error("a metric is {found}, expected a finite number: evaluate and export the model again")]

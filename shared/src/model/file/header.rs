@@ -5,12 +5,13 @@ use core::marker::PhantomData;
 use serde::Deserialize;
 
 use super::error::ModelError;
+use crate::intent::MAX_CLASSES;
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::smoother::{AggregationMode, Settings};
 use crate::units::PATCH;
 
 /// Default settings of the smoother for a model.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SmootherDefaults {
     /// Which rows are summed.
     pub aggregation: AggregationMode,
@@ -18,6 +19,9 @@ pub struct SmootherDefaults {
     pub look_ahead: usize,
     /// Samples that a label is held: whole patches, at least one, at most [`MAX_HOLD`](crate::units::MAX_HOLD).
     pub hold: usize,
+    /// Confidence gate by class, 0 to [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN); see
+    /// [`Settings::entry_margins`].
+    pub entry_margins: [f32; MAX_CLASSES],
 }
 
 impl SmootherDefaults {
@@ -28,6 +32,7 @@ impl SmootherDefaults {
             aggregation: self.aggregation,
             look_ahead: self.look_ahead / PATCH,
             hold: self.hold / PATCH,
+            entry_margins: self.entry_margins,
             ..Settings::PAPER_IN_PATCHES
         }
     }

@@ -53,6 +53,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
             aggregation: AggregationMode::AllRowsFrom,
             look_ahead: 50,
             hold: 20,
+            entry_margins: [0.0, 0.5, 0.5, 0.5, 0.5, 0.5],
         },
         provenance: ProvenanceParts {
             data_sets: ["noise".into(), "more noise".into()].into(),

@@ -202,12 +202,12 @@ fn every_single_bit_and_byte_flip_is_refused() {
 #[test]
 fn another_format_is_named() {
     let mut bytes = small().to_bytes().unwrap();
-    bytes[8] = 2;
+    bytes[8] = 3;
     let refused = Model::parse(&bytes).unwrap_err();
-    assert_eq!(refused, ModelError::Version { found: 2 });
+    assert_eq!(refused, ModelError::Version { found: 3 });
     assert_eq!(
         refused.to_string(),
-        "model format 2, this build reads 3: export the model again"
+        "model format 3, this build reads 4: export the model again"
     );
 }
 
@@ -308,8 +308,8 @@ fn every_other_header_field_has_its_refusal() {
         ModelError::AggregationMode { found: 2 }
     );
     assert_eq!(
-        header_refusal(|header| header.likelihood = 9),
-        ModelError::Likelihood { found: 9 }
+        header_refusal(|header| header.entry_margins[2] = 50.5),
+        ModelError::EntryMargin { found: 50.5 }
     );
     for look_ahead in [45, 60] {
         assert_eq!(

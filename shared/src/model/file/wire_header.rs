@@ -5,16 +5,15 @@ use serde::{Deserialize, Serialize};
 use super::error::ModelError;
 use super::header::{Header, List, Provenance, SmootherDefaults};
 use super::names::Excerpt;
-use crate::intent::Vocabulary;
+use crate::intent::{MAX_CLASSES, Vocabulary};
 use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
 };
 use crate::stream::preprocess::{DIVISOR, MEDIAN_WIDTH};
 use crate::stream::smoother::AggregationMode;
-use crate::units::{LOOK_AHEAD, LOOK_BACK, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
-
-/// The only value of the smoother's likelihood: it sums logits.
-const LIKELIHOOD_LOGITS: u8 = 0;
+use crate::units::{
+    LOOK_AHEAD, LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES,
+};
 
 /// The fields in the order of docs/model-file.md. Numbers are unchecked: each has its own error.
 #[derive(Serialize, Deserialize)]
@@ -33,9 +32,9 @@ pub(super) struct WireHeader<'m> {
     pub median_width: u8,
     pub divisor: u8,
     pub aggregation: u8,
-    pub likelihood: u8,
     pub look_ahead: u16,
     pub hold: u16,
+    pub entry_margins: [f32; MAX_CLASSES],
     pub data_sets: &'m [u8],
     pub subjects_seen: &'m [u8],
     pub subjects_left_out: &'m [u8],
@@ -78,9 +77,9 @@ impl<'m> WireHeader<'m> {
                 AggregationMode::AllRowsFrom => 0,
                 AggregationMode::SameInstant => 1,
             },
-            likelihood: LIKELIHOOD_LOGITS,
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
+            entry_margins: smoother.entry_margins,
             data_sets,
             subjects_seen,
             subjects_left_out,
@@ -203,11 +202,6 @@ impl<'m> WireHeader<'m> {
             1 => AggregationMode::SameInstant,
             found => return Err(ModelError::AggregationMode { found }),
         };
-        if self.likelihood != LIKELIHOOD_LOGITS {
-            return Err(ModelError::Likelihood {
-                found: self.likelihood,
-            });
-        }
         let [look_ahead, hold] = [self.look_ahead, self.hold].map(usize::from);
         if look_ahead > LOOK_AHEAD || !look_ahead.is_multiple_of(PATCH) {
             return Err(ModelError::LookAhead {
@@ -218,10 +212,15 @@ impl<'m> WireHeader<'m> {
         if hold == 0 || hold > MAX_HOLD || !hold.is_multiple_of(PATCH) {
             return Err(ModelError::Hold { found: hold });
         }
+        let mut margins = self.entry_margins.into_iter();
+        if let Some(found) = margins.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
+            return Err(ModelError::EntryMargin { found });
+        }
         Ok(SmootherDefaults {
             aggregation,
             look_ahead,
             hold,
+            entry_margins: self.entry_margins,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! Settings of the smoother, and which are refused.
 
+use crate::intent::MAX_CLASSES;
 use crate::units::{HOLD, LOOK_AHEAD, PATCH};
 
 /// Which rows of a window are summed for an instant.
@@ -12,7 +13,7 @@ pub enum AggregationMode {
 }
 
 /// Settings of a [`Smoother`](super::Smoother). Lengths in rows.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Settings {
     /// Which rows are summed for an instant.
     pub aggregation: AggregationMode,
@@ -22,6 +23,9 @@ pub struct Settings {
     pub hold: usize,
     /// Samples per row, at least 1.
     pub row_samples: u32,
+    /// Confidence gate: by how much the mean logit of a class has to exceed that of every other class for the label to
+    /// become this class; to keep the label, and to become relax, the largest is enough. By class; 0: no gate.
+    pub entry_margins: [f32; MAX_CLASSES],
 }
 
 impl Settings {
@@ -31,6 +35,7 @@ impl Settings {
         look_ahead: LOOK_AHEAD / PATCH,
         hold: HOLD / PATCH,
         row_samples: PATCH as u32,
+        entry_margins: [0.0; MAX_CLASSES],
     };
 }
 

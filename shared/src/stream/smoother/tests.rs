@@ -37,6 +37,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             look_ahead,
             hold,
             row_samples,
+            ..Settings::PAPER_IN_PATCHES
         },
     )
 }
@@ -141,6 +142,82 @@ fn rows_of_nan_and_infinity_still_give_a_class() {
     };
     let rows = [[f32::NAN; CLASSES], [f32::NEG_INFINITY; CLASSES]];
     assert_eq!(classes(settings, CLASSES, &rows), [Some(0), Some(0)]);
+}
+
+/// Labels of a smoother that enters each class with this margin.
+fn gated(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
+    let settings = Settings {
+        look_ahead: 0,
+        entry_margins: [margin; 6],
+        ..PLAIN
+    };
+    let labels = classes(settings, CLASSES, rows);
+    labels.into_iter().flatten().collect()
+}
+
+#[test]
+fn a_class_needs_its_margin_to_enter_and_none_to_stay_or_to_leave() {
+    let weak = [0.0, 1.0, 0.0, 0.0];
+    let strong = [0.0, 3.0, 0.0, 0.0];
+    let rest = [0.1, 0.0, 0.0, 0.0];
+    assert_eq!(
+        gated(2.0, &[weak, strong, weak, rest, weak]),
+        [0, 1, 1, 0, 0]
+    );
+    assert_eq!(gated(0.0, &[weak, rest, strong]), [1, 0, 1]);
+    assert_eq!(gated(3.0, &[strong]), [1], "the margin itself is enough");
+}
+
+#[test]
+fn another_class_without_its_margin_keeps_the_label_unless_rest_has_more() {
+    let first = [0.0, 5.0, 0.0, 0.0];
+    let between = [0.0, 1.0, 2.0, 0.0];
+    let over = [1.5, 1.0, 2.0, 0.0];
+    let second = [0.0, 0.0, 5.0, 0.0];
+    assert_eq!(gated(2.0, &[first, between, second]), [1, 1, 2]);
+    assert_eq!(gated(2.0, &[first, over, between]), [1, 0, 0]);
+}
+
+#[test]
+fn a_margin_is_one_of_means_whatever_the_number_of_rows() {
+    for (aggregation, look_ahead) in [
+        (AggregationMode::AllRowsFrom, 5),
+        (AggregationMode::SameInstant, 5),
+        (AggregationMode::AllRowsFrom, 2),
+    ] {
+        let enters = |logit: f32| {
+            let settings = Settings {
+                aggregation,
+                look_ahead,
+                entry_margins: [2.0; 6],
+                ..PLAIN
+            };
+            let labels = classes(settings, CLASSES, &[[0.0, logit, 0.0, 0.0]; ROWS]);
+            labels.into_iter().flatten().last() == Some(1)
+        };
+        assert!(enters(2.0) && !enters(1.9), "{aggregation:?} {look_ahead}");
+    }
+}
+
+#[test]
+fn a_restart_forgets_the_label() {
+    let settings = Settings {
+        look_ahead: 0,
+        entry_margins: [2.0; 6],
+        ..PLAIN
+    };
+    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
+    let mut class = |row: [f32; CLASSES], restart: bool| {
+        if restart {
+            smoother.restart();
+        }
+        let decision = smoother.push(SampleIndex(0), &[row; ROWS]);
+        decision.map(|decision| decision.class)
+    };
+    let (strong, weak) = ([0.0, 3.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]);
+    assert_eq!(class(strong, false), Some(1));
+    assert_eq!(class(weak, false), Some(1));
+    assert_eq!(class(weak, true), Some(0));
 }
 
 #[test]

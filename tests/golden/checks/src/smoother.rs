@@ -45,6 +45,7 @@ impl Case {
             look_ahead: self.look_ahead as usize,
             hold: self.hold as usize,
             row_samples: 1,
+            ..Settings::PAPER_IN_PATCHES
         }
     }
 }
