@@ -77,7 +77,7 @@ impl CrossValidation<'_> {
     /// # Errors
     /// When the preset does not fit the recordings.
     pub(crate) fn done(&self, job: &Job) -> Result<Option<Vec<FoldScore>>, JobError> {
-        let Ok(folder) = RunFolder::existing(&self.path(job)) else {
+        let Ok(folder) = RunFolder::existing(self.path(job)) else {
             return Ok(None);
         };
         let made_from = self.config(job)?.fingerprint();

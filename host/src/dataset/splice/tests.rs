@@ -1,5 +1,10 @@
 //! Spliced recordings of a few hand-written ones.
 
+#![expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
+
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
