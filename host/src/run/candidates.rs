@@ -72,6 +72,6 @@ fn candidate(
         name: name.to_owned(),
         looks_back: true,
         logits,
-        entry_margins: context.config.preset.smoother.entry_margins(),
+        entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
     })
 }

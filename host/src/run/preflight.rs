@@ -21,7 +21,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
         aggregation: AggregationMode::AllRowsFrom,
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
-        entry_margins: preset.smoother.entry_margins(),
+        entry_margins: preset.smoother.entry_margins.of_classes(),
     };
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());

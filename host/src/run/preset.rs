@@ -5,7 +5,7 @@ mod memory;
 mod source;
 
 use serde::{Deserialize, Serialize};
-use shared::intent::{MAX_CLASSES, Vocabulary};
+use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 
 use crate::dataset::DataSet;
 use crate::student::distillation::Distillation;
@@ -51,10 +51,37 @@ pub struct Smoothing {
     /// Which rows are summed; none: what follows more transitions of the validation subjects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aggregation: Option<Aggregation>,
-    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)), class after class
-    /// from relax on; 0 for classes beyond its end.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub entry_margins: Vec<f32>,
+    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)).
+    #[serde(default)]
+    pub entry_margins: EntryMargins,
+}
+
+/// The confidence gate of a preset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum EntryMargins {
+    /// The same for every class but relax, which has none.
+    Same(f32),
+    /// Class after class, from relax on; 0 for classes beyond the end.
+    ByClass(Vec<f32>),
+}
+
+impl Default for EntryMargins {
+    fn default() -> Self {
+        Self::Same(0.0)
+    }
+}
+
+impl EntryMargins {
+    /// The margin of each class.
+    #[must_use]
+    pub fn of_classes(&self) -> [f32; MAX_CLASSES] {
+        std::array::from_fn(|class| match self {
+            Self::Same(_) if class == Intent::Relax.class() => 0.0,
+            Self::Same(margin) => *margin,
+            Self::ByClass(margins) => margins.get(class).copied().unwrap_or(0.0),
+        })
+    }
 }
 
 /// Which rows the smoother sums.
@@ -70,12 +97,6 @@ pub enum Aggregation {
 impl Smoothing {
     fn is_default(&self) -> bool {
         *self == Self::default()
-    }
-
-    /// The confidence gate of all classes that there are.
-    #[must_use]
-    pub fn entry_margins(&self) -> [f32; MAX_CLASSES] {
-        std::array::from_fn(|class| self.entry_margins.get(class).copied().unwrap_or(0.0))
     }
 }
 
@@ -184,6 +205,25 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn entry_margins_are_one_number_or_one_for_each_class() {
+        let cpu = Preset::find("cpu").unwrap();
+        let same = cpu.smoother.entry_margins.of_classes();
+        assert_eq!(same, [0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        let by_class = cpu
+            .to_toml()
+            .replace("entry_margins = 1.0", "entry_margins = [0.0, 2.5]");
+        let preset = Preset::parse("by class", &by_class).unwrap();
+        let margins = preset.smoother.entry_margins.of_classes();
+        assert_eq!(margins, [0.0, 2.5, 0.0, 0.0, 0.0, 0.0]);
+        for wrong in ["-1.0", "51.0", "[0.0, 1.0, 1.0, 1.0]", "\"much\""] {
+            let text = cpu
+                .to_toml()
+                .replace("entry_margins = 1.0", &format!("entry_margins = {wrong}"));
+            assert!(Preset::parse("wrong", &text).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn the_paper_preset_is_the_papers() {

@@ -162,7 +162,7 @@ pub(super) fn model_bytes(
         },
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
-        entry_margins: context.config.preset.smoother.entry_margins(),
+        entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
     };
     quantization::quantize(
         student,

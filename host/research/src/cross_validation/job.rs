@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
-use shared::intent::{Intent, MAX_CLASSES};
 
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
@@ -18,7 +17,7 @@ use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use myointent::run::distill::distill;
 use myointent::run::model_evaluation::{NamedModel, Selection, evaluate_models};
-use myointent::run::preset::Preset;
+use myointent::run::preset::{EntryMargins, Preset};
 use myointent::run::quantize::{MODEL, quantize};
 use myointent::run::resolve::{FoldChoice, fold_people};
 use myointent::run::train::train;
@@ -166,7 +165,9 @@ impl CrossValidation<'_> {
         let own_margins = candidate.entry_margins;
         let mut scores = Vec::new();
         for &entry_margin in &self.entry_margins {
-            candidate.entry_margins = entry_margin.map_or(own_margins, gate);
+            candidate.entry_margins = entry_margin.map_or(own_margins, |margin| {
+                EntryMargins::Same(margin).of_classes()
+            });
             for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
                 let rows = score(
                     candidate,
@@ -186,11 +187,4 @@ impl CrossValidation<'_> {
         scores.retain(|own| single || own.score.data_set == ALL);
         Ok(scores)
     }
-}
-
-/// The same margin for every class but relax.
-fn gate(margin: f32) -> [f32; MAX_CLASSES] {
-    let mut margins = [margin; MAX_CLASSES];
-    margins[Intent::Relax.class()] = 0.0;
-    margins
 }

@@ -3,8 +3,8 @@
 use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
 
-use super::Preset;
 use super::memory::LIMIT;
+use super::{EntryMargins, Preset};
 use crate::student::distillation::MEMBERS;
 
 /// Most epochs of a training.
@@ -193,14 +193,16 @@ impl Preset {
 
     fn invalid_smoother(&self) -> Option<Invalid> {
         let margins = &self.smoother.entry_margins;
+        let few = match margins {
+            EntryMargins::Same(_) => true,
+            EntryMargins::ByClass(margins) => margins.len() <= self.classes,
+        };
+        let valid = |margin: &f32| (0.0..=MAX_ENTRY_MARGIN).contains(margin);
         require(
-            margins.len() <= self.classes
-                && margins
-                    .iter()
-                    .all(|margin| (0.0..=MAX_ENTRY_MARGIN).contains(margin)),
+            few && margins.of_classes().iter().all(valid),
             "smoother.entry_margins",
             margins,
-            "a margin of 0 to 50 for each class at most",
+            "a margin of 0 to 50, or one for each class at most",
         )
     }
 
