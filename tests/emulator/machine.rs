@@ -30,6 +30,10 @@ pub enum Fault {
     Panic = 2,
     /// An undefined instruction.
     HardFault = 3,
+    /// A task loops and never returns to the executor.
+    ExecutorStops = 4,
+    /// An interrupt that is pending again whenever it was handled.
+    InterruptStorm = 5,
 }
 
 /// Configuration words of the emulated board. A reset keeps them.

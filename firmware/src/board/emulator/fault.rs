@@ -4,11 +4,17 @@
 //! has no such code, and the tasks do not know of it.
 
 use core::{
+    fmt::Write as _,
     future,
     sync::atomic::{AtomicU32, Ordering},
 };
 
+use cortex_m::peripheral::NVIC;
+use embassy_time::Instant;
+
+use super::irq::Irq;
 use super::straps::{self, Fault};
+use super::uart::Uart;
 
 /// Labels sent before the fault: enough that both pins and UART have shown one.
 const LABELS_BEFORE: u32 = 3;
@@ -23,9 +29,30 @@ pub async fn inject(line: &[u8]) {
     if !line.starts_with(LABEL) || LABELS.fetch_add(1, Ordering::Relaxed) + 1 < LABELS_BEFORE {
         return;
     }
+    report();
     match fault {
         Fault::TaskStops => future::pending().await,
+        Fault::ExecutorStops => loop_forever(),
+        Fault::InterruptStorm => NVIC::pend(Irq::Storm),
         Fault::Panic => panic!("injected panic"),
         Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }
+}
+
+/// Writes the time of the fault, in microseconds, beside the pins.
+fn report() {
+    critical_section::with(|_| {
+        let _ = writeln!(Uart::PINS, "FAULT {}", Instant::now().as_micros());
+    });
+}
+
+fn loop_forever() -> ! {
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// The interrupt handler of the storm: it is pending again before it returns.
+pub fn on_storm() {
+    NVIC::pend(Irq::Storm);
 }

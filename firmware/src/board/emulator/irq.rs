@@ -10,6 +10,8 @@ pub enum Irq {
     HciReceive = 2,
     /// TIMER1 has reached zero.
     Alarm = 9,
+    /// No peripheral's: only a fault that is injected pends it.
+    Storm = 31,
 }
 
 impl Irq {
@@ -25,7 +27,7 @@ impl Irq {
 }
 
 #[expect(unsafe_code, reason = "the trait is an unsafe one")]
-// SAFETY: `number` returns the discriminant, and both are interrupt numbers of the board that never
+// SAFETY: `number` returns the discriminant, and all are interrupt numbers of the board that never
 // change.
 unsafe impl InterruptNumber for Irq {
     fn number(self) -> u16 {

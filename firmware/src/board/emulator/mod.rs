@@ -69,6 +69,7 @@ pub fn start() -> Board {
         PANICKED => ResetReason::Software,
         _ => ResetReason::Power,
     };
+    irq::Irq::Storm.unmask();
     let (from, to) = hci::start();
     Board {
         labels: LabelPort(()),

@@ -16,7 +16,9 @@ pub fn report(mut uart: Uart) {
     static REPORTED: AtomicU32 = AtomicU32::new(0);
     let used = used();
     if REPORTED.fetch_max(used, Ordering::Relaxed) < used {
-        let _ = writeln!(uart, "STACK {used}");
+        critical_section::with(|_| {
+            let _ = writeln!(uart, "STACK {used}");
+        });
     }
 }
 

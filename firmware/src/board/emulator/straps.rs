@@ -9,6 +9,10 @@ pub enum Fault {
     Panic,
     /// An undefined instruction.
     UndefinedInstruction,
+    /// A task loops and never returns to the executor.
+    ExecutorStops,
+    /// An interrupt that is pending again whenever it was handled: no task runs.
+    InterruptStorm,
 }
 
 /// How many times slower than real time the clock runs, 1 if nothing was set.
@@ -26,6 +30,8 @@ pub fn fault() -> Option<Fault> {
         1 => Some(Fault::TaskStops),
         2 => Some(Fault::Panic),
         3 => Some(Fault::UndefinedInstruction),
+        4 => Some(Fault::ExecutorStops),
+        5 => Some(Fault::InterruptStorm),
         _ => None,
     }
 }
