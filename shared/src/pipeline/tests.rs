@@ -182,6 +182,40 @@ fn a_window_that_is_mostly_invented_is_not_valid() {
 }
 
 #[test]
+fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
+    // Gaps of five samples with one sample between them.
+    let mut pipeline = pipeline();
+    feed(&mut pipeline, 0, 661, 1);
+    let mut index = 661;
+    for _ in 0..12 {
+        let reports = pipeline.gap(at(index), 5);
+        assert!(reports.into_iter().all(|report| report.kind == Kind::Label));
+        index += 5;
+        feed(&mut pipeline, index, 1, 1);
+        index += 1;
+    }
+    assert!(pipeline.status().valid());
+    assert_eq!(pipeline.ring.bridged(), 60);
+    let before = pipeline.counters;
+    let losses = Status::Safe(Cause::Losses);
+    assert_eq!(
+        fields(pipeline.gap(at(index), 1)),
+        [(Kind::State, index, index, losses)]
+    );
+    let expected = Counters {
+        lost: before.lost + 1,
+        bridged: 60,
+        resets: 1,
+    };
+    assert_eq!(pipeline.counters, expected);
+    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    // A full window is needed to be valid again.
+    index += 1;
+    assert_eq!(fields(feed(&mut pipeline, index, 660, 1)), []);
+    assert_eq!(fields(feed(&mut pipeline, index + 660, 1, 1)).len(), 2);
+}
+
+#[test]
 fn silence_and_disconnection_reset_the_window() {
     let mut pipeline = pipeline();
     feed(&mut pipeline, 0, 661, 1);
@@ -202,6 +236,19 @@ fn silence_and_disconnection_reset_the_window() {
     assert_eq!(pipeline.counters.resets, 1);
     assert_eq!(pipeline.deadline(), None);
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
+}
+
+#[test]
+fn a_stall_needs_a_full_window_to_be_valid_again() {
+    let mut pipeline = pipeline();
+    feed(&mut pipeline, 0, 661, 1);
+    let stalled = Status::Safe(Cause::Stalled);
+    assert_eq!(
+        fields(pipeline.stalled(at(661))),
+        [(Kind::State, 660, 660, stalled)]
+    );
+    assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
+    assert_eq!(fields(feed(&mut pipeline, 661 + 660, 1, 1)).len(), 2);
 }
 
 #[test]

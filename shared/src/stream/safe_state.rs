@@ -26,17 +26,23 @@ pub enum Cause {
     Silence,
     /// More consecutive samples were lost than are filled in.
     Gap,
+    /// More samples of a window were lost, each gap short, than may be filled in.
+    Losses,
+    /// The inference did not run, and hardware cleared the pins.
+    Stalled,
 }
 
 impl Cause {
     /// All causes.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Boot,
         Self::Watchdog,
         Self::ModelRefused,
         Self::Disconnected,
         Self::Silence,
         Self::Gap,
+        Self::Losses,
+        Self::Stalled,
     ];
 
     /// Name on the UART line.
@@ -49,6 +55,8 @@ impl Cause {
             Self::Disconnected => "disconnected",
             Self::Silence => "silence",
             Self::Gap => "gap",
+            Self::Losses => "losses",
+            Self::Stalled => "stalled",
         }
     }
 
@@ -110,6 +118,10 @@ pub enum Event {
     Sample,
     /// Samples were lost and the window was reset.
     Gap,
+    /// More samples of the window were lost than may be filled in, and it was reset.
+    Losses,
+    /// The dead-man timer has expired: the pins are safe already.
+    Stalled,
     /// The armband was disconnected.
     Disconnected,
     /// The model file was refused.
@@ -178,6 +190,8 @@ impl SafeState {
         match event {
             Event::Sample => self.last_sample = Some(now),
             Event::Gap => self.enter(Cause::Gap),
+            Event::Losses => self.enter(Cause::Losses),
+            Event::Stalled => self.enter(Cause::Stalled),
             Event::Disconnected => self.end_stream(Cause::Disconnected),
             Event::ModelRefused => self.end_stream(Cause::ModelRefused),
             Event::Tick => {}
