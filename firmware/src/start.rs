@@ -26,7 +26,7 @@ async fn main(spawner: Spawner) {
     spawn(&spawner, watchdog::run(board.watchdog));
     match inference::load(board.reset_reason) {
         Ok(pipeline) => {
-            spawn(&spawner, inference::run(pipeline));
+            spawn(&spawner, inference::run(pipeline, board.dead_man));
             spawn(&spawner, radio::run(spawner, board.radio));
         }
         Err(error) => spawn(

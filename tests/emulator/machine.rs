@@ -34,6 +34,8 @@ pub enum Fault {
     ExecutorStops = 4,
     /// An interrupt that is pending again whenever it was handled.
     InterruptStorm = 5,
+    /// The inference loops and never returns.
+    InferenceLoops = 6,
 }
 
 /// Configuration words of the emulated board. A reset keeps them.

@@ -189,6 +189,17 @@ fn a_stuck_executor_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow:
 }
 
 #[test]
+fn an_inference_in_a_loop_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "an_inference_in_a_loop_is_safe_within_250_ms_and_ended_by_the_watchdog";
+    let Some(run) = play(test, Fault::InferenceLoops)? else {
+        return Ok(());
+    };
+    run.safe_in_time();
+    run.check_restart("the watchdog", Cause::Watchdog);
+    Ok(())
+}
+
+#[test]
 fn an_interrupt_storm_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow::Result<()> {
     let test = "an_interrupt_storm_is_safe_within_250_ms_and_ended_by_the_watchdog";
     let Some(run) = play(test, Fault::InterruptStorm)? else {

@@ -49,6 +49,11 @@ pub fn enqueue(message: UartMessage) {
     MESSAGES.push(message);
 }
 
+/// Whether no message waits.
+pub fn is_idle() -> bool {
+    MESSAGES.is_empty()
+}
+
 /// Waits for the oldest message.
 pub async fn receive() -> UartMessage {
     MESSAGES.receive().await

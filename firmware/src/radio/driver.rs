@@ -8,7 +8,7 @@ use core::cell::{Cell, RefCell};
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{Action, Event, MyoSession, Phase};
+use shared::myo::{Action, Event, MyoSession, Phase, Progress};
 use shared::stream::link_sequence::Sequencer;
 
 use super::{
@@ -23,6 +23,8 @@ const TICK: Duration = Duration::from_millis(50);
 /// The session, and what connects it to the stack and to the inference.
 pub struct SessionDriver<'q> {
     session: RefCell<MyoSession>,
+    /// What the watchdog is fed on.
+    progress: Cell<Progress>,
     sequencer: RefCell<Sequencer>,
     packets: &'q Packets,
     /// Actions for the stack, in order. The session has at most one operation outstanding, and may
@@ -46,6 +48,7 @@ impl<'q> SessionDriver<'q> {
     ) -> Self {
         Self {
             session: RefCell::new(session),
+            progress: Cell::new(Progress::new()),
             sequencer: RefCell::new(Sequencer::new()),
             packets,
             operations: Channel::new(),
@@ -86,7 +89,9 @@ impl<'q> SessionDriver<'q> {
         let mut ticker = Ticker::every(TICK);
         loop {
             self.handle(Event::Tick);
-            heartbeat::RADIO.beat();
+            if self.progress.get().is_alive(now()) {
+                heartbeat::RADIO.beat();
+            }
             ticker.next().await;
         }
     }
@@ -109,7 +114,11 @@ impl<'q> SessionDriver<'q> {
     /// Passes an event to the session, and the session's actions on.
     fn handle(&self, event: Event<'_>) {
         let mut session = self.session.borrow_mut();
-        session.handle(now(), event, &mut |action| self.act(action));
+        let now = now();
+        session.handle(now, event, &mut |action| self.act(action));
+        let mut progress = self.progress.get();
+        progress.handled(now, event, &session);
+        self.progress.set(progress);
         if session.phase() == Phase::Streaming {
             self.streaming.signal(());
         }

@@ -12,6 +12,7 @@ use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
 
+use crate::board::DeadMan;
 use crate::clock::now;
 use crate::messages::{
     heartbeat,
@@ -57,12 +58,14 @@ fn start(reason: ResetReason) -> Start {
 }
 
 /// Runs the model forever.
+///
+/// Clears the dead-man timer with every packet that passed the pipeline, provided that the pins show the
+/// state of the packets before. So hardware makes the pins safe whatever stops on the way from radio to pin.
 #[embassy_executor::task]
-pub async fn run(pipeline: &'static mut DevicePipeline) -> ! {
+pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -> ! {
     uart::enqueue(UartMessage::Report(pipeline.state_report()));
     let mut detector = GapDetector::new();
     loop {
-        heartbeat::INFERENCE.beat();
         let silence = timer_until(pipeline.deadline());
         match select(PACKETS.receive(), silence).await {
             Either::First(packet) => {
@@ -77,8 +80,23 @@ pub async fn run(pipeline: &'static mut DevicePipeline) -> ! {
                 for sample in received.samples.into_iter().flatten() {
                     enqueue(pipeline.sample(now, sample));
                 }
+                if dead_man.has_expired() {
+                    if pipeline.status().valid() {
+                        enqueue(pipeline.stalled(now));
+                    }
+                    dead_man.acknowledge();
+                }
+                if pin_state::is_shown() {
+                    dead_man.clear();
+                }
+                heartbeat::INFERENCE.beat();
             }
-            Either::Second(()) => enqueue(pipeline.tick(now())),
+            Either::Second(()) => {
+                enqueue(pipeline.tick(now()));
+                if PACKETS.is_empty() {
+                    heartbeat::INFERENCE.beat();
+                }
+            }
         }
         pin_state::set_status(pipeline.status());
     }

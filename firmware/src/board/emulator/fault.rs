@@ -6,7 +6,7 @@
 use core::{
     fmt::Write as _,
     future,
-    sync::atomic::{AtomicU32, Ordering},
+    sync::atomic::{AtomicBool, AtomicU32, Ordering},
 };
 
 use cortex_m::peripheral::NVIC;
@@ -20,6 +20,9 @@ use super::uart::Uart;
 const LABELS_BEFORE: u32 = 3;
 const LABEL: &[u8] = b"$LABEL";
 
+/// Set when it is time for the inference to loop.
+static INFERENCE_LOOPS: AtomicBool = AtomicBool::new(false);
+
 /// Injects the fault that the straps ask for, after some labels. To be called with every line sent.
 pub async fn inject(line: &[u8]) {
     static LABELS: AtomicU32 = AtomicU32::new(0);
@@ -29,20 +32,33 @@ pub async fn inject(line: &[u8]) {
     if !line.starts_with(LABEL) || LABELS.fetch_add(1, Ordering::Relaxed) + 1 < LABELS_BEFORE {
         return;
     }
+    if fault == Fault::InferenceLoops {
+        return INFERENCE_LOOPS.store(true, Ordering::Relaxed);
+    }
     report();
     match fault {
         Fault::TaskStops => future::pending().await,
         Fault::ExecutorStops => loop_forever(),
         Fault::InterruptStorm => NVIC::pend(Irq::Storm),
+        Fault::InferenceLoops => {}
         Fault::Panic => panic!("injected panic"),
         Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }
 }
 
+/// Injects the fault that stops the inference itself. To be called by the inference task.
+pub fn inject_into_inference() {
+    if INFERENCE_LOOPS.load(Ordering::Relaxed) {
+        report();
+        loop_forever();
+    }
+}
+
 /// Writes the time of the fault, in microseconds, beside the pins.
 fn report() {
+    let mut pins = Uart::PINS;
     critical_section::with(|_| {
-        let _ = writeln!(Uart::PINS, "FAULT {}", Instant::now().as_micros());
+        let _ = writeln!(pins, "FAULT {}", Instant::now().as_micros());
     });
 }
 

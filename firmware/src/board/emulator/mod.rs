@@ -4,6 +4,7 @@
 //! program of the board, unchanged.
 
 mod clock;
+mod dead_man;
 mod fault;
 mod hci;
 mod irq;
@@ -30,7 +31,8 @@ use super::Board;
 use crate::messages::pin_state::PinState;
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::ResetReason;
-use crate::settings::WATCHDOG_MS;
+use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
+pub use dead_man::DeadMan;
 use uart::Uart;
 pub use watchdog::Watchdog;
 
@@ -69,13 +71,14 @@ pub fn start() -> Board {
         PANICKED => ResetReason::Software,
         _ => ResetReason::Power,
     };
-    irq::Irq::Storm.unmask();
+    irq::start();
     let (from, to) = hci::start();
     Board {
         labels: LabelPort(()),
         pins: Pins(()),
         radio: RadioParts { from, to },
         watchdog: Watchdog::start(WATCHDOG_MS),
+        dead_man: DeadMan::start(DEAD_MAN_MS),
         reset_reason,
     }
 }
@@ -108,8 +111,17 @@ pub struct Pins(());
 impl Pins {
     /// Writes the levels.
     pub fn set(&mut self, state: PinState) {
-        // Writing to the UART never fails.
-        let _ = self.write(state);
+        // The dead-man timer interrupts everything but this.
+        critical_section::with(|_| {
+            let expired = dead_man::has_expired() && state.status.valid();
+            let armband = state.armband;
+            let safe = PinState {
+                armband,
+                ..PinState::SAFE
+            };
+            // Writing to the UART never fails.
+            let _ = self.write(if expired { safe } else { state });
+        });
     }
 
     fn write(&self, state: PinState) -> fmt::Result {

@@ -13,6 +13,8 @@ pub enum Fault {
     ExecutorStops,
     /// An interrupt that is pending again whenever it was handled: no task runs.
     InterruptStorm,
+    /// The inference loops and never returns.
+    InferenceLoops,
 }
 
 /// How many times slower than real time the clock runs, 1 if nothing was set.
@@ -32,6 +34,7 @@ pub fn fault() -> Option<Fault> {
         3 => Some(Fault::UndefinedInstruction),
         4 => Some(Fault::ExecutorStops),
         5 => Some(Fault::InterruptStorm),
+        6 => Some(Fault::InferenceLoops),
         _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! The vector table of the board's interrupts.
 
-use super::{clock, fault, hci, irq::Irq};
+use super::{clock, dead_man, fault, hci, irq::Irq};
 
 /// An entry of the table.
 pub union Vector {
@@ -26,6 +26,9 @@ pub static __INTERRUPTS: [Vector; 32] = {
         handler: hci_receive,
     };
     vectors[Irq::Alarm as usize] = Vector { handler: alarm };
+    vectors[Irq::DeadMan as usize] = Vector {
+        handler: dead_man_expired,
+    };
     vectors[Irq::Storm as usize] = Vector { handler: storm };
     vectors
 };
@@ -40,4 +43,8 @@ extern "C" fn alarm() {
 
 extern "C" fn storm() {
     fault::on_storm();
+}
+
+extern "C" fn dead_man_expired() {
+    dead_man::on_expired();
 }
