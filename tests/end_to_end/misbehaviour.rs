@@ -202,6 +202,20 @@ fn a_lost_link_and_a_sleeping_armband_are_reconnected() -> anyhow::Result<()> {
 }
 
 #[test]
+fn notifications_during_discovery_change_no_line() -> anyhow::Result<()> {
+    let test = "notifications_during_discovery_change_no_line";
+    let Some((bench, model, samples)) = prepare(test, 4) else {
+        return Ok(());
+    };
+    let script = json!([{"do": "chatter", "ms": 5}]);
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
+    let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
+    compare(&mut run, &expected)?;
+    assert!(run.event_count("chatter") > 3, "{}", run.tails());
+    Ok(())
+}
+
+#[test]
 fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Result<()> {
     let test = "an_armband_whose_stream_starts_on_another_lane_loses_nothing";
     let Some((bench, model, samples)) = prepare(test, 4) else {

@@ -8,7 +8,7 @@ use core::cell::{Cell, RefCell};
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{Action, Event, MyoSession, Phase, Progress};
+use shared::myo::{Action, Discovery, Event, MyoSession, Phase, Progress};
 use shared::stream::link_sequence::Sequencer;
 
 use super::{
@@ -142,13 +142,11 @@ impl<'q> SessionDriver<'q> {
         let mut value = [0; MAX_VALUE_BYTES];
         let handles = self.handles.get();
         let outcome = match operation {
-            Action::Discover => match link.discover().await {
-                Ok(handles) => {
-                    self.handles.set(handles);
-                    return self.handle(Event::Discovered(handles.found()));
-                }
-                Err(failed) => Err(failed),
-            },
+            Action::Discover => {
+                let handles = discover(link).await;
+                self.handles.set(handles);
+                return self.handle(Event::Discovered(handles.found()));
+            }
             Action::Read(characteristic) => match handles.value(characteristic) {
                 Some(handle) => match link.read(handle, &mut value).await {
                     Ok(length) => {
@@ -173,6 +171,21 @@ impl<'q> SessionDriver<'q> {
             Err(_) => Event::Failed,
         });
     }
+}
+
+/// Reads attributes until every characteristic is found, or to the end.
+async fn discover(link: &impl Link) -> Handles {
+    let mut handles = Handles::default();
+    let mut discovery = Discovery::new();
+    let mut value = [0; MAX_VALUE_BYTES];
+    while let Some(handle) = discovery.handle() {
+        let read = link.read(handle, &mut value).await;
+        let bytes = read.ok().and_then(|length| value.get(..length));
+        if let Some(attribute) = discovery.answered(bytes) {
+            handles.insert(attribute);
+        }
+    }
+    handles
 }
 
 impl ConnectionHandler for SessionDriver<'_> {
