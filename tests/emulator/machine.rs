@@ -36,6 +36,8 @@ pub enum Fault {
     InterruptStorm = 5,
     /// The inference loops and never returns.
     InferenceLoops = 6,
+    /// A function that calls itself without end.
+    Recursion = 7,
 }
 
 /// Configuration words of the emulated board. A reset keeps them.

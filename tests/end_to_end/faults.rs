@@ -189,6 +189,23 @@ fn a_stuck_executor_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow:
 }
 
 #[test]
+fn a_stack_overflow_clears_the_label_and_restarts_with_its_own_cause() -> anyhow::Result<()> {
+    let test = "a_stack_overflow_clears_the_label_and_restarts_with_its_own_cause";
+    let Some(run) = play(test, Fault::Recursion)? else {
+        return Ok(());
+    };
+    run.safe_in_time();
+    let message = run.comments.iter().any(|c| c == "# stack overflow");
+    assert!(message, "{}", run.tails);
+    let restarted = run
+        .comments
+        .iter()
+        .any(|c| c.ends_with(", started by a stack overflow"));
+    assert!(restarted, "{}", run.tails);
+    Ok(())
+}
+
+#[test]
 fn an_inference_in_a_loop_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow::Result<()> {
     let test = "an_inference_in_a_loop_is_safe_within_250_ms_and_ended_by_the_watchdog";
     let Some(run) = play(test, Fault::InferenceLoops)? else {

@@ -6,6 +6,7 @@
 use core::{
     fmt::Write as _,
     future,
+    hint::black_box,
     sync::atomic::{AtomicBool, AtomicU32, Ordering},
 };
 
@@ -41,6 +42,7 @@ pub async fn inject(line: &[u8]) {
         Fault::ExecutorStops => loop_forever(),
         Fault::InterruptStorm => NVIC::pend(Irq::Storm),
         Fault::InferenceLoops => {}
+        Fault::Recursion => drop(recurse(0)),
         Fault::Panic => panic!("injected panic"),
         Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }
@@ -66,6 +68,14 @@ fn loop_forever() -> ! {
     loop {
         cortex_m::asm::nop();
     }
+}
+
+/// Calls itself without end, each time with a little more on the stack.
+#[inline(never)]
+fn recurse(depth: u32) -> u32 {
+    let frame = black_box([depth; 8]);
+    let deeper = recurse(depth.wrapping_add(1));
+    deeper ^ black_box(frame)[0]
 }
 
 /// The interrupt handler of the storm: it is pending again before it returns.

@@ -15,6 +15,8 @@ pub enum Fault {
     InterruptStorm,
     /// The inference loops and never returns.
     InferenceLoops,
+    /// A function that calls itself without end.
+    Recursion,
 }
 
 /// How many times slower than real time the clock runs, 1 if nothing was set.
@@ -35,6 +37,7 @@ pub fn fault() -> Option<Fault> {
         4 => Some(Fault::ExecutorStops),
         5 => Some(Fault::InterruptStorm),
         6 => Some(Fault::InferenceLoops),
+        7 => Some(Fault::Recursion),
         _ => None,
     }
 }
