@@ -202,6 +202,7 @@ fn a_stack_overflow_clears_the_label_and_restarts_with_its_own_cause() -> anyhow
         .iter()
         .any(|c| c.ends_with(", started by a stack overflow"));
     assert!(restarted, "{}", run.tails);
+    run.check_restart("a stack overflow", Cause::StackOverflow);
     Ok(())
 }
 

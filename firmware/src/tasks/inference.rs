@@ -53,6 +53,7 @@ pub fn load(reason: ResetReason) -> Result<&'static mut DevicePipeline, ModelRef
 fn start(reason: ResetReason) -> Start {
     match reason {
         ResetReason::Watchdog => Start::Watchdog,
+        ResetReason::StackOverflow => Start::StackOverflow,
         ResetReason::Power | ResetReason::Software => Start::Boot,
     }
 }

@@ -18,6 +18,8 @@ pub enum Cause {
     Boot,
     /// Reset by the watchdog.
     Watchdog,
+    /// Reset by the program, after the stack had grown too deep.
+    StackOverflow,
     /// The model file was refused. Lasts until the next reset.
     ModelRefused,
     /// The armband was disconnected.
@@ -34,9 +36,10 @@ pub enum Cause {
 
 impl Cause {
     /// All causes.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Boot,
         Self::Watchdog,
+        Self::StackOverflow,
         Self::ModelRefused,
         Self::Disconnected,
         Self::Silence,
@@ -51,6 +54,7 @@ impl Cause {
         match self {
             Self::Boot => "boot",
             Self::Watchdog => "watchdog",
+            Self::StackOverflow => "stack",
             Self::ModelRefused => "model-refused",
             Self::Disconnected => "disconnected",
             Self::Silence => "silence",
@@ -74,6 +78,8 @@ pub enum Start {
     Boot,
     /// The watchdog.
     Watchdog,
+    /// The program itself, after the stack had grown too deep.
+    StackOverflow,
 }
 
 /// State of the outputs.
@@ -152,6 +158,7 @@ impl SafeState {
         let cause = match start {
             Start::Boot => Cause::Boot,
             Start::Watchdog => Cause::Watchdog,
+            Start::StackOverflow => Cause::StackOverflow,
         };
         Self {
             status: Status::Safe(cause),

@@ -71,6 +71,7 @@ fn loop_forever() -> ! {
 }
 
 /// Calls itself without end, each time with a little more on the stack.
+#[expect(unconditional_recursion, reason = "it overflows the stack")]
 #[inline(never)]
 fn recurse(depth: u32) -> u32 {
     let frame = black_box([depth; 8]);

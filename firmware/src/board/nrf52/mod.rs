@@ -27,7 +27,7 @@ use shared::stream::safe_state::Status;
 
 use super::Board;
 use crate::messages::pin_state::PinState;
-use crate::reset_reason::ResetReason;
+use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::WATCHDOG_MS;
 #[cfg(feature = "radio-trouble")]
 pub use controller::{RadioParts, run_radio};
@@ -88,8 +88,12 @@ fn reset_reason() -> ResetReason {
     let reasons = pac::POWER.resetreas().read();
     // Bits stay set over resets until a one is written to them.
     pac::POWER.resetreas().write_value(reasons);
+    let end = previous_end();
     match reasons.0 {
         bits if bits & RESET_BY_WATCHDOG != 0 => ResetReason::Watchdog,
+        bits if bits & RESET_BY_SOFTWARE != 0 && end == End::StackOverflow => {
+            ResetReason::StackOverflow
+        }
         bits if bits & RESET_BY_SOFTWARE != 0 => ResetReason::Software,
         _ => ResetReason::Power,
     }
@@ -206,9 +210,10 @@ impl Watchdog {
     }
 }
 
-/// Sets every output to its safe level and logs a panic. Called with interrupts off.
-pub fn enter_safe_state(message: &dyn fmt::Display) {
+/// Sets every output to its safe level and logs a message. Called with interrupts off.
+pub fn enter_safe_state(message: &dyn fmt::Display, end: End) {
     set_outputs(PinState::SAFE);
+    keep_end(end);
     defmt::error!("{}", defmt::Display2Format(message));
     // 50 ms for a debug probe to read the message before the reset clears memory.
     cortex_m::asm::delay(3_200_000);

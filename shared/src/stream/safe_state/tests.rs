@@ -31,6 +31,7 @@ fn after_a_reset_the_state_is_safe_with_its_cause() {
     for (start, cause) in [
         (Start::Boot, Cause::Boot),
         (Start::Watchdog, Cause::Watchdog),
+        (Start::StackOverflow, Cause::StackOverflow),
     ] {
         let status = SafeState::new(start).status();
         assert_eq!(status.cause(), Some(cause));
