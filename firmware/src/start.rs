@@ -24,11 +24,13 @@ async fn main(spawner: Spawner) {
     stack_guard::start();
     // The outputs come first: from reset to here every pin floats.
     let board = board::start();
-    uart::enqueue(UartMessage::Started(board.reset_reason));
     spawn(&spawner, output::run(board.labels, board.pins));
     spawn(&spawner, watchdog::run(board.watchdog));
-    match inference::load(board.reset_reason) {
-        Ok(pipeline) => {
+    let loaded = inference::load(board.reset_reason);
+    let model = loaded.as_ref().ok().map(|(_, checksum)| *checksum);
+    uart::enqueue(UartMessage::Started(board.reset_reason, model));
+    match loaded {
+        Ok((pipeline, _)) => {
             spawn(&spawner, inference::run(pipeline, board.dead_man));
             spawn(&spawner, radio::run(spawner, board.radio));
         }

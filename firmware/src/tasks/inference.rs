@@ -33,21 +33,25 @@ const REPEAT: u32 = 2;
 /// From sample to report, for a model of any dimensions that the device has room for.
 pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
 
-/// The pipeline of the model in flash, before the first sample. To be called once.
+/// The pipeline of the model in flash, before the first sample, and the CRC-32 of its file. To be called once.
 ///
 /// # Errors
 /// Says why the model cannot be run.
 // Not inlined: its stack frame is released before anything else runs.
 #[inline(never)]
-pub fn load(reason: ResetReason) -> Result<&'static mut DevicePipeline, ModelRefused> {
+pub fn load(reason: ResetReason) -> Result<(&'static mut DevicePipeline, u32), ModelRefused> {
     static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
-    let model = Model::parse(model_region::bytes())?;
+    let bytes = model_region::bytes();
+    let model = Model::parse(bytes)?;
+    // The file ends with it.
+    let checksum = bytes[..model.length].last_chunk();
+    let checksum = checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes));
     let encoder = DeviceEncoder::new(&model)?;
     let settings = model.header.smoother.in_patches();
     let smoother = Smoother::new(settings, encoder.classes())?;
     let pipeline = || Pipeline::with_smoother(encoder, STATE.take(), smoother, start(reason));
     // In place: it is too large to pass through the stack.
-    Ok(PIPELINE.init_with(pipeline))
+    Ok((PIPELINE.init_with(pipeline), checksum))
 }
 
 fn start(reason: ResetReason) -> Start {
