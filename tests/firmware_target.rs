@@ -1,7 +1,7 @@
-//! Which targets the build script accepts.
+//! Which targets the build script of the firmware accepts.
 
 #[expect(dead_code, reason = "the build script's own entry point")]
-#[path = "../build.rs"]
+#[path = "../firmware/build.rs"]
 mod build;
 
 #[test]
