@@ -74,7 +74,7 @@ impl SoftdeviceLink {
             ticker.next().await;
             let found = self.connection.conn_params();
             let ours = found.max_conn_interval <= PARAMETERS.max_conn_interval
-                && found.slave_latency <= PARAMETERS.slave_latency;
+                && found.slave_latency == PARAMETERS.slave_latency;
             if !ours && left > 0 {
                 left -= 1;
                 defmt::warn!(
