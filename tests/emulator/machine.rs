@@ -38,6 +38,10 @@ pub enum Fault {
     InferenceLoops = 6,
     /// A function that calls itself without end.
     Recursion = 7,
+    /// The timer of all deadlines interrupts no more.
+    ClockStops = 8,
+    /// Nothing more is received from the Bluetooth controller.
+    RadioStops = 9,
 }
 
 /// Configuration words of the emulated board. A reset keeps them.

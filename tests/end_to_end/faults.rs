@@ -260,3 +260,51 @@ fn a_stream_that_comes_and_is_not_taken_is_ended_by_the_watchdog() -> anyhow::Re
     assert_eq!(restarted, Some(Cause::Watchdog), "{}", run.tails());
     Ok(())
 }
+
+#[test]
+fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "a_clock_that_stops_is_ended_by_the_watchdog";
+    let Some(run) = play(test, Fault::ClockStops)? else {
+        return Ok(());
+    };
+    run.check_restart("the watchdog", Cause::Watchdog);
+    Ok(())
+}
+
+#[test]
+fn a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute() -> anyhow::Result<()> {
+    let test = "a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    // Real time: the minute is the guest's.
+    let mut run = bench.start(&Scenario {
+        model: &super::model(),
+        samples: &vec![[1; 8]; 4000],
+        time_scale: 1,
+        pace: 1.0,
+        fault: Some(Fault::RadioStops),
+        script: json!([]),
+        arguments: Vec::new(),
+    })?;
+    run.wait_for("a restart", |run| {
+        run.comments()
+            .iter()
+            .any(|comment| comment.ends_with("started by the watchdog"))
+    })?;
+    let fault = run.faults_us()[0];
+    let after = pins(&run)[0].clone();
+    let after: Vec<_> = after.iter().filter(|pins| pins.at_us > fault).collect();
+    let fell = after
+        .iter()
+        .find(|pins| !pins.valid)
+        .map(|pins| pins.at_us - fault);
+    assert!(
+        fell.is_some_and(|after_us| after_us <= SAFE_WITHIN_US),
+        "{fell:?} us after the fault\n{}",
+        run.tails()
+    );
+    let stays = after.iter().skip_while(|pins| pins.valid);
+    assert!(stays.clone().count() > 0 && stays.into_iter().all(|pins| is_safe(pins)));
+    Ok(())
+}

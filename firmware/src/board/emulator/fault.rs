@@ -43,6 +43,8 @@ pub async fn inject(line: &[u8]) {
         Fault::InterruptStorm => NVIC::pend(Irq::Storm),
         Fault::InferenceLoops => {}
         Fault::Recursion => drop(recurse(0)),
+        Fault::ClockStops => NVIC::mask(Irq::Alarm),
+        Fault::RadioStops => NVIC::mask(Irq::HciReceive),
         Fault::Panic => panic!("injected panic"),
         Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }

@@ -17,6 +17,10 @@ pub enum Fault {
     InferenceLoops,
     /// A function that calls itself without end.
     Recursion,
+    /// The timer of all deadlines interrupts no more.
+    ClockStops,
+    /// Nothing more is received from the Bluetooth controller.
+    RadioStops,
 }
 
 /// How many times slower than real time the clock runs, 1 if nothing was set.
@@ -38,6 +42,8 @@ pub fn fault() -> Option<Fault> {
         5 => Some(Fault::InterruptStorm),
         6 => Some(Fault::InferenceLoops),
         7 => Some(Fault::Recursion),
+        8 => Some(Fault::ClockStops),
+        9 => Some(Fault::RadioStops),
         _ => None,
     }
 }
