@@ -5,7 +5,10 @@
 
 use core::cell::{Cell, RefCell};
 
-use embassy_futures::select::{Either, select};
+use embassy_futures::{
+    select::{Either, select},
+    yield_now,
+};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Ticker};
 use shared::myo::{Action, Discovery, Event, MyoSession, Phase, Progress};
@@ -70,7 +73,7 @@ impl<'q> SessionDriver<'q> {
                         self.disconnect.reset();
                         self.streaming.reset();
                         self.connected.set(false);
-                        select(radio.connect(address, self), self.disconnect.wait()).await;
+                        select(radio.connect(address, self), self.disconnect_requested()).await;
                         self.handle(if self.connected.get() {
                             Event::Disconnected
                         } else {
@@ -83,6 +86,15 @@ impl<'q> SessionDriver<'q> {
             }
         })
         .await;
+    }
+
+    /// Waits for the session's request; then the stack's task runs before the connection is dropped.
+    ///
+    /// nrf-softdevice 0.1 panics if it disconnects a link that has ended by itself. After its task has run, it
+    /// knows of every end that the SoftDevice has reported.
+    async fn disconnect_requested(&self) {
+        self.disconnect.wait().await;
+        yield_now().await;
     }
 
     async fn tick(&self) {

@@ -4,8 +4,8 @@
 //! inference --clear--> TIMER1 --compare--> PPI channels 0 to 3 --> GPIOTE: every label pin, `valid`
 //! ```
 //!
-//! The SoftDevices and the controller library use TIMER0, RTC0 and the PPI channels 17 to 31; all of these are
-//! free (S132 and S140 specifications, hardware peripherals). The timer is fed by the high-frequency clock, the
+//! The SoftDevices and the controller library take TIMER0, RTC0 and the PPI channels 17 to 31 and leave what is used
+//! here (S132 and S140 specifications, hardware peripherals). The timer is fed by the high-frequency clock, the
 //! watchdog by the low-frequency one: no clock fails both. The running timer keeps that clock running.
 
 use embassy_nrf::{
