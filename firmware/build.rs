@@ -1,16 +1,25 @@
 //! Passes the linker the memory map of the workspace root, which of its regions are FLASH and RAM, and
-//! the scripts of the runtime.
+//! the scripts of the runtime; refuses targets that the program is too slow on; fixes the revision of the source.
 //!
 //! Not in `.cargo/config.toml`: flags there apply to every crate built for the target, and `RUSTFLAGS`
 //! in the environment replaces them silently. One map for all images, because the linker looks for
 //! `memory.x` first in the folder that cargo was started in.
 
-use std::{env, error::Error, fs, path::PathBuf};
+use std::{env, error::Error, fs, path::PathBuf, process::Command};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=../memory.x");
+    println!("cargo:rustc-env=MYOINTENT_REVISION={}", revision());
     if env::var("CARGO_CFG_TARGET_OS")? != "none" {
         return Ok(());
+    }
+    let target = env::var("TARGET")?;
+    if !has_fpu_and_dsp(&target) {
+        let error = format!(
+            "{target} has no FPU or no DSP instructions for this program, and a patch would take longer than it \
+             lasts: build for thumbv7em-none-eabihf"
+        );
+        return Err(error.into());
     }
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let (flash, ram) = regions();
@@ -40,6 +49,46 @@ fn main() -> Result<(), Box<dyn Error>> {
         fs::write(out.join("device.x"), "")?;
     }
     Ok(())
+}
+
+/// Whether the kernels for the Cortex-M4F run; `shared` decides by the same name.
+pub(crate) fn has_fpu_and_dsp(target: &str) -> bool {
+    target.starts_with("thumbv7em-") && target.ends_with("eabihf")
+}
+
+/// The commit, with `-dirty` if tracked files differ from it; `unknown` outside a repository.
+fn revision() -> String {
+    for watched in ["src", "../shared/src"] {
+        println!("cargo:rerun-if-changed={watched}");
+    }
+    for name in ["HEAD", "logs/HEAD"] {
+        if let Some(path) =
+            git(&["rev-parse", "--git-path", name]).filter(|path| fs::exists(path).unwrap_or(false))
+        {
+            println!("cargo:rerun-if-changed={path}");
+        }
+    }
+    let describe = [
+        "--no-optional-locks",
+        "describe",
+        "--always",
+        "--abbrev=12",
+        "--dirty",
+        "--exclude=*",
+    ];
+    git(&describe).unwrap_or_else(|| "unknown".to_owned())
+}
+
+/// What git prints in this package's folder; none if it fails.
+fn git(arguments: &[&str]) -> Option<String> {
+    let folder = env::var_os("CARGO_MANIFEST_DIR")?;
+    let output = Command::new("git")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .ok()?;
+    let text = String::from_utf8(output.stdout).ok()?.trim().to_owned();
+    (output.status.success() && !text.is_empty()).then_some(text)
 }
 
 /// Interrupts that the two register crates name differently, under both names.

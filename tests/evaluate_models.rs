@@ -166,6 +166,32 @@ fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
 }
 
 #[test]
+fn lost_notifications_repeat_the_sample_before_them() {
+    let folder = folder("evaluate-losses");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    let with = |lost_percent| {
+        let selection = Selection {
+            lost_percent,
+            ..Selection::default()
+        };
+        evaluated(&folder, &file, &selection)
+    };
+    let (whole, half, again) = (with(0), with(50), with(50));
+    assert_eq!(half.trials[0].raw, again.trials[0].raw);
+    assert_eq!(half.trials[0].published, whole.trials[0].published);
+    assert_ne!(whole.candidates[0].logits, half.candidates[0].logits);
+    let pairs = whole.trials[0]
+        .raw
+        .chunks(2)
+        .zip(half.trials[0].raw.chunks(2));
+    let lost = pairs.filter(|(sent, received)| sent != received).count();
+    let share = lost as f64 / (whole.trials[0].raw.len() / 2) as f64;
+    assert!((0.45..0.55).contains(&share), "{share}");
+}
+
+#[test]
 fn json_names_models_people_and_scores() {
     let folder = folder("evaluate-json");
     recordings(&folder);

@@ -10,6 +10,7 @@
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
 //! messages        what the tasks send each other
 //! model_region    the model in flash
+//! stack_guard     memory below the stack that nothing may access
 //! settings, clock, reset_reason
 //! ```
 #![cfg_attr(target_os = "none", no_std)]
@@ -32,6 +33,8 @@ mod radio;
 mod reset_reason;
 #[cfg(target_os = "none")]
 mod settings;
+#[cfg(target_os = "none")]
+mod stack_guard;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]

@@ -12,6 +12,14 @@ const EMG: EmgMode = EmgMode::Filtered;
 /// Milliseconds without a heartbeat of one task after which the board restarts.
 pub const WATCHDOG_MS: u32 = 2000;
 
+/// Milliseconds without progress of the inference after which hardware clears the pins.
+///
+/// More than the 200 ms of silence, which the program handles itself. Less than 250 ms by the 8 % that the
+/// high-frequency clock of an nRF52 may be slow without its crystal (product specifications, HFINT).
+pub const DEAD_MAN_MS: u32 = 225;
+const _: () = assert!(DEAD_MAN_MS * 92 / 100 > shared::stream::safe_state::SILENCE_MS);
+const _: () = assert!(DEAD_MAN_MS * 108 / 100 < 250);
+
 /// Settings of the Myo session.
 pub const SESSION: Settings = Settings {
     pinned: match ARMBAND {

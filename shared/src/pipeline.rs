@@ -13,7 +13,7 @@
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::stream::preprocess::Preprocessor;
-use crate::stream::ring::SampleRing;
+use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Settings, SettingsError, Smoother};
 use crate::uart_line::{Counters, Kind, Report};
@@ -21,6 +21,9 @@ use crate::units::{LOOK_BACK, Millis, Sample, SampleIndex};
 
 /// Most consecutive lost samples that are filled in, by repeating the last sample before them.
 const MAX_BRIDGED: u32 = 5;
+
+/// Most samples of a window of 600 that are filled in: 10 %. What that costs was measured: docs/decisions.md.
+const MAX_BRIDGED_OF_WINDOW: u32 = 60;
 
 /// Reports of one input, in order: at most a change of state and a label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -105,25 +108,28 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn sample(&mut self, now: Millis, sample: Sample) -> Reports {
         let mut reports = self.tick(now);
         self.handle(now, Event::Sample, &mut reports);
-        self.process(now, sample, &mut reports);
+        self.process(now, sample, Origin::Received, &mut reports);
         reports
     }
 
-    /// Samples are missing before the next one: up to 5 are filled in, more reset the window.
+    /// Samples are missing before the next one: up to 5 are filled in, more reset the window. So do fewer
+    /// with which more than 60 of the window's 600 samples would have been filled in.
     pub fn gap(&mut self, now: Millis, missing: u32) -> Reports {
         let mut reports = self.tick(now);
         self.counters.lost = self.counters.lost.saturating_add(missing);
         match self.last {
-            Some(last) if missing <= MAX_BRIDGED => {
+            Some(last) if self.may_be_bridged(missing) => {
                 self.counters.bridged = self.counters.bridged.saturating_add(missing);
                 for _ in 0..missing {
-                    self.process(now, last, &mut reports);
+                    self.process(now, last, Origin::Bridged, &mut reports);
                 }
             }
             Some(_) => {
                 self.next = self.next.plus(missing);
                 self.reset_window();
-                self.handle(now, Event::Gap, &mut reports);
+                let short = missing <= MAX_BRIDGED;
+                let event = if short { Event::Losses } else { Event::Gap };
+                self.handle(now, event, &mut reports);
             }
             // No sample since the last reset: the window is empty.
             None => self.next = self.next.plus(missing),
@@ -136,6 +142,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let mut reports = Reports::default();
         self.reset_window();
         self.handle(now, Event::Disconnected, &mut reports);
+        reports
+    }
+
+    /// The dead-man timer has expired, and the pins are safe: whatever was computed in time was not shown in time.
+    pub fn stalled(&mut self, now: Millis) -> Reports {
+        let mut reports = Reports::default();
+        self.reset_window();
+        self.handle(now, Event::Stalled, &mut reports);
         reports
     }
 
@@ -167,8 +181,13 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.report(Kind::State, newest, newest)
     }
 
+    /// Whether a gap is short, and the window within its quota with it.
+    const fn may_be_bridged(&self, missing: u32) -> bool {
+        missing <= MAX_BRIDGED && self.ring.bridged() + missing <= MAX_BRIDGED_OF_WINDOW
+    }
+
     /// Passes one sample, received or filled in, through all steps.
-    fn process(&mut self, now: Millis, sample: Sample, reports: &mut Reports) {
+    fn process(&mut self, now: Millis, sample: Sample, origin: Origin, reports: &mut Reports) {
         let emitted = self.next;
         self.next = emitted.plus(1);
         self.last = Some(sample);
@@ -177,7 +196,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         };
         // The median lags one sample.
         let window_end = SampleIndex(emitted.0.wrapping_sub(1));
-        let Some(patch) = self.ring.push(clean) else {
+        let Some(patch) = self.ring.push(clean, origin) else {
             return;
         };
         let rows = self.encoder.step(self.state, patch);

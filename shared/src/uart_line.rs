@@ -10,8 +10,8 @@
 //! emitted  = number                 index of the newest sample received by then
 //! label    = "relax" | "open" | "close" | "wave-in" | "wave-out" | "pinch"
 //! valid    = "1" | "0"              level of the `valid` pin; with 0 the label is relax
-//! cause    = "-" with valid 1, else "boot" | "watchdog" | "model-refused" | "disconnected"
-//!            | "silence" | "gap"    cause of the safe state
+//! cause    = "-" with valid 1, else "boot" | "watchdog" | "stack" | "model-refused" | "disconnected"
+//!            | "silence" | "gap" | "losses" | "stalled"      cause of the safe state
 //! lost     = number                 samples lost since the start
 //! bridged  = number                 lost samples that were filled in since the start
 //! resets   = number                 resets of the window since the start

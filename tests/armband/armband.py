@@ -15,7 +15,7 @@ from bumble.transport.common import AsyncPipeSink
 
 from commands import CommandError, Settings
 from event_log import EventLog
-from gatt_table import BATTERY_LEVEL, CONTROL_SERVICE, EMG_DATA, GattTable, Values, vendor_uuid
+from gatt_table import BATTERY_LEVEL, CONTROL_SERVICE, EMG_DATA, FV_DATA, GattTable, Values, vendor_uuid
 from misbehaviour import Impairer, Packet, Script, Step
 from radio import Radio
 from stream import Recording, Schedule
@@ -112,6 +112,8 @@ class Armband:
             return
         self._log.write("connected")
         self._connection = connection
+        if self._options.script.chatter_ms is not None:
+            self._spawn(self._chatter(connection, self._options.script.chatter_ms / 1000))
         self._advertise_after = 0.0
         self._plan_sleep()
 
@@ -145,6 +147,13 @@ class Armband:
     def _sleep(self) -> None:
         self._log.write("asleep")
         self._disconnect(HUNG_UP, self._options.wake_after)
+
+    async def _chatter(self, connection: Connection, period: float) -> None:
+        """Notifies without a subscription until the connection streams or ends."""
+        while self._connection is connection and self._streaming is None:
+            self._send(Packet(FV_DATA, bytes(16)))
+            self._log.write("chatter")
+            await asyncio.sleep(period)
 
     # What the central writes
 

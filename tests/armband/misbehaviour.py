@@ -14,6 +14,8 @@
     {"do": "sleep", "at": 100, "for_ms": 500}    the same, but the armband ends the connection
     {"do": "battery", "at": 100, "percent": 5}   the battery level falls; subscribers are notified
     {"do": "refuse", "count": 2}                 the first two connections are closed at once
+    {"do": "chatter", "ms": 5}                   from every connection to its stream, a notification without
+                                                 subscription every 5 ms
 
 `at` counts the notifications of the recording from 0, sent or not, over all connections.
 Milliseconds are real time.
@@ -39,6 +41,7 @@ _FIELDS: dict[str, dict[str, Any]] = {
     "sleep": {"at": None, "for_ms": 1000},
     "battery": {"at": None, "percent": None},
     "refuse": {"count": None},
+    "chatter": {"ms": None},
 }
 # Steps that change packets; the others are actions of the armband.
 _IMPAIRMENTS = ("drop", "duplicate", "swap", "corrupt")
@@ -82,7 +85,10 @@ class Script:
             raise ScriptError("expected a list of steps")
         steps = [Step.parse(entry) for entry in entries]
         self.refusals = sum(step.fields["count"] for step in steps if step.do == "refuse")
-        self._actions = [step for step in steps if step.do not in (*_IMPAIRMENTS, "refuse")]
+        chatter = [step.fields["ms"] for step in steps if step.do == "chatter"]
+        self.chatter_ms = chatter[0] if chatter else None
+        others = (*_IMPAIRMENTS, "refuse", "chatter")
+        self._actions = [step for step in steps if step.do not in others]
         self._impairments: dict[int, Step] = {}
         for step in (step for step in steps if step.do in _IMPAIRMENTS):
             first = step.fields["at"]

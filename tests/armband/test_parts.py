@@ -67,6 +67,14 @@ class ScriptTest(unittest.TestCase):
         script = Script([{"do": "refuse", "count": 2}, {"do": "refuse", "count": 1}])
         self.assertEqual(script.refusals, 3)
 
+    def test_chatter_has_a_period_and_is_no_action_of_the_stream(self):
+        script = Script([{"do": "chatter", "ms": 5}])
+        self.assertEqual(script.chatter_ms, 5)
+        self.assertIsNone(script.take_action(0))
+        self.assertIsNone(Script([]).chatter_ms)
+        with self.assertRaises(ScriptError):
+            Script([{"do": "chatter"}])
+
 
 class ImpairerTest(unittest.TestCase):
     def test_a_swap_does_not_outlast_the_link(self):

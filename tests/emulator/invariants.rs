@@ -11,6 +11,9 @@ use super::{Pins, Run};
 /// From the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
 
+/// The same where a fault keeps the program from it.
+const SAFE_BY_HARDWARE_WITHIN_US: u32 = 250_000;
+
 impl Run {
     /// What must hold in every run, whatever happened in it.
     ///
@@ -63,8 +66,13 @@ impl Run {
         if let Some(high) = pins.iter().find(high) {
             return Some(format!("not valid, and yet not relax: {high:?}"));
         }
+        let within = if self.may_restart {
+            SAFE_BY_HARDWARE_WITHIN_US
+        } else {
+            SAFE_WITHIN_US
+        };
         let late = |pair: &&[Pins]| {
-            pair[0].valid && !pair[1].valid && pair[1].since_last_byte_us() > SAFE_WITHIN_US
+            pair[0].valid && !pair[1].valid && pair[1].since_last_byte_us() > within
         };
         let late = pins.windows(2).find(late)?;
         Some(format!("valid for too long after the last byte: {late:?}"))

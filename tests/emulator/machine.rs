@@ -30,6 +30,18 @@ pub enum Fault {
     Panic = 2,
     /// An undefined instruction.
     HardFault = 3,
+    /// A task loops and never returns to the executor.
+    ExecutorStops = 4,
+    /// An interrupt that is pending again whenever it was handled.
+    InterruptStorm = 5,
+    /// The inference loops and never returns.
+    InferenceLoops = 6,
+    /// A function that calls itself without end.
+    Recursion = 7,
+    /// The timer of all deadlines interrupts no more.
+    ClockStops = 8,
+    /// Nothing more is received from the Bluetooth controller.
+    RadioStops = 9,
 }
 
 /// Configuration words of the emulated board. A reset keeps them.

@@ -99,6 +99,15 @@ impl Run {
             .unwrap_or(0)
     }
 
+    /// When the faults were injected, by the guest's clock, in microseconds.
+    #[must_use]
+    pub fn faults_us(&self) -> Vec<u32> {
+        let text = self.file(machine::PINS);
+        let lines = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
+        let times = lines.filter_map(|line| line.strip_prefix("FAULT "));
+        times.filter_map(|us| us.trim_end().parse().ok()).collect()
+    }
+
     fn file(&self, name: &str) -> String {
         // A file that does not exist yet is empty.
         let bytes = std::fs::read(self.folder.path().join(name)).unwrap_or_default();

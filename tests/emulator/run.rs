@@ -78,6 +78,11 @@ impl Run {
         Ok(run)
     }
 
+    /// From here on [`Run::check`] accepts that the board restarts.
+    pub fn expect_restart(&mut self) {
+        self.may_restart = true;
+    }
+
     fn new(board: &Board, may_restart: bool) -> anyhow::Result<Self> {
         Ok(Self {
             machine: None,

@@ -12,6 +12,8 @@ const TIME_SCALE: u32 = 3;
 const PACE: f64 = 3.0;
 /// End of the program's flash region.
 const FLASH_END: u32 = 0x5_8000;
+/// From a fault to safe pins, without any help of the program.
+const SAFE_WITHIN_US: u32 = 250_000;
 
 /// Streams a synthetic signal until the board has restarted and receives a stream again.
 ///
@@ -43,6 +45,7 @@ fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Restarted>> {
         pins: pins(&run),
         reports: run.reports_by_start()?,
         comments: run.comments(),
+        faults_us: run.faults_us(),
         tails: run.tails(),
     }))
 }
@@ -61,6 +64,7 @@ struct Restarted {
     /// By start.
     reports: Vec<Vec<Report>>,
     comments: Vec<String>,
+    faults_us: Vec<u32>,
     tails: String,
 }
 
@@ -84,6 +88,22 @@ impl Restarted {
             streams > 0 && pins[..streams].iter().all(is_safe),
             "{tails}"
         );
+    }
+
+    /// The pins of the first run were valid when the fault was injected, safe in time after it, and stayed so.
+    fn safe_in_time(&self) {
+        let fault = self.faults_us[0];
+        let before = self.pins[0].iter().rfind(|pins| pins.at_us <= fault);
+        assert!(before.is_some_and(|pins| pins.valid), "{}", self.tails);
+        let after = self.pins[0].iter().filter(|pins| pins.at_us > fault);
+        let after: Vec<_> = after.skip_while(|pins| pins.valid).collect();
+        let fell = after.first().map(|pins| pins.at_us - fault);
+        assert!(
+            fell.is_some_and(|after_us| after_us <= SAFE_WITHIN_US),
+            "{fell:?} us after the fault\n{}",
+            self.tails
+        );
+        assert!(after.into_iter().all(is_safe), "{}", self.tails);
     }
 
     /// The first run of the program ended with a label cleared; gives the panic's message.
@@ -154,5 +174,137 @@ fn a_hard_fault_is_a_panic_with_its_address() -> anyhow::Result<()> {
         "{message}"
     );
     run.check_restart("software", Cause::Boot);
+    Ok(())
+}
+
+#[test]
+fn a_stuck_executor_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "a_stuck_executor_is_safe_within_250_ms_and_ended_by_the_watchdog";
+    let Some(run) = play(test, Fault::ExecutorStops)? else {
+        return Ok(());
+    };
+    run.safe_in_time();
+    run.check_restart("the watchdog", Cause::Watchdog);
+    Ok(())
+}
+
+#[test]
+fn a_stack_overflow_clears_the_label_and_restarts_with_its_own_cause() -> anyhow::Result<()> {
+    let test = "a_stack_overflow_clears_the_label_and_restarts_with_its_own_cause";
+    let Some(run) = play(test, Fault::Recursion)? else {
+        return Ok(());
+    };
+    run.safe_in_time();
+    let message = run.comments.iter().any(|c| c == "# stack overflow");
+    assert!(message, "{}", run.tails);
+    let restarted = run
+        .comments
+        .iter()
+        .any(|c| c.ends_with(", started by a stack overflow"));
+    assert!(restarted, "{}", run.tails);
+    run.check_restart("a stack overflow", Cause::StackOverflow);
+    Ok(())
+}
+
+#[test]
+fn an_inference_in_a_loop_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "an_inference_in_a_loop_is_safe_within_250_ms_and_ended_by_the_watchdog";
+    let Some(run) = play(test, Fault::InferenceLoops)? else {
+        return Ok(());
+    };
+    run.safe_in_time();
+    run.check_restart("the watchdog", Cause::Watchdog);
+    Ok(())
+}
+
+#[test]
+fn an_interrupt_storm_is_safe_within_250_ms_and_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "an_interrupt_storm_is_safe_within_250_ms_and_ended_by_the_watchdog";
+    let Some(run) = play(test, Fault::InterruptStorm)? else {
+        return Ok(());
+    };
+    run.safe_in_time();
+    run.check_restart("the watchdog", Cause::Watchdog);
+    Ok(())
+}
+
+#[test]
+fn a_stream_that_comes_and_is_not_taken_is_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "a_stream_that_comes_and_is_not_taken_is_ended_by_the_watchdog";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    // Every notification from the 400th on is a PDU that the Bluetooth stack discards.
+    let script: Vec<_> = (400..6000)
+        .map(|at| json!({"do": "corrupt", "at": at, "kind": "garbage"}))
+        .collect();
+    let mut run = bench.start(&Scenario {
+        model: &super::model(),
+        samples: &vec![[1; 8]; 12_000],
+        time_scale: TIME_SCALE,
+        pace: 1.0,
+        fault: None,
+        script: script.into(),
+        arguments: Vec::new(),
+    })?;
+    run.expect_restart();
+    run.wait_for("a restart", |run| {
+        let starts = run.reports_by_start();
+        starts.is_ok_and(|starts| starts.len() > 1 && !starts[1].is_empty())
+    })?;
+    run.check()?;
+    let starts = run.reports_by_start()?;
+    let last = starts[0].last().expect("reports");
+    assert!(!last.status.valid(), "{}", run.tails());
+    let restarted = starts[1][0].status.cause();
+    assert_eq!(restarted, Some(Cause::Watchdog), "{}", run.tails());
+    Ok(())
+}
+
+#[test]
+fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
+    let test = "a_clock_that_stops_is_ended_by_the_watchdog";
+    let Some(run) = play(test, Fault::ClockStops)? else {
+        return Ok(());
+    };
+    run.check_restart("the watchdog", Cause::Watchdog);
+    Ok(())
+}
+
+#[test]
+fn a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute() -> anyhow::Result<()> {
+    let test = "a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    // Real time: the minute is the guest's.
+    let mut run = bench.start(&Scenario {
+        model: &super::model(),
+        samples: &vec![[1; 8]; 4000],
+        time_scale: 1,
+        pace: 1.0,
+        fault: Some(Fault::RadioStops),
+        script: json!([]),
+        arguments: Vec::new(),
+    })?;
+    run.wait_for("a restart", |run| {
+        run.comments()
+            .iter()
+            .any(|comment| comment.ends_with("started by the watchdog"))
+    })?;
+    let fault = run.faults_us()[0];
+    let after = pins(&run)[0].clone();
+    let after: Vec<_> = after.iter().filter(|pins| pins.at_us > fault).collect();
+    let fell = after
+        .iter()
+        .find(|pins| !pins.valid)
+        .map(|pins| pins.at_us - fault);
+    assert!(
+        fell.is_some_and(|after_us| after_us <= SAFE_WITHIN_US),
+        "{fell:?} us after the fault\n{}",
+        run.tails()
+    );
+    let stays = after.iter().skip_while(|pins| pins.valid);
+    assert!(stays.clone().count() > 0 && stays.into_iter().all(|pins| is_safe(pins)));
     Ok(())
 }

@@ -91,6 +91,32 @@ fn recovers_with_a_full_window(reports: &[Report], cause: Cause) {
 }
 
 #[test]
+fn more_short_gaps_than_a_window_may_have_drop_valid() -> anyhow::Result<()> {
+    let test = "more_short_gaps_than_a_window_may_have_drop_valid";
+    let Some((bench, model, samples)) = prepare(test, 12) else {
+        return Ok(());
+    };
+    // Every fourth notification for 1.2 s: at the end 31 gaps of two samples, where 30 may be bridged.
+    let lost: Vec<usize> = (400..524).step_by(4).collect();
+    let steps = lost
+        .iter()
+        .map(|at| json!({"do": "drop", "at": at, "count": 1}));
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, steps.collect())?;
+    let mut inputs = vec![of(&samples, 0, lost[0])];
+    for (place, at) in lost.iter().enumerate() {
+        let next = lost.get(place + 1).copied().unwrap_or(samples.len() / 2);
+        inputs.extend([Input::Gap(2), of(&samples, at + 1, next)]);
+    }
+    inputs.push(Input::Disconnected);
+    compare(&mut run, &expected_lines(&model, &inputs)?)?;
+    let reports = run.reports()?;
+    let last = reports.last().expect("lines").counters;
+    assert_eq!((last.lost, last.bridged, last.resets), (62, 60, 2));
+    recovers_with_a_full_window(&reports, Cause::Losses);
+    Ok(())
+}
+
+#[test]
 fn duplicates_swaps_long_values_and_delays_change_no_line() -> anyhow::Result<()> {
     let test = "duplicates_swaps_long_values_and_delays_change_no_line";
     let Some((bench, model, samples)) = prepare(test, 6) else {
@@ -172,6 +198,20 @@ fn a_lost_link_and_a_sleeping_armband_are_reconnected() -> anyhow::Result<()> {
     let levels: Vec<bool> = pins.iter().map(|pins| pins.valid).collect();
     let rises = levels.windows(2).filter(|pair| !pair[0] && pair[1]).count();
     assert_eq!(rises, 3, "{}", run.tails());
+    Ok(())
+}
+
+#[test]
+fn notifications_during_discovery_change_no_line() -> anyhow::Result<()> {
+    let test = "notifications_during_discovery_change_no_line";
+    let Some((bench, model, samples)) = prepare(test, 4) else {
+        return Ok(());
+    };
+    let script = json!([{"do": "chatter", "ms": 5}]);
+    let mut run = play(&bench, &model, &samples, TIME_SCALE, script)?;
+    let expected = expected_lines(&model, &[Input::Samples(&samples), Input::Disconnected])?;
+    compare(&mut run, &expected)?;
+    assert!(run.event_count("chatter") > 3, "{}", run.tails());
     Ok(())
 }
 

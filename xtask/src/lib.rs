@@ -16,6 +16,7 @@ mod pages;
 pub mod qemu;
 pub mod size;
 pub mod stack;
+pub mod symbols;
 pub mod toolchain;
 pub mod vectors;
 

@@ -1,7 +1,7 @@
 //! The hardware: pins, clocks, UART, watchdog, Bluetooth controller. No decisions.
 //!
 //! Every board has the same items: `start`, which takes the peripherals and sets all outputs to
-//! their safe levels; [`Pins`], [`LabelPort`] and [`Watchdog`], which drive them; `run_radio`, which
+//! their safe levels; [`Pins`], [`LabelPort`], [`Watchdog`] and [`DeadMan`], which drive them; `run_radio`, which
 //! starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic.
 
 #[cfg(feature = "emulator")]
@@ -10,9 +10,13 @@ mod emulator;
 mod nrf52;
 
 #[cfg(feature = "emulator")]
-pub use emulator::{LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start};
+pub use emulator::{
+    DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
+};
 #[cfg(feature = "chip")]
-pub use nrf52::{LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start};
+pub use nrf52::{
+    DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
+};
 
 use crate::reset_reason::ResetReason;
 
@@ -26,6 +30,8 @@ pub struct Board {
     pub radio: RadioParts,
     /// Runs already.
     pub watchdog: Watchdog,
+    /// Makes the pins safe without the program, from its first clearing on.
+    pub dead_man: DeadMan,
     /// Why the program started.
     pub reset_reason: ResetReason,
 }

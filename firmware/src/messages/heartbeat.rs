@@ -9,11 +9,11 @@ use crate::settings::WATCHDOG_MS;
 /// The longest time that a task may wait without a beat.
 pub const PERIOD: Duration = Duration::from_millis(WATCHDOG_MS as u64 / 4);
 
-/// Beats while the Myo session receives its ticks.
+/// Beats while the session shows [progress](shared::myo::Progress).
 pub static RADIO: Heartbeat = Heartbeat::new();
-/// Beats while packets are taken from their queue.
+/// Beats while packets pass the pipeline, or none wait.
 pub static INFERENCE: Heartbeat = Heartbeat::new();
-/// Beats while UART messages are taken from their queue.
+/// Beats while the UART takes lines, or none wait.
 pub static OUTPUT: Heartbeat = Heartbeat::new();
 
 /// Evidence that one task makes progress.

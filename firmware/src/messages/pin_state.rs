@@ -27,6 +27,9 @@ impl PinState {
 
 static STATE: Mutex<CriticalSectionRawMutex, Cell<PinState>> =
     Mutex::new(Cell::new(PinState::SAFE));
+/// The state that was set last.
+static SHOWN: Mutex<CriticalSectionRawMutex, Cell<PinState>> =
+    Mutex::new(Cell::new(PinState::SAFE));
 static CHANGED: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// Sets label and `valid`.
@@ -54,6 +57,16 @@ fn update(change: impl FnOnce(&mut PinState)) {
 /// The newest state.
 pub fn current() -> PinState {
     STATE.lock(Cell::get)
+}
+
+/// The pins show this state.
+pub fn set_shown(state: PinState) {
+    SHOWN.lock(|cell| cell.set(state));
+}
+
+/// Whether the pins show the newest state.
+pub fn is_shown() -> bool {
+    SHOWN.lock(Cell::get) == current()
 }
 
 /// Waits until the state changed since the last wait.

@@ -38,6 +38,11 @@ impl<T, const N: usize> Queue<T, N> {
         self.entries.receive().await
     }
 
+    /// Whether no entry waits.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     /// Entries dropped since the start; wraps.
     pub fn dropped(&self) -> u32 {
         self.dropped.load(Ordering::Relaxed)

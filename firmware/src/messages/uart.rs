@@ -14,8 +14,8 @@ use crate::reset_reason::ResetReason;
 pub enum UartMessage {
     /// A label, or a change of state.
     Report(Report),
-    /// The program started.
-    Started(ResetReason),
+    /// The program started; the CRC-32 of its model file, if it can be run.
+    Started(ResetReason, Option<u32>),
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
     /// An armband streams.
@@ -39,6 +39,19 @@ pub struct Armband {
     pub battery: Option<u8>,
 }
 
+/// The image, by the name that `cargo xtask images` gives it.
+const IMAGE: &str = match (
+    cfg!(feature = "emulator"),
+    cfg!(feature = "nrf52832"),
+    cfg!(feature = "radio-trouble"),
+) {
+    (true, ..) => "emulator",
+    (_, true, true) => "nrf52832-sdc",
+    (_, true, false) => "nrf52832-s132",
+    (_, false, true) => "nrf52840-sdc",
+    (_, false, false) => "nrf52840-s140",
+};
+
 /// Bytes of the longest comment: all counters of a stream.
 const MAX_BYTES: usize = 256;
 
@@ -47,6 +60,11 @@ static MESSAGES: Queue<UartMessage, 16> = Queue::new();
 /// Queues a message; where the queue is full, the oldest is dropped.
 pub fn enqueue(message: UartMessage) {
     MESSAGES.push(message);
+}
+
+/// Whether no message waits.
+pub fn is_idle() -> bool {
+    MESSAGES.is_empty()
 }
 
 /// Waits for the oldest message.
@@ -72,12 +90,18 @@ impl UartMessage {
     fn write(self, line: &mut Line) -> fmt::Result {
         match self {
             Self::Report(report) => write!(line, "{report}"),
-            Self::Started(reason) => write!(
-                line,
-                "# myointent {}, started by {}\r\n",
-                env!("CARGO_PKG_VERSION"),
-                reason.name()
-            ),
+            Self::Started(reason, model) => {
+                let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("MYOINTENT_REVISION"));
+                write!(
+                    line,
+                    "# myointent {version} {revision}, image {IMAGE}, model "
+                )?;
+                match model {
+                    Some(checksum) => write!(line, "{checksum:08x}")?,
+                    None => line.write_str("refused")?,
+                }
+                write!(line, ", started by {}\r\n", reason.name())
+            }
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
             Self::Armband(armband) => write!(line, "# {armband}\r\n"),
             Self::StreamEnded(counters) => write_counters(line, counters),

@@ -5,10 +5,13 @@
 
 use core::cell::{Cell, RefCell};
 
-use embassy_futures::select::{Either, select};
+use embassy_futures::{
+    select::{Either, select},
+    yield_now,
+};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{Action, Event, MyoSession, Phase};
+use shared::myo::{Action, Discovery, Event, MyoSession, Phase, Progress};
 use shared::stream::link_sequence::Sequencer;
 
 use super::{
@@ -23,6 +26,8 @@ const TICK: Duration = Duration::from_millis(50);
 /// The session, and what connects it to the stack and to the inference.
 pub struct SessionDriver<'q> {
     session: RefCell<MyoSession>,
+    /// What the watchdog is fed on.
+    progress: Cell<Progress>,
     sequencer: RefCell<Sequencer>,
     packets: &'q Packets,
     /// Actions for the stack, in order. The session has at most one operation outstanding, and may
@@ -46,6 +51,7 @@ impl<'q> SessionDriver<'q> {
     ) -> Self {
         Self {
             session: RefCell::new(session),
+            progress: Cell::new(Progress::new()),
             sequencer: RefCell::new(Sequencer::new()),
             packets,
             operations: Channel::new(),
@@ -67,7 +73,7 @@ impl<'q> SessionDriver<'q> {
                         self.disconnect.reset();
                         self.streaming.reset();
                         self.connected.set(false);
-                        select(radio.connect(address, self), self.disconnect.wait()).await;
+                        select(radio.connect(address, self), self.disconnect_requested()).await;
                         self.handle(if self.connected.get() {
                             Event::Disconnected
                         } else {
@@ -82,11 +88,22 @@ impl<'q> SessionDriver<'q> {
         .await;
     }
 
+    /// Waits for the session's request; then the stack's task runs before the connection is dropped.
+    ///
+    /// nrf-softdevice 0.1 panics if it disconnects a link that has ended by itself. After its task has run, it
+    /// knows of every end that the SoftDevice has reported.
+    async fn disconnect_requested(&self) {
+        self.disconnect.wait().await;
+        yield_now().await;
+    }
+
     async fn tick(&self) {
         let mut ticker = Ticker::every(TICK);
         loop {
             self.handle(Event::Tick);
-            heartbeat::RADIO.beat();
+            if self.progress.get().is_alive(now()) {
+                heartbeat::RADIO.beat();
+            }
             ticker.next().await;
         }
     }
@@ -109,7 +126,11 @@ impl<'q> SessionDriver<'q> {
     /// Passes an event to the session, and the session's actions on.
     fn handle(&self, event: Event<'_>) {
         let mut session = self.session.borrow_mut();
-        session.handle(now(), event, &mut |action| self.act(action));
+        let now = now();
+        session.handle(now, event, &mut |action| self.act(action));
+        let mut progress = self.progress.get();
+        progress.handled(now, event, &session);
+        self.progress.set(progress);
         if session.phase() == Phase::Streaming {
             self.streaming.signal(());
         }
@@ -133,13 +154,11 @@ impl<'q> SessionDriver<'q> {
         let mut value = [0; MAX_VALUE_BYTES];
         let handles = self.handles.get();
         let outcome = match operation {
-            Action::Discover => match link.discover().await {
-                Ok(handles) => {
-                    self.handles.set(handles);
-                    return self.handle(Event::Discovered(handles.found()));
-                }
-                Err(failed) => Err(failed),
-            },
+            Action::Discover => {
+                let handles = discover(link).await;
+                self.handles.set(handles);
+                return self.handle(Event::Discovered(handles.found()));
+            }
             Action::Read(characteristic) => match handles.value(characteristic) {
                 Some(handle) => match link.read(handle, &mut value).await {
                     Ok(length) => {
@@ -164,6 +183,21 @@ impl<'q> SessionDriver<'q> {
             Err(_) => Event::Failed,
         });
     }
+}
+
+/// Reads attributes until every characteristic is found, or to the end.
+async fn discover(link: &impl Link) -> Handles {
+    let mut handles = Handles::default();
+    let mut discovery = Discovery::new();
+    let mut value = [0; MAX_VALUE_BYTES];
+    while let Some(handle) = discovery.handle() {
+        let read = link.read(handle, &mut value).await;
+        let bytes = read.ok().and_then(|length| value.get(..length));
+        if let Some(attribute) = discovery.answered(bytes) {
+            handles.insert(attribute);
+        }
+    }
+    handles
 }
 
 impl ConnectionHandler for SessionDriver<'_> {

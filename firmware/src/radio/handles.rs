@@ -1,7 +1,7 @@
 //! Attribute handles of an armband: discovered on every connection, for they differ between
 //! firmware versions.
 
-use shared::myo::{Characteristic, Found};
+use shared::myo::{Attribute, Characteristic, Found};
 
 /// Attribute handles by characteristic, 0 where there is none.
 #[derive(Clone, Copy, Default)]
@@ -11,15 +11,16 @@ pub struct Handles {
 }
 
 impl Handles {
-    /// Adds a characteristic that was discovered.
-    pub fn insert(
-        &mut self,
-        characteristic: Characteristic,
-        value: u16,
-        subscription: Option<u16>,
-    ) {
-        self.value[characteristic.index()] = value;
-        self.subscription[characteristic.index()] = subscription.unwrap_or(0);
+    /// Adds an attribute that was discovered.
+    pub fn insert(&mut self, attribute: Attribute) {
+        match attribute {
+            Attribute::Value(characteristic, handle) => {
+                self.value[characteristic.index()] = handle;
+            }
+            Attribute::Subscription(characteristic, handle) => {
+                self.subscription[characteristic.index()] = handle;
+            }
+        }
     }
 
     /// Handle of the value.

@@ -7,7 +7,6 @@ pub mod softdevice;
 #[cfg(feature = "radio-hci")]
 pub mod trouble;
 
-use handles::Handles;
 use shared::myo::Address;
 
 /// Bytes of the longest advertisement, and of the longest value that is read or received.
@@ -82,12 +81,9 @@ pub trait ConnectionHandler {
     async fn run(&self, link: &impl Link);
 }
 
-/// A connection to an armband. Attributes are addressed by the handles that discovery found.
+/// A connection to an armband. Attributes are addressed by their handles.
 pub trait Link {
-    /// Finds the armband's characteristics by their UUIDs.
-    async fn discover(&self) -> Result<Handles, OperationFailed>;
-
-    /// Reads a value; returns its length.
+    /// Reads a value; returns its length. Whatever else the stack receives meanwhile is no answer.
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed>;
 
     /// Writes a value, with response.

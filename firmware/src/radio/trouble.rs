@@ -14,27 +14,25 @@ use bt_hci::{
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, mutex::Mutex};
 use embassy_time::Duration;
-use shared::myo::{self, AddressKind, Characteristic, Service};
+use shared::myo::{self, AddressKind};
 use trouble_host::{
     Address, Controller, HostResources, Stack,
     central::Central,
     connection::{ConnectConfig, RequestedConnParams, ScanConfig},
     gatt::{GattClient, NotificationListener},
-    prelude::{DefaultPacketPool, EventHandler, Uuid},
+    prelude::{DefaultPacketPool, EventHandler},
     scan::Scanner,
 };
 
 use super::{
     Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
-    driver::SessionDriver, handles::Handles,
+    driver::SessionDriver,
 };
 
 /// Bytes of a notification that are kept, as the `mtu` feature of the packet pool sets them.
 const NOTIFICATION_BYTES: usize = trouble_host::config::GATT_CLIENT_NOTIFICATION_MTU;
-/// Services that the client keeps: those that the session knows.
-const MAX_SERVICES: usize = Service::ALL.len();
-/// Characteristics of one service: EMG has four, Control three.
-const MAX_CHARACTERISTICS: usize = 6;
+/// Services that the client keeps: none is looked for.
+const MAX_SERVICES: usize = 1;
 
 /// Window and interval of a scan. Equal: it scans all the time, which costs nothing but power.
 const SCAN_WINDOW: Duration = Duration::from_millis(60);
@@ -202,27 +200,6 @@ struct TroubleLink<'c, C: Controller> {
 }
 
 impl<C: CentralController> Link for TroubleLink<'_, C> {
-    async fn discover(&self) -> Result<Handles, OperationFailed> {
-        let mut handles = Handles::default();
-        for service in Service::ALL {
-            let services = self.client.services_by_uuid(&uuid(service.uuid())).await;
-            for service in services.map_err(|_| OperationFailed)? {
-                let characteristics = self
-                    .client
-                    .characteristics::<MAX_CHARACTERISTICS>(&service)
-                    .await;
-                for found in characteristics.map_err(|_| OperationFailed)? {
-                    let known = myo::Uuid::from_le_bytes(found.uuid.as_raw())
-                        .and_then(Characteristic::from_uuid);
-                    if let Some(characteristic) = known {
-                        handles.insert(characteristic, found.handle, found.cccd_handle);
-                    }
-                }
-            }
-        }
-        Ok(handles)
-    }
-
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed> {
         let read = self.client.read_handle(handle, value).await;
         read.map_err(|_| OperationFailed)
@@ -239,12 +216,5 @@ impl<C: CentralController> Link for TroubleLink<'_, C> {
             let notification = listener.next().await;
             on_notification(notification.handle(), notification.as_ref());
         }
-    }
-}
-
-fn uuid(uuid: myo::Uuid) -> Uuid {
-    match uuid {
-        myo::Uuid::Sig(short) => Uuid::new_short(short),
-        myo::Uuid::Vendor(_) => Uuid::new_long(uuid.to_le_bytes()),
     }
 }

@@ -12,6 +12,7 @@ use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
 
+use crate::board::DeadMan;
 use crate::clock::now;
 use crate::messages::{
     heartbeat,
@@ -32,37 +33,44 @@ const REPEAT: u32 = 2;
 /// From sample to report, for a model of any dimensions that the device has room for.
 pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
 
-/// The pipeline of the model in flash, before the first sample. To be called once.
+/// The pipeline of the model in flash, before the first sample, and the CRC-32 of its file. To be called once.
 ///
 /// # Errors
 /// Says why the model cannot be run.
 // Not inlined: its stack frame is released before anything else runs.
 #[inline(never)]
-pub fn load(reason: ResetReason) -> Result<&'static mut DevicePipeline, ModelRefused> {
+pub fn load(reason: ResetReason) -> Result<(&'static mut DevicePipeline, u32), ModelRefused> {
     static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
-    let model = Model::parse(model_region::bytes())?;
+    let bytes = model_region::bytes();
+    let model = Model::parse(bytes)?;
+    // The file ends with it.
+    let checksum = bytes[..model.length].last_chunk();
+    let checksum = checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes));
     let encoder = DeviceEncoder::new(&model)?;
     let settings = model.header.smoother.in_patches();
     let smoother = Smoother::new(settings, encoder.classes())?;
     let pipeline = || Pipeline::with_smoother(encoder, STATE.take(), smoother, start(reason));
     // In place: it is too large to pass through the stack.
-    Ok(PIPELINE.init_with(pipeline))
+    Ok((PIPELINE.init_with(pipeline), checksum))
 }
 
 fn start(reason: ResetReason) -> Start {
     match reason {
         ResetReason::Watchdog => Start::Watchdog,
+        ResetReason::StackOverflow => Start::StackOverflow,
         ResetReason::Power | ResetReason::Software => Start::Boot,
     }
 }
 
 /// Runs the model forever.
+///
+/// Clears the dead-man timer with every packet that passed the pipeline, provided that the pins show the
+/// state of the packets before. So hardware makes the pins safe whatever stops on the way from radio to pin.
 #[embassy_executor::task]
-pub async fn run(pipeline: &'static mut DevicePipeline) -> ! {
+pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -> ! {
     uart::enqueue(UartMessage::Report(pipeline.state_report()));
     let mut detector = GapDetector::new();
     loop {
-        heartbeat::INFERENCE.beat();
         let silence = timer_until(pipeline.deadline());
         match select(PACKETS.receive(), silence).await {
             Either::First(packet) => {
@@ -77,8 +85,23 @@ pub async fn run(pipeline: &'static mut DevicePipeline) -> ! {
                 for sample in received.samples.into_iter().flatten() {
                     enqueue(pipeline.sample(now, sample));
                 }
+                if dead_man.has_expired() {
+                    if pipeline.status().valid() {
+                        enqueue(pipeline.stalled(now));
+                    }
+                    dead_man.acknowledge();
+                }
+                if pin_state::is_shown() {
+                    dead_man.clear();
+                }
+                heartbeat::INFERENCE.beat();
             }
-            Either::Second(()) => enqueue(pipeline.tick(now())),
+            Either::Second(()) => {
+                enqueue(pipeline.tick(now()));
+                if PACKETS.is_empty() {
+                    heartbeat::INFERENCE.beat();
+                }
+            }
         }
         pin_state::set_status(pipeline.status());
     }

@@ -20,9 +20,14 @@ pub async fn run(mut port: LabelPort, mut pins: Pins) {
 async fn write_messages(port: &mut LabelPort) {
     let mut dropped = 0;
     loop {
-        heartbeat::OUTPUT.beat();
-        if let Ok(message) = with_timeout(heartbeat::PERIOD, uart::receive()).await {
-            port.send(message.line().as_bytes()).await;
+        // Evidence: the UART took a line, or there is none for it.
+        match with_timeout(heartbeat::PERIOD, uart::receive()).await {
+            Ok(message) => {
+                port.send(message.line().as_bytes()).await;
+                heartbeat::OUTPUT.beat();
+            }
+            Err(_) if uart::is_idle() => heartbeat::OUTPUT.beat(),
+            Err(_) => {}
         }
         if PACKETS.dropped() != dropped {
             dropped = PACKETS.dropped();
@@ -34,7 +39,9 @@ async fn write_messages(port: &mut LabelPort) {
 
 async fn set_pins(pins: &mut Pins) {
     loop {
-        pins.set(pin_state::current());
+        let state = pin_state::current();
+        pins.set(state);
+        pin_state::set_shown(state);
         pin_state::changed().await;
     }
 }

@@ -7,6 +7,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use crate::cli::arguments::every_recording;
+use crate::dataset::losses::MOST_PERCENT;
 use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
 use crate::report::model_report::{self, people_rows, tables};
@@ -37,6 +38,9 @@ pub(in crate::cli) struct Options {
     /// Rotate the armband by this many electrodes, 0 to 7.
     #[arg(long, value_name = "K", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..8))]
     rotate: u8,
+    /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
+    #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
+    lose: u8,
     /// Page to write, the worst person first.
     #[arg(
         long,
@@ -78,6 +82,7 @@ pub(in crate::cli) fn run(
         seen: options.seen,
         test: options.test_people,
         rotation: options.rotate.into(),
+        lost_percent: options.lose,
     };
     let evaluation = evaluate_models(&models, &library, &selection)?;
     let results = &evaluation.results;

@@ -11,6 +11,7 @@ mod electrodes;
 pub mod labels;
 pub mod lead_in;
 pub(crate) mod library;
+pub(crate) mod losses;
 pub(crate) mod readers;
 mod recording;
 mod seed;

@@ -255,6 +255,12 @@ fn facts(results: &ModelResults) -> Vec<(String, String)> {
             format!("{} electrodes", results.rotation),
         );
     }
+    if results.lost_percent > 0 {
+        fact(
+            "notifications lost and bridged",
+            format!("{} %", results.lost_percent),
+        );
+    }
     for (data_set, lag) in &results.lags {
         let milliseconds = lag * SAMPLE_PERIOD_MS as usize;
         fact(

@@ -19,6 +19,7 @@ use super::candidates::integer_candidate;
 use super::error::StepError;
 use super::trials::trial;
 use crate::dataset::labels::lag;
+use crate::dataset::losses::bridge_lost_notifications;
 use crate::dataset::{DataSet, Library, Recording, by_data_set};
 use crate::evaluation::{
     Candidate, EnergyDetector, LookAhead, Score, Trial, Truth, constant, score,
@@ -36,6 +37,8 @@ pub struct Selection {
     pub test: bool,
     /// Electrodes that the armband is rotated by, 0 to 7, after the data set's own frame is accounted for.
     pub rotation: usize,
+    /// Percent of the notifications that are lost and bridged, 0 to 66.
+    pub lost_percent: u8,
 }
 
 /// A model in the results.
@@ -66,6 +69,8 @@ pub struct ModelResults {
     pub left_out_test: Vec<String>,
     /// Electrodes that the armband was rotated by.
     pub rotation: usize,
+    /// Percent of the notifications that were lost and bridged.
+    pub lost_percent: u8,
     /// Samples that labels were shifted by, from the recordings of the set at hand.
     pub lags: BTreeMap<DataSet, usize>,
     /// A row for each model and floor, for each data set and over all of them.
@@ -92,6 +97,9 @@ pub struct ModelEvaluation {
 ///
 /// # Errors
 /// When a model is refused, models have different classes, a name is unknown, or nobody is left.
+///
+/// # Panics
+/// If the selection loses more than 66 % of the notifications.
 pub fn evaluate_models(
     models: &[NamedModel],
     library: &Library,
@@ -117,6 +125,8 @@ pub fn evaluate_models(
             for sample in &mut samples {
                 sample.rotate_right(selection.rotation % CHANNELS);
             }
+            let name = format!("{}/{}", recording.subject, recording.name);
+            bridge_lost_notifications(&mut samples, selection.lost_percent, &name);
             trial(recording, samples, vocabulary, lags[&recording.data_set])
         })
         .collect();
@@ -152,6 +162,7 @@ pub fn evaluate_models(
             left_out_seen: left_out.seen,
             left_out_test: left_out.test,
             rotation: selection.rotation,
+            lost_percent: selection.lost_percent,
             lags,
             scores,
         },

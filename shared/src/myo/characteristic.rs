@@ -1,33 +1,7 @@
-//! The armband's services and characteristics that are used here.
+//! The armband's characteristics that are used here.
 
 use super::lane::Lane;
 use super::uuid::Uuid;
-
-/// A service of the armband.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Service {
-    /// Firmware version and commands.
-    Control,
-    /// The four lanes of EMG.
-    Emg,
-    /// The SIG's battery service.
-    Battery,
-}
-
-impl Service {
-    /// Every service that is used.
-    pub const ALL: [Self; 3] = [Self::Control, Self::Emg, Self::Battery];
-
-    /// Its UUID.
-    #[must_use]
-    pub const fn uuid(self) -> Uuid {
-        match self {
-            Self::Control => Uuid::CONTROL,
-            Self::Emg => Uuid::Vendor(0x0005),
-            Self::Battery => Uuid::Sig(0x180f),
-        }
-    }
-}
 
 /// A characteristic of the armband.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -53,16 +27,6 @@ impl Characteristic {
         Self::Emg(Lane::ALL[3]),
         Self::BatteryLevel,
     ];
-
-    /// Its service.
-    #[must_use]
-    pub const fn service(self) -> Service {
-        match self {
-            Self::FirmwareVersion | Self::Command => Service::Control,
-            Self::Emg(_) => Service::Emg,
-            Self::BatteryLevel => Service::Battery,
-        }
-    }
 
     /// Its UUID.
     #[must_use]

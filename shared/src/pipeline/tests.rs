@@ -153,6 +153,68 @@ fn six_lost_samples_reset_the_window() {
     );
 }
 
+/// Streams 20 s in which of every `of` notifications the first `lost` are lost; says whether the state was
+/// ever valid.
+fn ever_valid(lost: u32, of: u32) -> bool {
+    let mut pipeline = pipeline();
+    let mut valid = false;
+    for notification in 0..2000 {
+        let index = 2 * notification;
+        if notification % of < lost && notification > 0 {
+            continue;
+        }
+        let missing = index - pipeline.next.0;
+        if missing > 0 {
+            pipeline.gap(at(index), missing);
+        }
+        feed(&mut pipeline, index, 2, 1);
+        valid |= pipeline.status().valid();
+    }
+    assert_eq!(pipeline.counters.lost, 2000 / of * lost * 2 - 2);
+    valid
+}
+
+#[test]
+fn a_window_that_is_mostly_invented_is_not_valid() {
+    assert!(ever_valid(1, 100));
+    assert!(!ever_valid(1, 2));
+    assert!(!ever_valid(2, 3));
+}
+
+#[test]
+fn the_quota_of_bridged_samples_is_exact_and_has_its_own_cause() {
+    // Gaps of five samples with one sample between them.
+    let mut pipeline = pipeline();
+    feed(&mut pipeline, 0, 661, 1);
+    let mut index = 661;
+    for _ in 0..12 {
+        let reports = pipeline.gap(at(index), 5);
+        assert!(reports.into_iter().all(|report| report.kind == Kind::Label));
+        index += 5;
+        feed(&mut pipeline, index, 1, 1);
+        index += 1;
+    }
+    assert!(pipeline.status().valid());
+    assert_eq!(pipeline.ring.bridged(), 60);
+    let before = pipeline.counters;
+    let losses = Status::Safe(Cause::Losses);
+    assert_eq!(
+        fields(pipeline.gap(at(index), 1)),
+        [(Kind::State, index, index, losses)]
+    );
+    let expected = Counters {
+        lost: before.lost + 1,
+        bridged: 60,
+        resets: 1,
+    };
+    assert_eq!(pipeline.counters, expected);
+    assert_eq!(*pipeline.state, SumModel.fresh(), "the model is not reset");
+    // A full window is needed to be valid again.
+    index += 1;
+    assert_eq!(fields(feed(&mut pipeline, index, 660, 1)), []);
+    assert_eq!(fields(feed(&mut pipeline, index + 660, 1, 1)).len(), 2);
+}
+
 #[test]
 fn silence_and_disconnection_reset_the_window() {
     let mut pipeline = pipeline();
@@ -174,6 +236,19 @@ fn silence_and_disconnection_reset_the_window() {
     assert_eq!(pipeline.counters.resets, 1);
     assert_eq!(pipeline.deadline(), None);
     assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
+}
+
+#[test]
+fn a_stall_needs_a_full_window_to_be_valid_again() {
+    let mut pipeline = pipeline();
+    feed(&mut pipeline, 0, 661, 1);
+    let stalled = Status::Safe(Cause::Stalled);
+    assert_eq!(
+        fields(pipeline.stalled(at(661))),
+        [(Kind::State, 660, 660, stalled)]
+    );
+    assert_eq!(fields(feed(&mut pipeline, 661, 660, 1)), []);
+    assert_eq!(fields(feed(&mut pipeline, 661 + 660, 1, 1)).len(), 2);
 }
 
 #[test]

@@ -15,6 +15,19 @@ pub struct SampleRing {
     filled: usize,
     /// Saturates, after 248 days.
     contiguous: u32,
+    /// Bridged samples of each patch, 0..=10.
+    bridged_in: [u8; WINDOW_PATCHES],
+    /// Their sum.
+    bridged: u32,
+}
+
+/// Whether a sample was received.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Origin {
+    /// From the armband.
+    Received,
+    /// In place of a lost one.
+    Bridged,
 }
 
 impl SampleRing {
@@ -26,11 +39,22 @@ impl SampleRing {
             current: 0,
             filled: 0,
             contiguous: 0,
+            bridged_in: [0; WINDOW_PATCHES],
+            bridged: 0,
         }
     }
 
     /// Takes a sample; returns the patch that it completes, every tenth sample since the last reset.
-    pub fn push(&mut self, sample: CleanSample) -> Option<&Patch> {
+    pub fn push(&mut self, sample: CleanSample, origin: Origin) -> Option<&Patch> {
+        if self.filled == 0 {
+            // The oldest patch goes.
+            self.bridged -= u32::from(self.bridged_in[self.current]);
+            self.bridged_in[self.current] = 0;
+        }
+        if origin == Origin::Bridged {
+            self.bridged_in[self.current] += 1;
+            self.bridged += 1;
+        }
         self.patches[self.current][self.filled] = sample;
         self.contiguous = self.contiguous.saturating_add(1);
         self.filled += 1;
@@ -48,12 +72,20 @@ impl SampleRing {
         self.current = 0;
         self.filled = 0;
         self.contiguous = 0;
+        self.bridged_in = [0; WINDOW_PATCHES];
+        self.bridged = 0;
     }
 
     /// Samples since the last reset.
     #[must_use]
     pub const fn contiguous(&self) -> u32 {
         self.contiguous
+    }
+
+    /// Bridged samples among those that the ring holds.
+    #[must_use]
+    pub(crate) const fn bridged(&self) -> u32 {
+        self.bridged
     }
 
     /// Whether the window is full of contiguous samples.
@@ -99,7 +131,15 @@ mod tests {
             list.clear();
             for number in 0..reset_after {
                 list.push(numbered(number));
-                let completed = ring.push(numbered(number)).copied();
+                // Some pattern that no period of the ring hides.
+                let origin = |number: usize| {
+                    if number % 7 < 2 || number % 11 == 3 {
+                        Origin::Bridged
+                    } else {
+                        Origin::Received
+                    }
+                };
+                let completed = ring.push(numbered(number), origin(number)).copied();
                 let newest = list
                     .len()
                     .is_multiple_of(PATCH)
@@ -118,6 +158,16 @@ mod tests {
                 assert_eq!(ring.patches().collect::<Vec<_>>(), expected);
                 assert_eq!(ring.contiguous() as usize, list.len());
                 assert_eq!(ring.is_full(), list.len() >= WINDOW);
+                // The newest 600 samples less those whose patch the incomplete one overwrites.
+                let held = if list.len() > WINDOW {
+                    WINDOW - (PATCH - list.len() % PATCH) % PATCH
+                } else {
+                    list.len()
+                };
+                let bridged = (list.len() - held..list.len())
+                    .filter(|&number| origin(number) == Origin::Bridged)
+                    .count();
+                assert_eq!(ring.bridged() as usize, bridged);
             }
         }
     }

@@ -18,6 +18,8 @@ pub enum Cause {
     Boot,
     /// Reset by the watchdog.
     Watchdog,
+    /// Reset by the program, after the stack had grown too deep.
+    StackOverflow,
     /// The model file was refused. Lasts until the next reset.
     ModelRefused,
     /// The armband was disconnected.
@@ -26,17 +28,24 @@ pub enum Cause {
     Silence,
     /// More consecutive samples were lost than are filled in.
     Gap,
+    /// More samples of a window were lost, each gap short, than may be filled in.
+    Losses,
+    /// The inference did not run, and hardware cleared the pins.
+    Stalled,
 }
 
 impl Cause {
     /// All causes.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::Boot,
         Self::Watchdog,
+        Self::StackOverflow,
         Self::ModelRefused,
         Self::Disconnected,
         Self::Silence,
         Self::Gap,
+        Self::Losses,
+        Self::Stalled,
     ];
 
     /// Name on the UART line.
@@ -45,10 +54,13 @@ impl Cause {
         match self {
             Self::Boot => "boot",
             Self::Watchdog => "watchdog",
+            Self::StackOverflow => "stack",
             Self::ModelRefused => "model-refused",
             Self::Disconnected => "disconnected",
             Self::Silence => "silence",
             Self::Gap => "gap",
+            Self::Losses => "losses",
+            Self::Stalled => "stalled",
         }
     }
 
@@ -66,6 +78,8 @@ pub enum Start {
     Boot,
     /// The watchdog.
     Watchdog,
+    /// The program itself, after the stack had grown too deep.
+    StackOverflow,
 }
 
 /// State of the outputs.
@@ -110,6 +124,10 @@ pub enum Event {
     Sample,
     /// Samples were lost and the window was reset.
     Gap,
+    /// More samples of the window were lost than may be filled in, and it was reset.
+    Losses,
+    /// The dead-man timer has expired: the pins are safe already.
+    Stalled,
     /// The armband was disconnected.
     Disconnected,
     /// The model file was refused.
@@ -140,6 +158,7 @@ impl SafeState {
         let cause = match start {
             Start::Boot => Cause::Boot,
             Start::Watchdog => Cause::Watchdog,
+            Start::StackOverflow => Cause::StackOverflow,
         };
         Self {
             status: Status::Safe(cause),
@@ -178,6 +197,8 @@ impl SafeState {
         match event {
             Event::Sample => self.last_sample = Some(now),
             Event::Gap => self.enter(Cause::Gap),
+            Event::Losses => self.enter(Cause::Losses),
+            Event::Stalled => self.enter(Cause::Stalled),
             Event::Disconnected => self.end_stream(Cause::Disconnected),
             Event::ModelRefused => self.end_stream(Cause::ModelRefused),
             Event::Tick => {}

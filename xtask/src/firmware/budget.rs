@@ -11,6 +11,8 @@ use crate::size::Size;
 const FLASH_BUDGET: u64 = 160 * 1024;
 /// Bytes of static RAM, the SoftDevice's own and the stack excluded.
 const RAM_BUDGET: u64 = 48 * 1024;
+/// Most bytes that the no-access region below the stack takes: two regions of 256, and what aligns them.
+const STACK_GUARD: u64 = 2 * 256 + 255;
 /// Least bytes that must be left for the stack.
 pub const STACK_BUDGET: u64 = 12 * 1024;
 
@@ -30,8 +32,8 @@ pub fn check(image: Image, size: Size) -> Result<()> {
         size.ram()
     );
     ensure!(
-        size.ram() + STACK_BUDGET <= image.ram(),
-        "{image}: {} of {} bytes of RAM taken, {STACK_BUDGET} must be left for the stack",
+        size.ram() + STACK_GUARD + STACK_BUDGET <= image.ram(),
+        "{image}: {} of {} bytes of RAM taken, {STACK_GUARD} guard the stack, {STACK_BUDGET} must be left for it",
         size.ram(),
         image.ram()
     );
@@ -73,7 +75,7 @@ impl fmt::Display for Table<'_> {
                 FLASH_BUDGET / 1024,
                 kib(size.ram()),
                 RAM_BUDGET / 1024,
-                kib(image.ram().saturating_sub(size.ram())),
+                kib(image.ram().saturating_sub(size.ram() + STACK_GUARD)),
             )?;
         }
         Ok(())
@@ -106,7 +108,7 @@ mod tests {
     #[test]
     fn the_small_chip_must_keep_room_for_its_stack() {
         let left = |stack| Size {
-            bss: Image::Nrf52832S132.ram() - stack,
+            bss: Image::Nrf52832S132.ram() - STACK_GUARD - stack,
             ..Size::default()
         };
         assert!(check(Image::Nrf52832S132, left(STACK_BUDGET)).is_ok());

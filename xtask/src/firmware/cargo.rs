@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, ensure};
 
 use super::image::Image;
 use crate::toolchain::{TARGET, Toolchain};
-use crate::{clang, cross_target, vectors};
+use crate::{clang, cross_target, symbols, vectors};
 
 const PACKAGE: &str = "myointent-firmware";
 const PROFILE: &str = "firmware";
@@ -14,7 +14,7 @@ const PROFILE: &str = "firmware";
 /// Builds an image; gives its ELF file.
 ///
 /// # Errors
-/// When it does not build, or an interrupt that it needs has no handler.
+/// When it does not build, an interrupt that it needs has no handler, or it contains a function that must not be there.
 pub fn build_image(
     toolchain: &Toolchain,
     image: Image,
@@ -31,6 +31,7 @@ pub fn build_image(
     let kept = elf_file(image);
     let elf = fs::read(&built).with_context(|| format!("{} cannot be read", built.display()))?;
     vectors::check(&elf, image.interrupts()).with_context(|| format!("the image {image}"))?;
+    symbols::check(&elf).with_context(|| format!("the image {image}"))?;
     fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
     Ok(kept)
 }

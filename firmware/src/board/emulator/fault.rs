@@ -4,15 +4,25 @@
 //! has no such code, and the tasks do not know of it.
 
 use core::{
+    fmt::Write as _,
     future,
-    sync::atomic::{AtomicU32, Ordering},
+    hint::black_box,
+    sync::atomic::{AtomicBool, AtomicU32, Ordering},
 };
 
+use cortex_m::peripheral::NVIC;
+use embassy_time::Instant;
+
+use super::irq::Irq;
 use super::straps::{self, Fault};
+use super::uart::Uart;
 
 /// Labels sent before the fault: enough that both pins and UART have shown one.
 const LABELS_BEFORE: u32 = 3;
 const LABEL: &[u8] = b"$LABEL";
+
+/// Set when it is time for the inference to loop.
+static INFERENCE_LOOPS: AtomicBool = AtomicBool::new(false);
 
 /// Injects the fault that the straps ask for, after some labels. To be called with every line sent.
 pub async fn inject(line: &[u8]) {
@@ -23,9 +33,55 @@ pub async fn inject(line: &[u8]) {
     if !line.starts_with(LABEL) || LABELS.fetch_add(1, Ordering::Relaxed) + 1 < LABELS_BEFORE {
         return;
     }
+    if fault == Fault::InferenceLoops {
+        return INFERENCE_LOOPS.store(true, Ordering::Relaxed);
+    }
+    report();
     match fault {
         Fault::TaskStops => future::pending().await,
+        Fault::ExecutorStops => loop_forever(),
+        Fault::InterruptStorm => NVIC::pend(Irq::Storm),
+        Fault::InferenceLoops => {}
+        Fault::Recursion => drop(recurse(0)),
+        Fault::ClockStops => NVIC::mask(Irq::Alarm),
+        Fault::RadioStops => NVIC::mask(Irq::HciReceive),
         Fault::Panic => panic!("injected panic"),
         Fault::UndefinedInstruction => cortex_m::asm::udf(),
     }
+}
+
+/// Injects the fault that stops the inference itself. To be called by the inference task.
+pub fn inject_into_inference() {
+    if INFERENCE_LOOPS.load(Ordering::Relaxed) {
+        report();
+        loop_forever();
+    }
+}
+
+/// Writes the time of the fault, in microseconds, beside the pins.
+fn report() {
+    let mut pins = Uart::PINS;
+    critical_section::with(|_| {
+        let _ = writeln!(pins, "FAULT {}", Instant::now().as_micros());
+    });
+}
+
+fn loop_forever() -> ! {
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// Calls itself without end, each time with a little more on the stack.
+#[expect(unconditional_recursion, reason = "it overflows the stack")]
+#[inline(never)]
+fn recurse(depth: u32) -> u32 {
+    let frame = black_box([depth; 8]);
+    let deeper = recurse(depth.wrapping_add(1));
+    deeper ^ black_box(frame)[0]
+}
+
+/// The interrupt handler of the storm: it is pending again before it returns.
+pub fn on_storm() {
+    NVIC::pend(Irq::Storm);
 }

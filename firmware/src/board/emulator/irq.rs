@@ -10,6 +10,29 @@ pub enum Irq {
     HciReceive = 2,
     /// TIMER1 has reached zero.
     Alarm = 9,
+    /// The dual timer has reached zero.
+    DeadMan = 10,
+    /// No peripheral's: only a fault that is injected pends it.
+    Storm = 31,
+}
+
+/// Priority of all interrupts but that of the dead-man timer, which interrupts them. It has 0, the highest.
+const LOWER: u8 = 0x80;
+
+/// Sets the priorities, and enables the interrupts that belong to no driver.
+#[expect(
+    unsafe_code,
+    reason = "priorities may break a critical section that relies on them"
+)]
+pub fn start() {
+    let mut peripherals = cortex_m::Peripherals::take();
+    for irq in [Irq::HciReceive, Irq::Alarm, Irq::Storm] {
+        if let Some(peripherals) = &mut peripherals {
+            // SAFETY: critical sections of this program mask all interrupts; none relies on priorities.
+            unsafe { peripherals.NVIC.set_priority(irq, LOWER) };
+        }
+    }
+    Irq::Storm.unmask();
 }
 
 impl Irq {
@@ -25,7 +48,7 @@ impl Irq {
 }
 
 #[expect(unsafe_code, reason = "the trait is an unsafe one")]
-// SAFETY: `number` returns the discriminant, and both are interrupt numbers of the board that never
+// SAFETY: `number` returns the discriminant, and all are interrupt numbers of the board that never
 // change.
 unsafe impl InterruptNumber for Irq {
     fn number(self) -> u16 {

@@ -4,6 +4,7 @@
 //! program of the board, unchanged.
 
 mod clock;
+mod dead_man;
 mod fault;
 mod hci;
 mod irq;
@@ -14,10 +15,7 @@ mod uart;
 mod vectors;
 mod watchdog;
 
-use core::{
-    fmt::{self, Write as _},
-    sync::atomic::{AtomicU32, Ordering},
-};
+use core::fmt::{self, Write as _};
 
 use bt_hci::controller::ExternalController;
 use bt_hci_serial::SerialTransport;
@@ -29,25 +27,11 @@ use shared::intent::Intent;
 use super::Board;
 use crate::messages::pin_state::PinState;
 use crate::radio::{driver::SessionDriver, trouble};
-use crate::reset_reason::ResetReason;
-use crate::settings::WATCHDOG_MS;
+use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
+use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
+pub use dead_man::DeadMan;
 use uart::Uart;
 pub use watchdog::Watchdog;
-
-/// How the previous run of the program ended: kept over a reset.
-#[expect(
-    unsafe_code,
-    reason = "only the linker can exclude memory from being cleared"
-)]
-// SAFETY: cortex-m-rt places sections `.uninit.*` in RAM, as NOLOAD, and its start-up code does not
-// write them, so the initial value never arrives: every one of the 2^32 values that memory may hold
-// is a valid `AtomicU32`, and `start` treats those that are none of the constants below as power-on.
-#[unsafe(link_section = ".uninit.LAST_RUN")]
-static LAST_RUN: AtomicU32 = AtomicU32::new(0);
-/// Set while the program runs: found at a start, it means that the watchdog caused the reset.
-const RUNNING: u32 = 0x5255_4e21;
-/// Set by a panic.
-const PANICKED: u32 = 0x5041_4e21;
 
 /// A constant: the emulator has no factory-programmed address as a chip has.
 const OWN_ADDRESS: [u8; 6] = [0x01, 0x02, 0x03, 0x04, 0x05, 0xc6];
@@ -64,17 +48,20 @@ pub fn start() -> Board {
     for uart in [Uart::LABELS, Uart::PINS] {
         uart.start(0);
     }
-    let reset_reason = match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
-        RUNNING => ResetReason::Watchdog,
-        PANICKED => ResetReason::Software,
-        _ => ResetReason::Power,
+    let reset_reason = match previous_end() {
+        End::Running => ResetReason::Watchdog,
+        End::Panic => ResetReason::Software,
+        End::StackOverflow => ResetReason::StackOverflow,
+        End::Unknown => ResetReason::Power,
     };
+    irq::start();
     let (from, to) = hci::start();
     Board {
         labels: LabelPort(()),
         pins: Pins(()),
         radio: RadioParts { from, to },
         watchdog: Watchdog::start(WATCHDOG_MS),
+        dead_man: DeadMan::start(DEAD_MAN_MS),
         reset_reason,
     }
 }
@@ -107,8 +94,17 @@ pub struct Pins(());
 impl Pins {
     /// Writes the levels.
     pub fn set(&mut self, state: PinState) {
-        // Writing to the UART never fails.
-        let _ = self.write(state);
+        // The dead-man timer interrupts everything but this.
+        critical_section::with(|_| {
+            let expired = dead_man::has_expired() && state.status.valid();
+            let armband = state.armband;
+            let safe = PinState {
+                armband,
+                ..PinState::SAFE
+            };
+            // Writing to the UART never fails.
+            let _ = self.write(if expired { safe } else { state });
+        });
     }
 
     fn write(&self, state: PinState) -> fmt::Result {
@@ -124,14 +120,16 @@ impl Pins {
     }
 }
 
-/// Sets every output to its safe level and writes a panic's message. Called with interrupts off.
-pub fn enter_safe_state(message: &dyn fmt::Display) {
+/// Sets every output to its safe level and writes a message. Called with interrupts off.
+pub fn enter_safe_state(message: &dyn fmt::Display, end: End) {
     Pins(()).set(PinState::SAFE);
-    LAST_RUN.store(PANICKED, Ordering::Relaxed);
+    keep_end(end);
     let _ = write!(Comment(Uart::LABELS), "# {message}");
     Uart::LABELS.send(b"\r\n");
-    // The panic handler runs on top of the stack of what panicked.
-    stack::report(Uart::PINS);
+    // The panic handler runs on top of the stack of what panicked. After an overflow all of it was used.
+    if end == End::Panic {
+        stack::report(Uart::PINS);
+    }
 }
 
 /// Replaces line ends by spaces: a comment is one line, and a panic's message has several.

@@ -7,6 +7,7 @@ use core::{
 };
 
 use super::uart::Uart;
+use crate::stack_guard;
 
 /// The pattern of `cortex-m-rt` with the feature `paint-stack`.
 const PAINT: u32 = 0xcccc_cccc;
@@ -16,24 +17,18 @@ pub fn report(mut uart: Uart) {
     static REPORTED: AtomicU32 = AtomicU32::new(0);
     let used = used();
     if REPORTED.fetch_max(used, Ordering::Relaxed) < used {
-        let _ = writeln!(uart, "STACK {used}");
+        critical_section::with(|_| {
+            let _ = writeln!(uart, "STACK {used}");
+        });
     }
 }
 
-#[expect(
-    unsafe_code,
-    reason = "only the linker script knows where the stack lies"
-)]
+#[expect(unsafe_code, reason = "the unused stack is no Rust object")]
 fn used() -> u32 {
-    // SAFETY: link.x of cortex-m-rt defines both symbols, as the ends of the stack. Only their
-    // addresses are used.
-    unsafe extern "C" {
-        static _stack_start: u32;
-        static _stack_end: u32;
-    }
-    let top = (&raw const _stack_start).addr();
-    let mut word = ptr::with_exposed_provenance::<u32>((&raw const _stack_end).addr());
-    // SAFETY: both symbols are word-aligned ends of one region of RAM, and `word` stays inside it.
+    let top = stack_guard::top();
+    // The guard below cannot be read.
+    let mut word = ptr::with_exposed_provenance::<u32>(stack_guard::guard().end);
+    // SAFETY: `word` stays between the guard and the top of the stack, one region of RAM, and is aligned.
     // Every word of it was initialised by the start-up code. Below the stack pointer it belongs to
     // no Rust object, and the loop ends at the first word that was ever used; a frame that holds
     // nothing but the pattern is only read, and volatile.

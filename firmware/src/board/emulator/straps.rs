@@ -9,6 +9,18 @@ pub enum Fault {
     Panic,
     /// An undefined instruction.
     UndefinedInstruction,
+    /// A task loops and never returns to the executor.
+    ExecutorStops,
+    /// An interrupt that is pending again whenever it was handled: no task runs.
+    InterruptStorm,
+    /// The inference loops and never returns.
+    InferenceLoops,
+    /// A function that calls itself without end.
+    Recursion,
+    /// The timer of all deadlines interrupts no more.
+    ClockStops,
+    /// Nothing more is received from the Bluetooth controller.
+    RadioStops,
 }
 
 /// How many times slower than real time the clock runs, 1 if nothing was set.
@@ -26,6 +38,12 @@ pub fn fault() -> Option<Fault> {
         1 => Some(Fault::TaskStops),
         2 => Some(Fault::Panic),
         3 => Some(Fault::UndefinedInstruction),
+        4 => Some(Fault::ExecutorStops),
+        5 => Some(Fault::InterruptStorm),
+        6 => Some(Fault::InferenceLoops),
+        7 => Some(Fault::Recursion),
+        8 => Some(Fault::ClockStops),
+        9 => Some(Fault::RadioStops),
         _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! The vector table of the board's interrupts.
 
-use super::{clock, hci, irq::Irq};
+use super::{clock, dead_man, fault, hci, irq::Irq};
 
 /// An entry of the table.
 pub union Vector {
@@ -15,7 +15,7 @@ pub union Vector {
 )]
 // SAFETY: link.x of cortex-m-rt places this section behind the 16 vectors of the core and reads it
 // as one word per interrupt, which is what the array holds: a function that keeps to the C calling
-// convention, or 0. Only the two interrupts that have a handler are ever unmasked.
+// convention, or 0. Only interrupts that have a handler are ever unmasked.
 #[unsafe(link_section = ".vector_table.interrupts")]
 // SAFETY: cortex-m-rt, with its feature `device`, expects exactly this symbol and declares it
 // nowhere else; no other crate of the image defines it.
@@ -26,6 +26,10 @@ pub static __INTERRUPTS: [Vector; 32] = {
         handler: hci_receive,
     };
     vectors[Irq::Alarm as usize] = Vector { handler: alarm };
+    vectors[Irq::DeadMan as usize] = Vector {
+        handler: dead_man_expired,
+    };
+    vectors[Irq::Storm as usize] = Vector { handler: storm };
     vectors
 };
 
@@ -35,4 +39,12 @@ extern "C" fn hci_receive() {
 
 extern "C" fn alarm() {
     clock::on_alarm();
+}
+
+extern "C" fn storm() {
+    fault::on_storm();
+}
+
+extern "C" fn dead_man_expired() {
+    dead_man::on_expired();
 }

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "radio-trouble")]
 mod controller;
+mod dead_man;
 #[cfg(feature = "radio-softdevice")]
 mod softdevice;
 mod wiring;
@@ -13,22 +14,27 @@ use defmt_rtt as _;
 use embassy_nrf::{
     bind_interrupts,
     gpio::{Level, Output},
+    gpiote::OutputChannel,
     interrupt::{self, InterruptExt as _, Priority},
     pac,
     peripherals::{self, UARTE0},
+    ppi::Event,
     uarte::{self, Baudrate, Parity, UarteTx},
     wdt,
 };
 use shared::intent::{Intent, MAX_CLASSES};
+use shared::stream::safe_state::Status;
 
 use super::Board;
 use crate::messages::pin_state::PinState;
-use crate::reset_reason::ResetReason;
+use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::WATCHDOG_MS;
 #[cfg(feature = "radio-trouble")]
 pub use controller::{RadioParts, run_radio};
 #[cfg(feature = "radio-softdevice")]
 pub use softdevice::{RadioParts, run_radio};
+
+pub use dead_man::DeadMan;
 
 bind_interrupts!(struct Interrupts {
     UARTE0 => uarte::InterruptHandler<UARTE0>;
@@ -48,7 +54,9 @@ pub fn start() -> Board {
     interrupt::UARTE0.set_priority(Priority::P3);
     let peripherals = embassy_nrf::init(config);
     let wiring = wiring::wire(peripherals);
+    let dead_man = DeadMan::start(wiring.dead_man, &wiring.intents, &wiring.valid);
     let outputs = Outputs {
+        expired: dead_man.expired(),
         intents: wiring.intents,
         valid: wiring.valid,
         valid_led: wiring.valid_led,
@@ -70,6 +78,7 @@ pub fn start() -> Board {
         pins: Pins(()),
         radio: wiring.radio,
         watchdog: Watchdog::start(wiring.watchdog),
+        dead_man,
         reset_reason: reset_reason(),
     }
 }
@@ -79,8 +88,12 @@ fn reset_reason() -> ResetReason {
     let reasons = pac::POWER.resetreas().read();
     // Bits stay set over resets until a one is written to them.
     pac::POWER.resetreas().write_value(reasons);
+    let end = previous_end();
     match reasons.0 {
         bits if bits & RESET_BY_WATCHDOG != 0 => ResetReason::Watchdog,
+        bits if bits & RESET_BY_SOFTWARE != 0 && end == End::StackOverflow => {
+            ResetReason::StackOverflow
+        }
         bits if bits & RESET_BY_SOFTWARE != 0 => ResetReason::Software,
         _ => ResetReason::Power,
     }
@@ -102,10 +115,33 @@ impl LabelPort {
 static OUTPUTS: Mutex<RefCell<Option<Outputs>>> = Mutex::new(RefCell::new(None));
 
 struct Outputs {
-    intents: [Output<'static>; MAX_CLASSES],
-    valid: Output<'static>,
+    intents: [OutputChannel<'static>; MAX_CLASSES],
+    valid: OutputChannel<'static>,
+    /// The dead-man timer has expired.
+    expired: Event<'static>,
     valid_led: Output<'static>,
     armband_led: Output<'static>,
+}
+
+impl Outputs {
+    fn set(&self, status: Status) {
+        let valid = status.valid();
+        if !valid {
+            self.valid.clear();
+        }
+        let label = status.label();
+        for (intent, pin) in Intent::ALL.into_iter().zip(&self.intents) {
+            if intent != label {
+                pin.clear();
+            }
+        }
+        if let Some(pin) = self.intents.get(label.class()) {
+            pin.set();
+        }
+        if valid {
+            self.valid.set();
+        }
+    }
 }
 
 /// Label pins and LEDs.
@@ -128,22 +164,14 @@ fn set_outputs(state: PinState) {
         let Some(outputs) = outputs.as_mut() else {
             return;
         };
-        let valid = state.status.valid();
-        if !valid {
-            outputs.valid.set_low();
+        let safe = PinState::SAFE.status;
+        let expired = outputs.expired.is_triggered();
+        outputs.set(if expired { safe } else { state.status });
+        // It may have expired since, and then some pin was set after it.
+        if outputs.expired.is_triggered() {
+            outputs.set(safe);
         }
-        let label = state.status.label();
-        for (intent, pin) in Intent::ALL.into_iter().zip(&mut outputs.intents) {
-            if intent != label {
-                pin.set_low();
-            }
-        }
-        if let Some(pin) = outputs.intents.get_mut(label.class()) {
-            pin.set_high();
-        }
-        if valid {
-            outputs.valid.set_high();
-        }
+        let valid = state.status.valid() && !outputs.expired.is_triggered();
         outputs.valid_led.set_level(led(valid));
         outputs.armband_led.set_level(led(state.armband));
     });
@@ -182,9 +210,10 @@ impl Watchdog {
     }
 }
 
-/// Sets every output to its safe level and logs a panic. Called with interrupts off.
-pub fn enter_safe_state(message: &dyn fmt::Display) {
+/// Sets every output to its safe level and logs a message. Called with interrupts off.
+pub fn enter_safe_state(message: &dyn fmt::Display, end: End) {
     set_outputs(PinState::SAFE);
+    keep_end(end);
     defmt::error!("{}", defmt::Display2Format(message));
     // 50 ms for a debug probe to read the message before the reset clears memory.
     cortex_m::asm::delay(3_200_000);

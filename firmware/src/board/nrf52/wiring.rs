@@ -7,6 +7,7 @@
 use embassy_nrf::{
     Peri, Peripherals,
     gpio::{AnyPin, Level, Output, OutputDrive},
+    gpiote::{Channel, OutputChannel, OutputChannelPolarity},
     peripherals,
 };
 use shared::intent::MAX_CLASSES;
@@ -19,9 +20,9 @@ pub const LED_OFF: Level = Level::High;
 /// The peripherals and pins of the program, by purpose.
 pub struct Wiring {
     /// One pin per intent, in class order: relax, open, close, wave-in, wave-out, pinch.
-    pub intents: [Output<'static>; MAX_CLASSES],
+    pub intents: [OutputChannel<'static>; MAX_CLASSES],
     /// High while the label is valid.
-    pub valid: Output<'static>,
+    pub valid: OutputChannel<'static>,
     /// LED: the label is valid.
     pub valid_led: Output<'static>,
     /// LED: an armband streams.
@@ -32,6 +33,8 @@ pub struct Wiring {
     pub uart: Peri<'static, peripherals::UARTE0>,
     /// What the radio needs.
     pub radio: super::RadioParts,
+    /// The dead-man timer and its connections to the pins.
+    pub dead_man: super::dead_man::Parts,
     /// The watchdog.
     pub watchdog: Peri<'static, peripherals::WDT>,
 }
@@ -69,20 +72,29 @@ pub fn wire(p: Peripherals) -> Wiring {
         p.P0_06,
     );
 
-    let output = |pin: Peri<'static, AnyPin>, level| Output::new(pin, level, OutputDrive::Standard);
+    let led = |pin: Peri<'static, AnyPin>| Output::new(pin, LED_OFF, OutputDrive::Standard);
     let [open, close, wave_in, wave_out, pinch]: [Peri<'static, AnyPin>; MAX_CLASSES - 1] = others;
     Wiring {
         intents: [
-            output(relax.into(), Level::High),
-            output(open, Level::Low),
-            output(close, Level::Low),
-            output(wave_in, Level::Low),
-            output(wave_out, Level::Low),
-            output(pinch, Level::Low),
+            output(p.GPIOTE_CH0, relax.into(), Level::High),
+            output(p.GPIOTE_CH1, open, Level::Low),
+            output(p.GPIOTE_CH2, close, Level::Low),
+            output(p.GPIOTE_CH3, wave_in, Level::Low),
+            output(p.GPIOTE_CH4, wave_out, Level::Low),
+            output(p.GPIOTE_CH5, pinch, Level::Low),
         ],
-        valid: output(valid.into(), Level::Low),
-        valid_led: output(valid_led.into(), LED_OFF),
-        armband_led: output(armband_led.into(), LED_OFF),
+        valid: output(p.GPIOTE_CH6, valid.into(), Level::Low),
+        dead_man: super::dead_man::Parts {
+            timer: p.TIMER1,
+            links: [
+                p.PPI_CH0.into(),
+                p.PPI_CH1.into(),
+                p.PPI_CH2.into(),
+                p.PPI_CH3.into(),
+            ],
+        },
+        valid_led: led(valid_led.into()),
+        armband_led: led(armband_led.into()),
         uart_tx: uart_tx.into(),
         uart: p.UARTE0,
         #[cfg(feature = "radio-softdevice")]
@@ -100,4 +112,14 @@ pub fn wire(p: Peripherals) -> Wiring {
         },
         watchdog: p.WDT,
     }
+}
+
+/// An output that tasks of the peripheral interconnect can set too. Only tasks set it: writing the port does nothing.
+fn output(
+    channel: Peri<'static, impl Channel>,
+    pin: Peri<'static, AnyPin>,
+    level: Level,
+) -> OutputChannel<'static> {
+    let drive = OutputDrive::Standard;
+    OutputChannel::new(channel, pin, level, drive, OutputChannelPolarity::Toggle)
 }

@@ -2,6 +2,8 @@
 
 use core::cell::Cell;
 
+use embassy_futures::select::select;
+use embassy_time::{Duration, Ticker};
 use nrf_softdevice::{
     RawError,
     ble::{
@@ -10,10 +12,9 @@ use nrf_softdevice::{
     },
     raw,
 };
-use shared::myo::Service;
 
-use super::discovery::{self, uuid};
-use crate::radio::{Disconnected, Link, MAX_VALUE_BYTES, OperationFailed, handles::Handles};
+use super::PARAMETERS;
+use crate::radio::{Disconnected, Link, MAX_VALUE_BYTES, OperationFailed};
 
 pub struct SoftdeviceLink {
     connection: Connection,
@@ -63,18 +64,43 @@ impl SoftdeviceLink {
     }
 }
 
-impl Link for SoftdeviceLink {
-    async fn discover(&self) -> Result<Handles, OperationFailed> {
-        discovery::discover(&self.connection).await
+impl SoftdeviceLink {
+    /// Asks for our connection parameters again when others are in force: nrf-softdevice grants the armband
+    /// whatever it asks for. Bounded, for an armband may insist: then its stream shows how much is lost.
+    async fn hold_parameters(&self) -> ! {
+        let mut left = PARAMETER_REQUESTS;
+        let mut ticker = Ticker::every(PARAMETER_PERIOD);
+        loop {
+            ticker.next().await;
+            let found = self.connection.conn_params();
+            let ours = found.max_conn_interval <= PARAMETERS.max_conn_interval
+                && found.slave_latency == PARAMETERS.slave_latency;
+            if !ours && left > 0 {
+                left -= 1;
+                defmt::warn!(
+                    "the armband changed the interval to {}",
+                    found.max_conn_interval
+                );
+                // An error says that the connection has ended, or that an update is under way.
+                let _ = self.connection.set_conn_params(PARAMETERS);
+            }
+        }
     }
+}
 
+/// How often the connection parameters are looked at, and how often they are asked for again.
+const PARAMETER_PERIOD: Duration = Duration::from_millis(500);
+const PARAMETER_REQUESTS: u8 = 3;
+
+impl Link for SoftdeviceLink {
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed> {
         if self.listening.get() {
             return Err(OperationFailed);
         }
         let read = gatt_client::read(&self.connection, handle, value).await;
         read.map_err(|error| {
-            defmt::warn!("a read failed: {}", error);
+            // Usual during discovery, which reads attributes that may not be read.
+            defmt::debug!("a read failed: {}", error);
             OperationFailed
         })
     }
@@ -92,10 +118,10 @@ impl Link for SoftdeviceLink {
 
     async fn listen(&self, mut on_notification: impl FnMut(u16, &[u8])) -> Disconnected {
         self.listening.set(true);
-        gatt_client::run(&self.connection, &Listener, |value: Value| {
+        let run = gatt_client::run(&self.connection, &Listener, |value: Value| {
             on_notification(value.handle, &value.bytes[..value.length]);
-        })
-        .await;
+        });
+        select(run, self.hold_parameters()).await;
         self.listening.set(false);
         Disconnected
     }
@@ -127,7 +153,8 @@ impl Client for Listener {
     }
 
     fn uuid() -> Uuid {
-        uuid(Service::Emg.uuid())
+        // Of no service: nothing is discovered with it.
+        Uuid::new_16(0)
     }
 
     fn new_undiscovered(_: Connection) -> Self {

@@ -1,6 +1,5 @@
 //! Nordic's SoftDevice as a central.
 
-mod discovery;
 mod link;
 
 use nrf_softdevice::{
@@ -25,6 +24,18 @@ struct SoftdeviceRadio<'s> {
 /// Window and interval of a scan, in units of 0.625 ms. Equal: it scans all the time, which costs
 /// nothing but power.
 const SCAN_WINDOW: u32 = 96;
+
+/// When an attempt to connect ends by itself, in units of 10 ms: before the session's time-out of 5 s would cancel
+/// it. nrf-softdevice 0.1 panics if a connection was established in the moment of its cancellation.
+const CONNECT_TIMEOUT: u16 = 450;
+
+/// Units of 1.25 ms and 10 ms: 7.5 to 15 ms, no latency, 2 s. A longer interval loses data.
+const PARAMETERS: raw::ble_gap_conn_params_t = raw::ble_gap_conn_params_t {
+    min_conn_interval: 6,
+    max_conn_interval: 12,
+    slave_latency: 0,
+    conn_sup_timeout: 200,
+};
 
 impl Radio for SoftdeviceRadio<'_> {
     async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
@@ -68,16 +79,10 @@ impl Radio for SoftdeviceRadio<'_> {
                 extended: false,
                 interval: SCAN_WINDOW,
                 window: SCAN_WINDOW,
+                timeout: CONNECT_TIMEOUT,
                 ..central::ScanConfig::default()
             },
-            // Units of 1.25 ms and 10 ms: 7.5 to 15 ms, no latency, 2 s. A longer interval loses
-            // data.
-            conn_params: raw::ble_gap_conn_params_t {
-                min_conn_interval: 6,
-                max_conn_interval: 12,
-                slave_latency: 0,
-                conn_sup_timeout: 200,
-            },
+            conn_params: PARAMETERS,
             att_mtu: None,
         };
         let connection = central::connect(self.softdevice, &config).await;

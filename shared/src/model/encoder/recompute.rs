@@ -112,6 +112,7 @@ mod tests {
     use crate::model::dimensions::{Dimensions, receptive_field};
     use crate::model::file::{Model, random::random_model};
     use crate::model::noise::Noise;
+    use crate::stream::ring::Origin;
     use crate::units::{CHANNELS, PATCH};
 
     type SmallEncoder<'m> = Encoder<'m, 16, 54>;
@@ -131,7 +132,7 @@ mod tests {
         let mut patch = Patch::default();
         for sample in &mut patch {
             *sample = [0; CHANNELS].map(|_| (noise.bits() % 129) as u8);
-            ring.push(*sample);
+            ring.push(*sample, Origin::Received);
         }
         patch
     }

@@ -31,6 +31,7 @@ fn after_a_reset_the_state_is_safe_with_its_cause() {
     for (start, cause) in [
         (Start::Boot, Cause::Boot),
         (Start::Watchdog, Cause::Watchdog),
+        (Start::StackOverflow, Cause::StackOverflow),
     ] {
         let status = SafeState::new(start).status();
         assert_eq!(status.cause(), Some(cause));
@@ -84,6 +85,10 @@ fn a_gap_and_a_disconnection_have_causes_of_their_own() {
             (0, label(Intent::Open), OPEN),
             (5, Event::Gap, safe(Cause::Gap)),
             (6, label(Intent::Open), OPEN),
+            (7, Event::Losses, safe(Cause::Losses)),
+            (8, label(Intent::Open), OPEN),
+            (8, Event::Stalled, safe(Cause::Stalled)),
+            (8, label(Intent::Open), OPEN),
             (9, Event::Disconnected, safe(Cause::Disconnected)),
             (10, Event::Disconnected, None),
             (11, label(Intent::Open), None),

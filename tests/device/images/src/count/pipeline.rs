@@ -15,7 +15,7 @@ use shared::model::file::Model;
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::Pipeline;
 use shared::stream::preprocess::Preprocessor;
-use shared::stream::ring::SampleRing;
+use shared::stream::ring::{Origin, SampleRing};
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Smoother;
 use shared::units::{LOOK_BACK, Millis, PATCH, Patch, SAMPLE_PERIOD_MS, Sample, SampleIndex};
@@ -135,7 +135,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
         let clean = black_box(&clean);
         let ((), ring_time) = clock.span(|| {
             for sample in clean {
-                black_box(ring.push(*sample));
+                black_box(ring.push(*sample, Origin::Received));
             }
         });
         let (rows, step) = clock.span(|| encoder.step(&mut state, clean));

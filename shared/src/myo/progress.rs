@@ -1,0 +1,207 @@
+//! Evidence that the radio makes progress, for a watchdog that restarts a board whose radio does not.
+
+use super::event::Event;
+use super::session::{MyoSession, Phase};
+use crate::units::Millis;
+
+/// Without any sign of life from the Bluetooth stack for so long, it counts as stopped.
+const SILENT_MS: u32 = 60_000;
+/// So many streams in a row without a notification mean that notifications are lost on this side.
+const EMPTY_STREAMS: u8 = 3;
+
+/// Decides whether a session makes progress: packets are taken, or the stack is at least heard.
+///
+/// A stack that has never been heard since the start counts as alive: in a place without any Bluetooth device a
+/// restart would change nothing. Nor do streams without a notification count before the first one that worked: an
+/// armband that hangs looks the same, and costs one restart at most.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Progress {
+    /// The stack's last sign of life.
+    heard: Option<Millis>,
+    /// Notifications so far.
+    notifications: u32,
+    /// Whether a stream runs.
+    streaming: bool,
+    /// Whether a notification of it was taken.
+    taken: bool,
+    /// Streams without a notification since the last one with.
+    empty: u8,
+}
+
+impl Progress {
+    /// Before the first event.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            heard: None,
+            notifications: 0,
+            streaming: false,
+            taken: false,
+            empty: 0,
+        }
+    }
+
+    /// To be called after the session has handled `event` at `now`.
+    pub fn handled(&mut self, now: Millis, event: Event<'_>, session: &MyoSession) {
+        match event {
+            Event::Advertisement { .. }
+            | Event::Connected
+            | Event::Discovered(_)
+            | Event::Read(_)
+            | Event::Done
+            | Event::Notification { .. } => self.heard = Some(now),
+            // The driver's own, or the end of something that never began.
+            Event::ScanEnded
+            | Event::ConnectFailed
+            | Event::Failed
+            | Event::Disconnected
+            | Event::Tick => {}
+        }
+        let notifications = session.counters().notifications;
+        if notifications != self.notifications {
+            self.notifications = notifications;
+            self.taken = true;
+            self.empty = 0;
+        }
+        let streaming = session.phase() == Phase::Streaming;
+        if self.streaming && !streaming {
+            if !self.taken && notifications > 0 {
+                self.empty = self.empty.saturating_add(1);
+            }
+            self.taken = false;
+        }
+        self.streaming = streaming;
+    }
+
+    /// Whether there is progress at `now`.
+    #[must_use]
+    pub fn is_alive(&self, now: Millis) -> bool {
+        let silent = |heard: Millis| now.elapsed_since(heard) >= SILENT_MS;
+        self.empty < EMPTY_STREAMS && !self.heard.is_some_and(silent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::myo::{Address, AddressKind, Characteristic, Lane, Settings, Uuid};
+
+    const ARMBAND: Address = Address {
+        kind: AddressKind::Public,
+        bytes: [1, 0, 0, 0, 0, 0xfa],
+    };
+
+    /// A session whose every operation succeeds at once, and what its watchdog thinks of it.
+    struct Link {
+        session: MyoSession,
+        progress: Progress,
+        now: Millis,
+    }
+
+    impl Link {
+        fn new() -> Self {
+            Self {
+                session: MyoSession::new(Settings::default()),
+                progress: Progress::new(),
+                now: Millis(0),
+            }
+        }
+
+        fn handle(&mut self, event: Event<'_>) {
+            self.session.handle(self.now, event, &mut |_| {});
+            self.progress.handled(self.now, event, &self.session);
+        }
+
+        fn advertise(&mut self) {
+            let mut data = [0; 18];
+            data[..2].copy_from_slice(&[17, 0x06]);
+            data[2..].copy_from_slice(&Uuid::CONTROL.to_le_bytes());
+            self.handle(Event::Advertisement {
+                address: ARMBAND,
+                rssi: -40,
+                data: &data,
+            });
+        }
+
+        fn notify(&mut self) {
+            let characteristic = Characteristic::Emg(Lane::ALL[0]);
+            self.handle(Event::Notification {
+                characteristic,
+                bytes: &[0; 16],
+            });
+        }
+
+        /// A stream from the scan to its end a second later, with or without notifications.
+        fn stream(&mut self, notified: bool) {
+            while self.session.phase() != Phase::Streaming {
+                self.now = self.now.plus(50);
+                match self.session.phase() {
+                    Phase::Scanning => self.advertise(),
+                    Phase::Connecting => self.handle(Event::Connected),
+                    Phase::SettingUp => {
+                        self.handle(Event::Discovered(Characteristic::ALL.into_iter().collect()));
+                        self.handle(Event::Read(&[1, 0, 5, 0, 0xb2, 0x07, 2, 0]));
+                        self.handle(Event::Read(&[80]));
+                        (0..9).for_each(|_| self.handle(Event::Done));
+                    }
+                    _ => {}
+                }
+                self.handle(Event::Tick);
+            }
+            if notified {
+                self.notify();
+            }
+            while self.session.phase() == Phase::Streaming {
+                self.now = self.now.plus(50);
+                self.handle(Event::Tick);
+                self.handle(Event::Done);
+            }
+            self.handle(Event::Disconnected);
+        }
+
+        fn is_alive(&self) -> bool {
+            self.progress.is_alive(self.now)
+        }
+    }
+
+    #[test]
+    fn three_empty_streams_after_one_that_worked_are_no_progress() {
+        let mut link = Link::new();
+        link.stream(true);
+        for _ in 0..2 {
+            link.stream(false);
+            assert!(link.is_alive());
+        }
+        link.stream(false);
+        assert!(!link.is_alive());
+        link.stream(true);
+        assert!(link.is_alive());
+        link.stream(false);
+        assert!(link.is_alive());
+    }
+
+    #[test]
+    fn empty_streams_before_the_first_that_worked_change_nothing() {
+        let mut link = Link::new();
+        (0..10).for_each(|_| link.stream(false));
+        assert!(link.is_alive());
+    }
+
+    #[test]
+    fn a_stack_that_was_heard_and_falls_silent_is_dead_after_a_minute() {
+        let mut link = Link::new();
+        link.now = Millis(10_000_000);
+        link.handle(Event::Tick);
+        assert!(link.is_alive(), "never heard");
+        link.advertise();
+        link.now = link.now.plus(SILENT_MS - 1);
+        link.handle(Event::Tick);
+        link.handle(Event::ConnectFailed);
+        assert!(link.is_alive());
+        link.now = link.now.plus(1);
+        link.handle(Event::Tick);
+        assert!(!link.is_alive());
+        link.advertise();
+        assert!(link.is_alive());
+    }
+}
