@@ -8,8 +8,10 @@ use thiserror::Error;
 use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
-/// Names and texts of the research presets: the paper's comparisons; everybody whom the shipped model has not seen.
-const OWN: [(&str, &str); 2] = [
+/// Names and texts of the research presets: the paper's comparisons; everybody whom the model shipped before has not seen;
+/// that model's recipe.
+const OWN: [(&str, &str); 3] = [
+    ("before", include_str!("../../presets/before.toml")),
     ("study", include_str!("../../presets/study.toml")),
     ("comparison", include_str!("../../presets/comparison.toml")),
 ];

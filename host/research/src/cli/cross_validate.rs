@@ -28,8 +28,8 @@ use crate::cross_validation::{
     the ensemble that it learns from) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
     all data sets found, also of those that the preset does not train on; test people are in none. The seed decides folds,\n\
     validation people and training. A person's value is the mean over seeds; intervals are over people.\n\n\
-    Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. When all are done,\n\
-    the tables are printed and written to the folder.\n\n\
+    Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. Tables are printed\n\
+    for the folds that all presets have, and written to the folder when these are all folds.\n\n\
     Examples:\n  \
     myointent-research cross-validate --preset cpu --preset mine.toml --seeds 42,7 --data recordings\n  \
     myointent-research cross-validate --preset cpu --list | sh       job by job, or pass the lines to a scheduler"
@@ -112,30 +112,39 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             }
         }
     }
-    // Other folds and seeds may have been run by other commands.
-    let mut results: Vec<Vec<(u64, Vec<FoldScore>)>> = Vec::new();
-    let mut missing = 0;
-    for preset in &presets {
-        let mut own = Vec::new();
-        for &seed in &arguments.seeds {
-            for fold in 1..=arguments.folds {
-                match validation.done(&job(preset, seed, fold))? {
-                    Some(scores) => own.push((seed, scores)),
-                    None => missing += 1,
-                }
+    // Other folds and seeds may have been run by other commands. A fold counts if all presets have it.
+    let mut results = vec![Vec::new(); presets.len()];
+    let (mut counted, mut left) = (0, 0);
+    for &seed in &arguments.seeds {
+        for fold in 1..=arguments.folds {
+            let all: Result<Option<Vec<_>>, _> = presets
+                .iter()
+                .map(|preset| validation.done(&job(preset, seed, fold)))
+                .collect();
+            let Some(all) = all? else {
+                left += 1;
+                continue;
+            };
+            counted += 1;
+            for (own, scores) in results.iter_mut().zip(all) {
+                own.push((seed, scores));
             }
         }
-        results.push(own);
     }
-    if missing > 0 {
-        progress::log(&format!(
-            "no tables yet: {missing} jobs are left; give the same command without --fold"
-        ));
+    if counted == 0 {
+        progress::log("no tables yet: no fold has been run with all presets");
         return Ok(());
     }
     let merged = merged(arguments, &presets, &results);
     for table in [scores(&merged), differences(&merged)] {
         writeln!(out, "{}", table.plain())?;
+    }
+    if left > 0 {
+        progress::log(&format!(
+            "these are {counted} of {} folds, not everybody: nothing was written; give the same command without --fold",
+            counted + left
+        ));
+        return Ok(());
     }
     for path in write(&arguments.out, &merged)? {
         writeln!(out, "{}", path.display())?;
