@@ -703,7 +703,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         name: "model".to_owned(),
         looks_back: true,
         logits: logits.collect(),
-        entry_margins: [0.0; MAX_CLASSES],
+        entry_margins: model.header.smoother.entry_margins,
     };
     let detector = EnergyDetector::fit(&training).unwrap();
     let candidates = [own, constant(&trials), detector.candidate(&trials)];
