@@ -129,16 +129,11 @@ impl ResolvedConfig {
         preset: &Preset,
         library: &'l Library,
     ) -> Result<Vec<&'l Recording>, ConfigError> {
-        let vocabulary = preset.vocabulary();
-        let mut labelled: Vec<&Recording> = library
-            .recordings
-            .iter()
-            .filter(|recording| recording.has_labels_in(vocabulary))
-            .collect();
+        let mut labelled = with_labels(preset, library);
         if labelled.is_empty() {
             return Err(ConfigError::NoLabels {
                 recordings: library.recordings.len(),
-                classes: vocabulary.classes(),
+                classes: preset.vocabulary().classes(),
             });
         }
         let data = &preset.data;
@@ -203,13 +198,17 @@ impl ResolvedConfig {
 /// [`ResolvedConfig::new`] with a fold of [`Protocol::LeaveGroupsOut`].
 #[must_use]
 pub fn fold_people(preset: &Preset, library: &Library, folds: usize) -> Vec<Vec<String>> {
-    let vocabulary = preset.vocabulary();
-    let labelled: Vec<&Recording> = library
-        .recordings
-        .iter()
-        .filter(|recording| recording.has_labels_in(vocabulary))
-        .collect();
+    let labelled = with_labels(preset, library);
     folds::folds(developers(&labelled), folds, preset.seed)
+}
+
+/// The recordings that have labels of the preset's classes.
+fn with_labels<'l>(preset: &Preset, library: &'l Library) -> Vec<&'l Recording> {
+    let vocabulary = preset.vocabulary();
+    let recordings = library.recordings.iter();
+    recordings
+        .filter(|recording| recording.has_labels_in(vocabulary))
+        .collect()
 }
 
 /// Recordings of everybody but the test people.

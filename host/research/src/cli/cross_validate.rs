@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::bail;
-use clap::{Args, ValueEnum as _};
+use clap::Args;
 use myointent::cli::arguments::{BackendArguments, DataArguments};
 use myointent::evaluation::LookAhead;
 use myointent::execution::interrupt::Interrupt;
@@ -15,7 +15,7 @@ use myointent::run::preset::Preset;
 use myointent::run::resolve::ConfigError;
 use shared::units::MAX_ENTRY_MARGIN;
 
-use super::shell::{line, program};
+use super::shell::{line, program, shared_options};
 use crate::baselines::settings::find_preset;
 use crate::cross_validation::{
     CrossValidation, FoldScore, Job, Merged, differences, people, scores,
@@ -221,16 +221,7 @@ fn command(arguments: &Arguments, preset: &str, seed: u64, fold: u8) -> String {
     if let Some(data) = arguments.data.folder() {
         option("data", data.display().to_string());
     }
-    let backend = arguments.backend.backend.and_then(|backend| {
-        let name = backend.to_possible_value()?;
-        Some(name.get_name().to_owned())
-    });
-    if let Some(backend) = backend {
-        option("backend", backend);
-    }
-    if arguments.data.strict {
-        words.push("--strict".to_owned());
-    }
+    words.extend(shared_options(&arguments.data, arguments.backend));
     line(&words)
 }
 

@@ -1,5 +1,8 @@
 //! Commands for a shell or a scheduler.
 
+use clap::ValueEnum as _;
+use myointent::cli::arguments::{BackendArguments, DataArguments};
+
 /// A command line of these words, each quoted where a shell needs it.
 pub(super) fn line(words: &[String]) -> String {
     words
@@ -14,6 +17,21 @@ pub(super) fn program() -> String {
     std::env::args()
         .next()
         .unwrap_or_else(|| "myointent-research".to_owned())
+}
+
+/// The words of the options that every job is given again: `--backend` and `--strict`, as far as they were given.
+pub(super) fn shared_options(data: &DataArguments, backend: BackendArguments) -> Vec<String> {
+    let mut words = Vec::new();
+    let value = backend
+        .backend
+        .and_then(|backend| backend.to_possible_value());
+    if let Some(value) = value {
+        words.extend(["--backend".to_owned(), value.get_name().to_owned()]);
+    }
+    if data.strict {
+        words.push("--strict".to_owned());
+    }
+    words
 }
 
 /// A word, quoted for a shell where needed.

@@ -4,9 +4,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum as _};
+use clap::Args;
 
-use super::shell::{line, program};
+use super::shell::{line, program, shared_options};
 use crate::baselines::settings::find_preset;
 use crate::comparison::study::Study;
 use crate::comparison::variant::{Variant, data_sets};
@@ -121,15 +121,6 @@ fn command(arguments: &Arguments, variant: Variant, fold: Option<usize>) -> Stri
     if let Some(fold) = fold {
         option("fold", fold.to_string());
     }
-    let backend = arguments.backend.backend.and_then(|backend| {
-        let name = backend.to_possible_value()?;
-        Some(name.get_name().to_owned())
-    });
-    if let Some(backend) = backend {
-        option("backend", backend);
-    }
-    if arguments.data.strict {
-        words.push("--strict".to_owned());
-    }
+    words.extend(shared_options(&arguments.data, arguments.backend));
     line(&words)
 }

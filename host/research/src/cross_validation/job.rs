@@ -79,17 +79,19 @@ impl CrossValidation<'_> {
         let Ok(folder) = RunFolder::existing(self.path(job)) else {
             return Ok(None);
         };
-        let made_from = self.config(job)?.fingerprint();
-        let Ok(kept) = folder.load_stamped::<FoldScores>(SCORES, made_from) else {
-            return Ok(None);
-        };
-        let mut scores = kept.content.scores;
+        Ok(self.kept(&folder, &self.config(job)?))
+    }
+
+    /// The scores in a run folder, if they are those of a configuration and of every wanted confidence gate.
+    fn kept(&self, folder: &RunFolder, config: &ResolvedConfig) -> Option<Vec<FoldScore>> {
+        let kept = folder.load_stamped::<FoldScores>(SCORES, config.fingerprint());
+        let mut scores = kept.ok()?.content.scores;
         let has = |margin: &Option<f32>| scores.iter().any(|own| own.entry_margin == *margin);
         if !self.entry_margins.iter().all(has) {
-            return Ok(None);
+            return None;
         }
         scores.retain(|own| self.entry_margins.contains(&own.entry_margin));
-        Ok(Some(scores))
+        Some(scores)
     }
 
     /// Trains the job's models, or the rest of them, and evaluates the integer student.
@@ -98,12 +100,15 @@ impl CrossValidation<'_> {
     /// When a step fails, the folder holds a run with other settings or the user interrupts.
     pub(crate) fn run(&self, job: &Job) -> Result<(), JobError> {
         let path = self.path(job);
-        if self.done(job)?.is_some() {
+        // Made once: it fingerprints all recordings.
+        let config = self.config(job)?;
+        let existing = RunFolder::existing(&path).ok();
+        if existing.is_some_and(|folder| self.kept(&folder, &config).is_some()) {
             progress::log(&format!("{}: already evaluated", path.display()));
             return Ok(());
         }
         let folder = RunFolder::open(&path)?.locked()?;
-        let config = begun(&folder, self.config(job)?)?;
+        let config = begun(&folder, config)?;
         progress::log(&format!(
             "{}: {} people to train on",
             path.display(),
