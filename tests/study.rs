@@ -233,6 +233,8 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
             "2",
             "--seeds",
             "1,2",
+            "--baselines",
+            "lda",
         ];
         research(&[&line[..], rest].concat())
     };
@@ -265,18 +267,26 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
         .lines()
         .skip(1)
         .map(|row| {
-            // The look-ahead has a comma of its own, in quotes.
-            let fields: Vec<&str> = row.split(',').collect();
-            (fields[0], fields[4], fields[5])
+            // The look-ahead may have a comma of its own, in quotes.
+            let (name, rest) = row.split_once(',').unwrap();
+            let fields: Vec<&str> = rest
+                .rsplit_once('"')
+                .map_or(rest, |(_, rest)| rest)
+                .split(',')
+                .collect();
+            (name, fields[2], fields[3])
         })
         .collect();
     people.sort_unstable();
-    // Four people, two seeds, two presets, two aggregation modes: each person in one fold of each.
-    assert_eq!(people.len(), 4 * 2 * 2 * 2);
+    // Four people, two seeds, two presets with two aggregation modes, a baseline without past patches and two floors: each
+    // person in one fold of each.
+    assert_eq!(people.len(), 4 * 2 * (2 * 2 + 3));
     people.dedup();
-    assert_eq!(people.len(), 4 * 2 * 2);
+    assert_eq!(people.len(), 4 * 2 * (2 + 3));
     let page = fs::read_to_string(out.join("tables.md")).unwrap();
     assert!(page.contains("other (0.25 s, all rows) - small (0.25 s, all rows)"));
+    assert!(page.contains("LDA (0) - small (0.25 s, all rows)"));
+    assert!(page.contains("energy detector (0) - small (0.25 s, all rows)"));
     for seed in ["seed-1", "seed-2"] {
         let run = out.join("other").join(seed).join("fold-1");
         let split = &json(&run.join("config.json"))["split"];

@@ -5,10 +5,12 @@ use shared::model::file::Model;
 
 use super::aggregation::aggregation;
 use super::candidates::{integer_candidate, student_candidate, teacher_candidate};
+use super::config::ResolvedConfig;
 use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use super::trials;
+use crate::dataset::Library;
 use crate::evaluation::{
     Candidate, EnergyDetector, LookAhead, Measure, Score, Trial, Truth, constant, score_all,
 };
@@ -92,14 +94,7 @@ pub fn evaluate(
         return Err(StepError::NoModel);
     }
     let mut on_spliced = candidates(context, &spliced, bytes, more)?;
-    let detector = EnergyDetector::fit(&trials::training(&context.config, &context.library));
-    if let Some(detector) = &detector {
-        progress::log(&format!(
-            "energy detector: {} from {:.1} counts on",
-            detector.active.name(),
-            detector.threshold
-        ));
-    }
+    let detector = energy_detector(&context.config, &context.library);
     for (candidates, trials) in [(&mut published, &trials), (&mut on_spliced, &spliced)] {
         candidates.push(constant(trials));
         candidates.extend(detector.map(|detector| detector.candidate(trials)));
@@ -132,6 +127,18 @@ pub fn evaluate(
             is_kept,
         },
     ))
+}
+
+/// The energy detector fitted to the training people of a run; none if they have no gesture.
+#[must_use]
+pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<EnergyDetector> {
+    let detector = EnergyDetector::fit(&trials::training(config, library))?;
+    progress::log(&format!(
+        "energy detector: {} from {:.1} counts on",
+        detector.active.name(),
+        detector.threshold
+    ));
+    Some(detector)
 }
 
 fn candidates(

@@ -110,26 +110,11 @@ pub fn evaluate_models(
         .map(|model| Ok(Model::parse(&model.bytes)?))
         .collect::<Result<Vec<_>, StepError>>()?;
     let vocabulary = common_vocabulary(models, &parsed)?;
-    let labelled: Vec<&Recording> = library
-        .recordings
-        .iter()
-        .filter(|recording| recording.can_be_evaluated(vocabulary))
-        .collect();
+    let labelled = labelled(library, vocabulary);
     let (subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
     let lags = lags(&labelled);
-    let trials: Vec<Trial> = labelled
-        .par_iter()
-        .filter(|recording| subjects.iter().any(|own| own.subject == recording.subject))
-        .map(|recording| {
-            let mut samples = recording.aligned_samples();
-            for sample in &mut samples {
-                sample.rotate_right(selection.rotation % CHANNELS);
-            }
-            let name = format!("{}/{}", recording.subject, recording.name);
-            bridge_lost_notifications(&mut samples, selection.lost_percent, &name);
-            trial(recording, samples, vocabulary, lags[&recording.data_set])
-        })
-        .collect();
+    let is_evaluated = |subject: &str| subjects.iter().any(|own| own.subject == subject);
+    let trials = trials(&labelled, &is_evaluated, vocabulary, &lags, selection);
     let mut candidates = models
         .iter()
         .zip(&parsed)
@@ -170,6 +155,52 @@ pub fn evaluate_models(
         candidates,
         vocabulary,
     })
+}
+
+/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them.
+#[must_use]
+pub fn trials_of(library: &Library, vocabulary: Vocabulary, people: &[String]) -> Vec<Trial> {
+    let labelled = labelled(library, vocabulary);
+    let lags = lags(&labelled);
+    let is_evaluated = |subject: &str| people.iter().any(|own| own == subject);
+    trials(
+        &labelled,
+        &is_evaluated,
+        vocabulary,
+        &lags,
+        &Selection::default(),
+    )
+}
+
+/// Recordings that models of a vocabulary can be evaluated on.
+fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
+    let recordings = library.recordings.iter();
+    recordings
+        .filter(|recording| recording.can_be_evaluated(vocabulary))
+        .collect()
+}
+
+/// The recordings of the evaluated people, with the rotation and the losses of a selection.
+fn trials(
+    labelled: &[&Recording],
+    is_evaluated: &(impl Fn(&str) -> bool + Sync),
+    vocabulary: Vocabulary,
+    lags: &BTreeMap<DataSet, usize>,
+    selection: &Selection,
+) -> Vec<Trial> {
+    labelled
+        .par_iter()
+        .filter(|recording| is_evaluated(&recording.subject))
+        .map(|recording| {
+            let mut samples = recording.aligned_samples();
+            for sample in &mut samples {
+                sample.rotate_right(selection.rotation % CHANNELS);
+            }
+            let name = format!("{}/{}", recording.subject, recording.name);
+            bridge_lost_notifications(&mut samples, selection.lost_percent, &name);
+            trial(recording, samples, vocabulary, lags[&recording.data_set])
+        })
+        .collect()
 }
 
 /// The classes of all models.

@@ -197,7 +197,7 @@ impl Preset {
 
     /// The classes that labels are taken from.
     #[must_use]
-    pub(crate) fn vocabulary(&self) -> Vocabulary {
+    pub fn vocabulary(&self) -> Vocabulary {
         Vocabulary::with_classes(self.classes).unwrap_or(Vocabulary::Three)
     }
 }

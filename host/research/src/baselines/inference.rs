@@ -57,22 +57,19 @@ pub(crate) struct TrainedBaseline {
 }
 
 impl TrainedBaseline {
-    /// Loads a baseline that was trained on these streams from a run folder; none if it has not been trained there.
+    /// Loads a baseline that was trained on these streams from a run folder.
     ///
     /// The device is one without gradients.
     ///
     /// # Errors
-    /// When its files are damaged, of other streams or of another shape.
+    /// When its files are missing, damaged, of other streams or of another shape.
     pub(crate) fn load(
         baseline: Baseline,
         run: &RunFolder,
         streams: Fingerprint,
         classes: usize,
         device: &Device,
-    ) -> Result<Option<Self>, RunError> {
-        if !run.file(&baseline.model_file()).exists() {
-            return Ok(None);
-        }
+    ) -> Result<Self, RunError> {
         let features: FeatureExtraction = run
             .load_stamped(&baseline.features_file(), streams)?
             .content;
@@ -88,11 +85,11 @@ impl TrainedBaseline {
             Baseline::EdTcn => load(EdTcnConfig::default().init(classes, device), from)?,
             Baseline::TraHgr => load(TraHgrConfig::default().init(classes, device), from)?,
         };
-        Ok(Some(Self {
+        Ok(Self {
             features,
             classes,
             model,
-        }))
+        })
     }
 
     /// Logits at every whole patch of a stream, each from the window that ends with the patch.
@@ -137,27 +134,39 @@ pub(crate) fn candidates(
     context: &RunContext,
     trials: &[Trial],
 ) -> Result<Vec<Candidate>, RunError> {
-    let (folder, classes) = (&context.folder, context.config.preset.classes);
-    let (device, streams) = (context.inference_device(), context.config.streams_lineage());
     let mut candidates = Vec::new();
     for baseline in Baseline::ALL {
-        let trained = TrainedBaseline::load(baseline, folder, streams, classes, &device);
-        let Some(trained) = if_own(trained)?.flatten() else {
-            continue;
-        };
-        let logits = parallel::map(
-            baseline.name(),
-            trials,
-            folder,
-            &context.interrupt,
-            |trial| trained.logits(&trial.raw, &trial.emg),
-        )?;
-        candidates.push(Candidate {
-            name: baseline.name().to_owned(),
-            looks_back: baseline.looks_back(),
-            logits,
-            entry_margins: [0.0; MAX_CLASSES],
-        });
+        let is_trained = context.folder.file(&baseline.model_file()).exists();
+        if is_trained {
+            candidates.extend(if_own(candidate(context, baseline, trials))?);
+        }
     }
     Ok(candidates)
+}
+
+/// A trained baseline of a run with its logits over the trials.
+///
+/// # Errors
+/// When it is missing, its files are damaged or another run's, or the user interrupts.
+pub(crate) fn candidate(
+    context: &RunContext,
+    baseline: Baseline,
+    trials: &[Trial],
+) -> Result<Candidate, RunError> {
+    let (folder, classes) = (&context.folder, context.config.preset.classes);
+    let (device, streams) = (context.inference_device(), context.config.streams_lineage());
+    let trained = TrainedBaseline::load(baseline, folder, streams, classes, &device)?;
+    let logits = parallel::map(
+        baseline.name(),
+        trials,
+        folder,
+        &context.interrupt,
+        |trial| trained.logits(&trial.raw, &trial.emg),
+    )?;
+    Ok(Candidate {
+        name: baseline.name().to_owned(),
+        looks_back: baseline.looks_back(),
+        logits,
+        entry_margins: [0.0; MAX_CLASSES],
+    })
 }

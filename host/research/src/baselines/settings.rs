@@ -8,8 +8,8 @@ use thiserror::Error;
 use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
-/// Names and texts of the research presets: the paper's comparisons; everybody whom the model shipped before has not seen;
-/// that model's recipe.
+/// Names and texts of the research presets: the recipe of the model shipped before; the paper's comparisons on few people;
+/// preset `cpu` with settings for the baselines.
 const OWN: [(&str, &str); 3] = [
     ("before", include_str!("../../presets/before.toml")),
     ("study", include_str!("../../presets/study.toml")),
@@ -180,6 +180,14 @@ mod tests {
         let (study, settings) = find_preset("study").unwrap();
         assert_eq!((study.name.as_str(), settings.epochs), ("study", 6));
         assert_eq!(find_preset("paper").unwrap().1, BaselineSettings::default());
+    }
+
+    #[test]
+    fn the_comparison_is_the_recipe_of_the_shipped_models() {
+        let (mut comparison, settings) = find_preset("comparison").unwrap();
+        assert_ne!(settings, BaselineSettings::default());
+        comparison.name = "cpu".to_owned();
+        assert_eq!(comparison, find_preset("cpu").unwrap().0);
     }
 
     #[test]

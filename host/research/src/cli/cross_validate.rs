@@ -1,24 +1,25 @@
-//! `myointent-research cross-validate`: presets compared on everybody, for several seeds.
+//! `myointent-research cross-validate`: presets, baselines and floors compared on everybody, for several seeds.
+
+mod contenders;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::bail;
 use clap::Args;
 use myointent::cli::arguments::{BackendArguments, DataArguments};
 use myointent::evaluation::LookAhead;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::write_whole;
-use myointent::run::preset::Preset;
 use myointent::run::resolve::ConfigError;
 use shared::units::MAX_ENTRY_MARGIN;
 
+use self::contenders::{contenders, presets};
 use super::shell::{line, program, shared_options};
-use crate::baselines::settings::find_preset;
+use crate::baselines::Baseline;
 use crate::cross_validation::{
-    CrossValidation, FoldScore, Job, Merged, differences, people, scores,
+    Contender, CrossValidation, FoldScore, Job, Kind, Merged, differences, people, scores,
 };
 
 /// Arguments of `cross-validate`.
@@ -28,17 +29,27 @@ use crate::cross_validation::{
     the ensemble that it learns from) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
     all data sets found, also of those that the preset does not train on; test people are in none. The seed decides folds,\n\
     validation people and training. A person's value is the mean over seeds; intervals are over people.\n\n\
+    Baselines are trained on the recordings and people of the first preset, by its table [baselines] (comparison has one: cpu's\n\
+    recipe and settings for two cores; without a table they are the reference's). The tables end with the constant relax and the\n\
+    energy detector.\n\n\
     Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. Tables are printed\n\
-    for the folds that all presets have, and written to the folder when these are all folds.\n\n\
+    for the folds that all have, and written to the folder when these are all folds.\n\n\
     Examples:\n  \
     myointent-research cross-validate --preset cpu --preset mine.toml --seeds 42,7 --data recordings\n  \
+    myointent-research cross-validate --preset comparison --baselines lda,mlp,lstm,ed-tcn,trahgr --data recordings\n  \
     myointent-research cross-validate --preset cpu --list | sh       job by job, or pass the lines to a scheduler"
 )]
 pub(super) struct Arguments {
     /// Presets to compare, the first one with all others: built-in ones, or TOML files. Repeat the option.
     #[arg(long, required = true)]
     preset: Vec<String>,
-    /// Seeds, separated by commas; each preset is trained with each.
+    /// The paper's baselines to compare, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    baselines: Vec<Baseline>,
+    /// Run the jobs of this preset or baseline only.
+    #[arg(long, value_name = "NAME")]
+    only: Option<String>,
+    /// Seeds, separated by commas; everything is trained with each.
     #[arg(long, value_delimiter = ',', default_value = "42,7")]
     seeds: Vec<u64>,
     /// Number of folds.
@@ -51,7 +62,7 @@ pub(super) struct Arguments {
     /// Number of the only fold to run, 1 first; all if not given.
     #[arg(long)]
     fold: Option<u8>,
-    /// Folder; run folders are PRESET/seed-S/fold-K in it.
+    /// Folder; run folders are NAME/seed-S/fold-K in it.
     #[arg(long, value_name = "DIR", default_value = "runs/cross-validation")]
     out: PathBuf,
     /// Print the jobs as commands, one per line, without running them.
@@ -68,7 +79,8 @@ pub(super) struct Arguments {
 /// # Errors
 /// When the recordings, a preset or a folder cannot be used, or a job fails.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let presets = presets(&arguments.preset)?;
+    let (presets, settings) = presets(&arguments.preset)?;
+    let contenders = contenders(&presets, &arguments.baselines, arguments.only.as_deref())?;
     let of = usize::from(arguments.folds);
     if let Some(number) = arguments.fold.map(usize::from)
         && !(1..=of).contains(&number)
@@ -77,8 +89,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let mut out = std::io::stdout().lock();
     if arguments.list {
-        for (name, seed, fold) in selected(arguments) {
-            writeln!(out, "{}", command(arguments, name, seed, fold))?;
+        // The floors train nothing: the command that makes the tables does them.
+        let jobs = selected(arguments, &contenders).filter(|(own, ..)| own.is_trained());
+        for (contender, seed, fold) in jobs {
+            writeln!(out, "{}", command(arguments, contender, seed, fold))?;
         }
         return Ok(());
     }
@@ -92,34 +106,28 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         folder: &arguments.out,
         folds: of,
         entry_margins: margins(arguments).collect(),
+        baselines: &settings,
         library,
         data: data.as_deref(),
         strict: arguments.data.strict,
         device: arguments.backend.device(),
         interrupt: &interrupt,
     };
-    let job = |preset: &Preset, seed, fold: u8| Job {
-        preset: Preset {
-            seed,
-            ..preset.clone()
-        },
+    let job = |contender: &Contender, seed, fold: u8| Job {
+        contender: contender.with_seed(seed),
         fold: fold.into(),
     };
-    for seed in &arguments.seeds {
-        for fold in folds(arguments) {
-            for preset in &presets {
-                validation.run(&job(preset, *seed, fold))?;
-            }
-        }
+    for (contender, seed, fold) in selected(arguments, &contenders) {
+        validation.run(&job(contender, seed, fold))?;
     }
-    // Other folds and seeds may have been run by other commands. A fold counts if all presets have it.
-    let mut results = vec![Vec::new(); presets.len()];
+    // Other folds and seeds may have been run by other commands. A fold counts if all contenders have it.
+    let mut results = vec![Vec::new(); contenders.len()];
     let (mut counted, mut left) = (0, 0);
     for &seed in &arguments.seeds {
         for fold in 1..=arguments.folds {
-            let all: Result<Option<Vec<_>>, _> = presets
+            let all: Result<Option<Vec<_>>, _> = contenders
                 .iter()
-                .map(|preset| validation.done(&job(preset, seed, fold)))
+                .map(|contender| validation.done(&job(contender, seed, fold)))
                 .collect();
             let Some(all) = all? else {
                 left += 1;
@@ -132,16 +140,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     }
     if counted == 0 {
-        progress::log("no tables yet: no fold has been run with all presets");
+        progress::log("no tables yet: no fold has been run with everything that is compared");
         return Ok(());
     }
-    let merged = merged(arguments, &presets, &results);
+    let merged = merged(arguments, &contenders, &results);
     for table in [scores(&merged), differences(&merged)] {
         writeln!(out, "{}", table.plain())?;
     }
     if left > 0 {
         progress::log(&format!(
-            "these are {counted} of {} folds, not everybody: nothing was written; give the same command without --fold",
+            "these are {counted} of {} folds, not everybody: nothing was written; give the same command without --fold and --only",
             counted + left
         ));
         return Ok(());
@@ -150,31 +158,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         writeln!(out, "{}", path.display())?;
     }
     Ok(())
-}
-
-/// The presets by their names, which are folders.
-fn presets(names: &[String]) -> anyhow::Result<Vec<Preset>> {
-    let mut presets: Vec<Preset> = Vec::new();
-    for name in names {
-        let (preset, _) = find_preset(name)?;
-        if presets.iter().any(|other| other.name == preset.name) {
-            bail!(
-                "two presets have the name {:?}: change `name` in one of them",
-                preset.name
-            );
-        }
-        presets.push(preset);
-    }
-    let classes = presets[0].classes;
-    if let Some(other) = presets.iter().find(|preset| preset.classes != classes) {
-        bail!(
-            "{} has {classes} classes and {} has {}: compare presets of one vocabulary",
-            presets[0].name,
-            other.name,
-            other.classes
-        );
-    }
-    Ok(presets)
 }
 
 fn entry_margin(text: &str) -> Result<f32, String> {
@@ -195,21 +178,33 @@ fn folds(arguments: &Arguments) -> impl Iterator<Item = u8> {
     (1..=arguments.folds).filter(move |&fold| only.is_none_or(|only| only == fold))
 }
 
-/// Preset, seed and fold of each job.
-fn selected(arguments: &Arguments) -> impl Iterator<Item = (&str, u64, u8)> {
+/// Contender, seed and fold of each job.
+fn selected<'a>(
+    arguments: &'a Arguments,
+    contenders: &'a [Contender],
+) -> impl Iterator<Item = (&'a Contender, u64, u8)> {
+    let only = arguments.only.as_ref();
     arguments.seeds.iter().flat_map(move |&seed| {
         folds(arguments).flat_map(move |fold| {
-            let presets = arguments.preset.iter();
-            presets.map(move |preset| (preset.as_str(), seed, fold))
+            contenders
+                .iter()
+                .filter(move |own| only.is_none_or(|only| own.argument() == *only))
+                .map(move |contender| (contender, seed, fold))
         })
     })
 }
 
 /// The shell command of one job, to be run in the current folder.
-fn command(arguments: &Arguments, preset: &str, seed: u64, fold: u8) -> String {
+fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) -> String {
     let mut words = vec![program(), "cross-validate".to_owned()];
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
-    option("preset", preset.to_owned());
+    for preset in &arguments.preset {
+        option("preset", preset.clone());
+    }
+    if let Kind::Baseline(_) = contender.kind {
+        option("baselines", contender.argument());
+    }
+    option("only", contender.argument());
     option("seeds", seed.to_string());
     option("folds", arguments.folds.to_string());
     option("fold", fold.to_string());
@@ -225,23 +220,24 @@ fn command(arguments: &Arguments, preset: &str, seed: u64, fold: u8) -> String {
     line(&words)
 }
 
-/// Every preset under both aggregation modes and each confidence gate.
+/// Every contender under both aggregation modes, or without look-ahead, and each confidence gate.
 fn merged<'a>(
     arguments: &Arguments,
-    presets: &'a [Preset],
+    contenders: &'a [Contender],
     results: &'a [Vec<(u64, Vec<FoldScore>)>],
 ) -> Vec<Merged<'a>> {
     let mut merged = Vec::new();
-    for (preset, own) in presets.iter().zip(results) {
+    for (contender, own) in contenders.iter().zip(results) {
         for margin in margins(arguments) {
-            for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
+            for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant, LookAhead::None] {
                 let scores = own
                     .iter()
                     .flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)));
-                merged.push(Merged::new(&preset.name, look_ahead, margin, scores));
+                merged.push(Merged::new(contender.name(), look_ahead, margin, scores));
             }
         }
     }
+    merged.retain(|own| !own.is_empty());
     merged
 }
 

@@ -1,4 +1,4 @@
-//! One job: a preset with one seed, trained for one fold and evaluated on its people.
+//! One job: a contender with one seed, trained without the people of one fold and evaluated on them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
-use myointent::evaluation::{ALL, LookAhead, Score, Truth, score};
+use myointent::evaluation::{ALL, Candidate, LookAhead, Score, Trial, Truth, constant, score};
+use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::RunFolder;
@@ -16,12 +17,17 @@ use myointent::run::StepError;
 use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use myointent::run::distill::distill;
-use myointent::run::model_evaluation::{NamedModel, Selection, evaluate_models};
-use myointent::run::preset::{EntryMargins, Preset};
+use myointent::run::evaluate::energy_detector;
+use myointent::run::model_evaluation::{NamedModel, beside, trials_of};
+use myointent::run::preset::EntryMargins;
 use myointent::run::quantize::{MODEL, quantize};
 use myointent::run::resolve::{FoldChoice, fold_people};
 use myointent::run::train::train;
 
+use super::contender::{Contender, Kind};
+use crate::baselines::inference::candidate;
+use crate::baselines::settings::BaselineSettings;
+use crate::baselines::training::train_all;
 use crate::job::{JobError, begun};
 
 /// Name of a job's scores in its run folder.
@@ -29,12 +35,14 @@ const SCORES: &str = "cross-validation.json";
 
 /// What all jobs have in common.
 pub(crate) struct CrossValidation<'a> {
-    /// Run folders are `PRESET/seed-S/fold-K` in it.
+    /// Run folders are `NAME/seed-S/fold-K` in it.
     pub(crate) folder: &'a Path,
     /// Number of folds.
     pub(crate) folds: usize,
-    /// Confidence gates to evaluate with; none is that of the preset.
+    /// Confidence gates to evaluate with; none is the contender's own.
     pub(crate) entry_margins: Vec<Option<f32>>,
+    /// How baselines are trained.
+    pub(crate) baselines: &'a BaselineSettings,
     /// The recordings.
     pub(crate) library: Arc<Library>,
     /// Folder of the recordings; none for synthetic ones.
@@ -56,16 +64,16 @@ struct FoldScores {
 /// A score over all of a fold's people.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FoldScore {
-    /// Confidence gate of all classes but relax; none: that of the preset.
+    /// Confidence gate of all classes but relax; none: the contender's own.
     pub(crate) entry_margin: Option<f32>,
     /// The score.
     pub(crate) score: Score,
 }
 
-/// A preset with its seed, and a fold from 1 on.
+/// A contender with its seed, and a fold from 1 on.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
-    pub(crate) preset: Preset,
+    pub(crate) contender: Contender,
     pub(crate) fold: usize,
 }
 
@@ -79,22 +87,50 @@ impl CrossValidation<'_> {
         let Ok(folder) = RunFolder::existing(self.path(job)) else {
             return Ok(None);
         };
-        Ok(self.kept(&folder, &self.config(job)?))
+        Ok(self.kept(job, &folder, &self.config(job)?))
     }
 
     /// The scores in a run folder, if they are those of a configuration and of every wanted confidence gate.
-    fn kept(&self, folder: &RunFolder, config: &ResolvedConfig) -> Option<Vec<FoldScore>> {
-        let kept = folder.load_stamped::<FoldScores>(SCORES, config.fingerprint());
+    fn kept(
+        &self,
+        job: &Job,
+        folder: &RunFolder,
+        config: &ResolvedConfig,
+    ) -> Option<Vec<FoldScore>> {
+        let kept = folder.load_stamped::<FoldScores>(SCORES, self.made_from(job, config));
         let mut scores = kept.ok()?.content.scores;
+        let wanted = self.gates(job);
         let has = |margin: &Option<f32>| scores.iter().any(|own| own.entry_margin == *margin);
-        if !self.entry_margins.iter().all(has) {
+        if !wanted.iter().all(has) {
             return None;
         }
-        scores.retain(|own| self.entry_margins.contains(&own.entry_margin));
+        scores.retain(|own| wanted.contains(&own.entry_margin));
         Some(scores)
     }
 
-    /// Trains the job's models, or the rest of them, and evaluates the integer student.
+    /// The confidence gates that a job is evaluated with.
+    fn gates(&self, job: &Job) -> &[Option<f32>] {
+        if job.contender.is_trained() {
+            &self.entry_margins
+        } else {
+            &[None]
+        }
+    }
+
+    /// What the scores of a job depend on.
+    fn made_from(&self, job: &Job, config: &ResolvedConfig) -> Fingerprint {
+        match job.contender.kind {
+            Kind::Student => config.fingerprint(),
+            Kind::Baseline(baseline) => {
+                Fingerprint::of(&(config.fingerprint(), baseline, self.baselines))
+            }
+            Kind::Constant | Kind::EnergyDetector => {
+                Fingerprint::of(&(config.fingerprint(), job.contender.name()))
+            }
+        }
+    }
+
+    /// Trains the job's models, or the rest of them, and evaluates what they give.
     ///
     /// # Errors
     /// When a step fails, the folder holds a run with other settings or the user interrupts.
@@ -103,7 +139,7 @@ impl CrossValidation<'_> {
         // Made once: it fingerprints all recordings.
         let config = self.config(job)?;
         let existing = RunFolder::existing(&path).ok();
-        if existing.is_some_and(|folder| self.kept(&folder, &config).is_some()) {
+        if existing.is_some_and(|folder| self.kept(job, &folder, &config).is_some()) {
             progress::log(&format!("{}: already evaluated", path.display()));
             return Ok(());
         }
@@ -122,15 +158,10 @@ impl CrossValidation<'_> {
             resume: true,
             interrupt: self.interrupt.clone(),
         };
-        if job.preset.distillation.needs_teacher() {
-            train(&context)?;
-        }
-        distill(&context)?;
-        let bytes = quantize(&context, &context.folder.file(MODEL))?;
         let scores = FoldScores {
-            scores: self.evaluate(job, bytes)?,
+            scores: self.evaluate(job, &context)?,
         };
-        let made_from = context.config.fingerprint();
+        let made_from = self.made_from(job, &context.config);
         context.folder.save_stamped(SCORES, made_from, &scores)?;
         Ok(())
     }
@@ -138,8 +169,8 @@ impl CrossValidation<'_> {
     /// Run folder of a job.
     pub(crate) fn path(&self, job: &Job) -> PathBuf {
         self.folder
-            .join(&job.preset.name)
-            .join(format!("seed-{}", job.preset.seed))
+            .join(job.contender.folder())
+            .join(format!("seed-{}", job.contender.preset.seed))
             .join(format!("fold-{}", job.fold))
     }
 
@@ -148,36 +179,35 @@ impl CrossValidation<'_> {
             protocol: Protocol::LeaveGroupsOut(self.folds),
             number: job.fold,
         };
-        let preset = job.preset.clone();
+        let preset = job.contender.preset.clone();
         let config =
             ResolvedConfig::new(preset, &self.library, self.data, self.strict, Some(choice))?;
         Ok(config)
     }
 
-    /// Scores on the fold's people of all data sets, under both aggregation modes.
-    fn evaluate(&self, job: &Job, bytes: Vec<u8>) -> Result<Vec<FoldScore>, JobError> {
-        let model = NamedModel {
-            name: job.preset.name.clone(),
-            bytes,
-        };
-        let people = fold_people(&job.preset, &self.library, self.folds);
-        let selection = Selection {
-            subjects: people.into_iter().nth(job.fold - 1).unwrap_or_default(),
-            ..Selection::default()
-        };
-        let mut evaluation = evaluate_models(&[model], &self.library, &selection)?;
-        let candidate = &mut evaluation.candidates[0];
+    /// Scores on the fold's people of all data sets.
+    fn evaluate(&self, job: &Job, context: &RunContext) -> Result<Vec<FoldScore>, JobError> {
+        let preset = &job.contender.preset;
+        let people = fold_people(preset, &self.library, self.folds);
+        let people = people.into_iter().nth(job.fold - 1).unwrap_or_default();
+        let trials = || trials_of(&self.library, preset.vocabulary(), &people);
+        let (mut candidate, trials) = self.trained(job, context, &trials)?;
         let own_margins = candidate.entry_margins;
         let mut scores = Vec::new();
-        for &entry_margin in &self.entry_margins {
+        for &entry_margin in self.gates(job) {
             candidate.entry_margins = entry_margin.map_or(own_margins, |margin| {
                 EntryMargins::Same(margin).of_classes()
             });
-            for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant] {
+            let look_aheads: &[LookAhead] = if candidate.looks_back {
+                &[LookAhead::AllRows, LookAhead::SameInstant]
+            } else {
+                &[LookAhead::None]
+            };
+            for &look_ahead in look_aheads {
                 let rows = score(
-                    candidate,
-                    &evaluation.trials,
-                    evaluation.vocabulary,
+                    &candidate,
+                    &trials,
+                    preset.vocabulary(),
                     look_ahead,
                     Truth::LagCompensated,
                 );
@@ -191,5 +221,45 @@ impl CrossValidation<'_> {
         let single = scores.iter().all(|own| own.score.data_set != ALL);
         scores.retain(|own| single || own.score.data_set == ALL);
         Ok(scores)
+    }
+
+    /// Trains the job's models, or the rest of them; its logits over the trials, which are made after the training.
+    fn trained(
+        &self,
+        job: &Job,
+        context: &RunContext,
+        trials: &dyn Fn() -> Vec<Trial>,
+    ) -> Result<(Candidate, Vec<Trial>), JobError> {
+        match job.contender.kind {
+            Kind::Student => {
+                if context.config.preset.distillation.needs_teacher() {
+                    train(context)?;
+                }
+                distill(context)?;
+                let model = NamedModel {
+                    name: job.contender.name().to_owned(),
+                    bytes: quantize(context, &context.folder.file(MODEL))?,
+                };
+                let trials = trials();
+                Ok((beside(&model, &trials)?, trials))
+            }
+            Kind::Baseline(baseline) => {
+                train_all(context, &[baseline], self.baselines)?;
+                let trials = trials();
+                Ok((candidate(context, baseline, &trials)?, trials))
+            }
+            Kind::Constant => {
+                let trials = trials();
+                Ok((constant(&trials), trials))
+            }
+            Kind::EnergyDetector => {
+                let detector = energy_detector(&context.config, &self.library);
+                let trials = trials();
+                // Without a gesture to fit it to, nothing is active.
+                let floor = detector
+                    .map_or_else(|| constant(&trials), |detector| detector.candidate(&trials));
+                Ok((floor, trials))
+            }
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The scores of one preset under one aggregation mode and confidence gate, over all folds and seeds.
+//! The scores of one contender under one aggregation mode and confidence gate, over all folds and seeds.
 
 use std::collections::BTreeMap;
 
@@ -7,26 +7,27 @@ use myointent::evaluation::{LookAhead, Measure, Score};
 
 use super::job::FoldScore;
 
-/// A preset's scores under one aggregation mode and confidence gate: those of every fold, by seed.
+/// A contender's scores under one aggregation mode and confidence gate: those of every fold, by seed.
 pub(crate) struct Merged<'a> {
-    pub(crate) preset: &'a str,
+    /// The contender.
+    pub(crate) model: &'a str,
     pub(crate) look_ahead: LookAhead,
-    /// The gate of all classes but relax; none: that of the preset.
+    /// The gate of all classes but relax; none: the contender's own.
     pub(crate) entry_margin: Option<f32>,
     scores: Vec<(u64, &'a Score)>,
 }
 
 impl<'a> Merged<'a> {
-    /// The scores of a preset under one mode and gate among all scores of its jobs, each with its seed.
+    /// The scores of a contender under one mode and gate among all scores of its jobs, each with its seed.
     pub(crate) fn new(
-        preset: &'a str,
+        model: &'a str,
         look_ahead: LookAhead,
         entry_margin: Option<f32>,
         scores: impl IntoIterator<Item = (u64, &'a FoldScore)>,
     ) -> Self {
         let scores = scores.into_iter();
         Self {
-            preset,
+            model,
             look_ahead,
             entry_margin,
             scores: scores
@@ -41,7 +42,12 @@ impl<'a> Merged<'a> {
     pub(crate) fn name(&self) -> String {
         let gate = self.entry_margin.map(|margin| format!(", margin {margin}"));
         let gate = gate.unwrap_or_default();
-        format!("{} ({}{gate})", self.preset, self.look_ahead.name())
+        format!("{} ({}{gate})", self.model, self.look_ahead.name())
+    }
+
+    /// Whether the contender has not been evaluated so.
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.scores.is_empty()
     }
 
     /// Scores with the seed of their job.

@@ -1,6 +1,6 @@
 //! Tables of a cross-validation.
 
-use myointent::evaluation::{Difference, Measure};
+use myointent::evaluation::{Difference, LookAhead, Measure};
 use myointent::report::Table;
 use myointent::report::cell;
 use myointent::statistics::{Interval, MeanSd};
@@ -20,16 +20,17 @@ const RATES: [Measure; 3] = [
     Measure::Flicker,
 ];
 
-/// Scores over all people and by data set, a row for each preset and aggregation mode.
+/// Scores over all people and by data set, a row for each contender and aggregation mode.
 pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
     let measures = SHARES.map(Measure::name).into_iter();
-    let header = ["recordings", "preset (look-ahead)"]
+    let header = ["recordings", "model (look-ahead)"]
         .into_iter()
         .chain(measures)
         .chain(["latency ms"])
         .chain(RATES.map(Measure::name))
         .chain(["raw", "people"]);
-    let caption = "Integer students on held-out people: mean over people [95 % interval] of each person's mean over seeds";
+    let caption =
+        "Held-out people: mean over people [95 % interval] of each person's mean over seeds";
     let mut table = Table::new(caption, header);
     for set in sections(merged) {
         for own in merged {
@@ -62,7 +63,8 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// Every row of [`scores`] against the first one with its aggregation mode, paired over people.
+/// Every row of [`scores`] against the first one with its aggregation mode, or without look-ahead against the first of all,
+/// paired over people.
 pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
     let caption = "Differences, paired over people; mean [95 % interval] over n people";
     let measures = SHARES
@@ -78,7 +80,7 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
         for own in merged {
             let Some(first) = merged
                 .iter()
-                .find(|first| first.look_ahead == own.look_ahead)
+                .find(|first| [first.look_ahead, LookAhead::None].contains(&own.look_ahead))
                 .filter(|first| first.name() != own.name())
             else {
                 continue;
@@ -105,7 +107,7 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
         .chain([Measure::RawAccuracy]);
     let measures: Vec<Measure> = measures.collect();
     let names = measures.iter().map(|measure| measure.name());
-    let header = ["preset", "look-ahead", "entry margin", "seed", "subject"]
+    let header = ["model", "look-ahead", "entry margin", "seed", "subject"]
         .into_iter()
         .chain(names);
     let mut table = Table::new("", header);
@@ -118,7 +120,7 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
                     found.map_or_else(String::new, |(_, value)| format!("{value:.4}"))
                 };
                 let names = [
-                    own.preset.to_owned(),
+                    own.model.to_owned(),
                     own.look_ahead.name().to_owned(),
                     own.entry_margin
                         .map_or_else(String::new, |margin| margin.to_string()),

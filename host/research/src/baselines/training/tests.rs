@@ -56,9 +56,7 @@ fn accuracy_after(baseline: Baseline, settings: &BaselineSettings) -> f64 {
         },
     };
     train(baseline, &setup).unwrap();
-    let trained = TrainedBaseline::load(baseline, &run, streams, 3, &device.inner())
-        .unwrap()
-        .unwrap();
+    let trained = TrainedBaseline::load(baseline, &run, streams, 3, &device.inner()).unwrap();
     let stream = &unseen.streams[0];
     let rows = trained.logits(&stream.raw, &stream.emg);
     assert_eq!(rows.len(), stream.raw.len() / PATCH);

@@ -1,0 +1,82 @@
+//! What a cross-validation compares, from its arguments.
+
+use anyhow::bail;
+use myointent::run::preset::Preset;
+
+use crate::baselines::Baseline;
+use crate::baselines::settings::{BaselineSettings, find_preset};
+use crate::cross_validation::{Contender, Kind};
+
+/// The presets by their names, which are folders, and the first one's settings for baselines.
+///
+/// # Errors
+/// When a preset cannot be read, two have one name, or their vocabularies differ.
+pub(super) fn presets(names: &[String]) -> anyhow::Result<(Vec<Preset>, BaselineSettings)> {
+    let mut presets: Vec<Preset> = Vec::new();
+    let mut of_first = BaselineSettings::default();
+    for name in names {
+        let (preset, settings) = find_preset(name)?;
+        if presets.iter().any(|other| other.name == preset.name) {
+            bail!(
+                "two presets have the name {:?}: change `name` in one of them",
+                preset.name
+            );
+        }
+        if presets.is_empty() {
+            of_first = settings;
+        }
+        presets.push(preset);
+    }
+    let classes = presets[0].classes;
+    if let Some(other) = presets.iter().find(|preset| preset.classes != classes) {
+        bail!(
+            "{} has {classes} classes and {} has {}: compare presets of one vocabulary",
+            presets[0].name,
+            other.name,
+            other.classes
+        );
+    }
+    Ok((presets, of_first))
+}
+
+/// The students of the presets, the baselines, then the floors.
+///
+/// # Errors
+/// When two have one folder, or `only` is none of them.
+pub(super) fn contenders(
+    presets: &[Preset],
+    baselines: &[Baseline],
+    only: Option<&str>,
+) -> anyhow::Result<Vec<Contender>> {
+    let first = &presets[0];
+    let of = |preset: &Preset, kind| Contender {
+        preset: preset.clone(),
+        kind,
+    };
+    let students = presets.iter().map(|preset| of(preset, Kind::Student));
+    let wanted = Baseline::ALL
+        .into_iter()
+        .filter(|baseline| baselines.contains(baseline));
+    let others = wanted
+        .map(Kind::Baseline)
+        .chain([Kind::Constant, Kind::EnergyDetector]);
+    let contenders: Vec<Contender> = students.chain(others.map(|kind| of(first, kind))).collect();
+    for (at, contender) in contenders.iter().enumerate() {
+        let folder = contender.folder();
+        if contenders[..at]
+            .iter()
+            .any(|other| other.folder() == folder)
+        {
+            bail!(
+                "a preset has the name {folder:?}, which is that of another folder of the comparison: change it"
+            );
+        }
+    }
+    let known: Vec<String> = contenders.iter().map(Contender::argument).collect();
+    match only {
+        Some(only) if !known.iter().any(|name| name == only) => {
+            bail!("--only {only}: expected one of {}", known.join(", "))
+        }
+        _ => Ok(contenders),
+    }
+}
