@@ -21,7 +21,7 @@ use myointent::training::dropout::Dropout;
 use myointent::training::tensor::read_back;
 
 /// Windows that are predicted at once.
-const BATCH: usize = 64;
+const BATCH: usize = 256;
 
 /// A model that predicts from features.
 trait Predict: Send + Sync {

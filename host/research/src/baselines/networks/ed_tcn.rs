@@ -3,7 +3,6 @@
 use burn::module::Module;
 use burn::nn::PaddingConfig1d;
 use burn::nn::conv::{Conv1d, Conv1dConfig};
-use burn::nn::pool::{MaxPool1d, MaxPool1dConfig};
 use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 use shared::units::CHANNELS;
@@ -43,7 +42,6 @@ impl EdTcnConfig {
             encoder: vec![convolution(CHANNELS, outer), convolution(outer, inner)],
             decoder: vec![convolution(inner, inner), convolution(inner, outer)],
             out: Conv1dConfig::new(outer, classes, 1).init(device),
-            pool: MaxPool1dConfig::new(2).with_stride(2).init(),
         }
     }
 }
@@ -54,35 +52,68 @@ pub(crate) struct EdTcn {
     encoder: Vec<Conv1d>,
     decoder: Vec<Conv1d>,
     out: Conv1d,
-    pool: MaxPool1d,
 }
 
 impl Network for EdTcn {
     fn forward(&self, input: Tensor<2>, _: &mut Dropout) -> Vec<Tensor<3>> {
         let [batch, numbers] = input.dims();
-        let mut x = input
-            .reshape([batch, numbers / CHANNELS, CHANNELS])
-            .swap_dims(1, 2);
+        let mut x = input.reshape([batch, numbers / CHANNELS, CHANNELS]);
         for convolution in &self.encoder {
-            x = self.pool.forward(relu(convolution.forward(x)));
+            x = relu(pooled(convolved(convolution, x)));
         }
         for convolution in &self.decoder {
-            x = relu(convolution.forward(upsampled(x)));
+            x = relu(convolved(convolution, upsampled(x)));
         }
-        vec![self.out.forward(x).swap_dims(1, 2)]
+        vec![convolved(&self.out, x)]
     }
 }
 
-/// Repeats every frame, `[windows, filters, frames]` to `[windows, filters, 2 frames]`.
+/// A convolution over the frames of `[windows, frames, filters]`, with as many frames as before.
+///
+/// One matrix product over all windows. The frames of one window are too few for a product of their own, as Burn's
+/// convolution computes it.
+fn convolved(convolution: &Conv1d, x: Tensor<3>) -> Tensor<3> {
+    let [batch, frames, filters] = x.dims();
+    let weight = convolution.weight.val();
+    let [to, _, kernel] = weight.dims();
+    let zeros = Tensor::zeros([batch, kernel / 2, filters], &x.device());
+    let padded = Tensor::cat(vec![zeros.clone(), x, zeros], 1);
+    let shifted = (0..kernel).map(|at| padded.clone().slice_dim(1, at..at + frames));
+    let neighbourhoods =
+        Tensor::cat(shifted.collect(), 2).reshape([batch * frames, kernel * filters]);
+    let weight = weight.swap_dims(1, 2).reshape([to, kernel * filters]);
+    let y = neighbourhoods
+        .matmul(weight.transpose())
+        .reshape([batch, frames, to]);
+    match &convolution.bias {
+        Some(bias) => y + bias.val().reshape([1, 1, to]),
+        None => y,
+    }
+}
+
+/// The larger value of every two frames; an odd last frame is dropped.
+fn pooled(x: Tensor<3>) -> Tensor<3> {
+    let [batch, frames, filters] = x.dims();
+    let pairs = x.slice_dim(1, 0..frames / 2 * 2);
+    pairs
+        .reshape([batch, frames / 2, 2, filters])
+        .max_dim(2)
+        .squeeze_dim(2)
+}
+
+/// Repeats every frame, `[windows, frames, filters]` to `[windows, 2 frames, filters]`.
 fn upsampled(x: Tensor<3>) -> Tensor<3> {
-    let [batch, filters, frames] = x.dims();
-    x.unsqueeze_dim::<4>(3)
-        .repeat_dim(3, 2)
-        .reshape([batch, filters, 2 * frames])
+    let [batch, frames, filters] = x.dims();
+    x.unsqueeze_dim::<4>(2)
+        .repeat_dim(2, 2)
+        .reshape([batch, 2 * frames, filters])
 }
 
 #[cfg(test)]
 mod tests {
+    use burn::nn::pool::MaxPool1dConfig;
+    use burn::tensor::Distribution;
+
     use super::*;
     use crate::baselines::networks::lock_random_weights;
     use myointent::training::tensor::read_back;
@@ -102,9 +133,45 @@ mod tests {
         let device = Device::default();
         let x = Tensor::<3>::from_floats([[[1.0, 2.0], [3.0, 4.0]]], &device);
         let found = read_back(upsampled(x));
-        assert_eq!(found, [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0]);
+        assert_eq!(found, [1.0, 2.0, 1.0, 2.0, 3.0, 4.0, 3.0, 4.0]);
         let model = EdTcnConfig::default().init(3, &device);
         let logits = model.forward(Tensor::ones([2, 160], &device), &mut Dropout::off());
         assert_eq!(logits[0].dims(), [2, 20, 3]);
+    }
+
+    #[test]
+    fn convolutions_and_poolings_are_those_of_burn() {
+        let _lock = lock_random_weights();
+        let device = Device::default().autodiff();
+        device.seed(5);
+        let convolution = Conv1dConfig::new(8, 12, 9)
+            .with_padding(PaddingConfig1d::Explicit(4, 4))
+            .init(&device);
+        let input = || {
+            Tensor::<3>::random([3, 11, 8], Distribution::Normal(0.0, 1.0), &device).require_grad()
+        };
+        device.seed(6);
+        let x = input();
+        let ours = pooled(convolved(&convolution, x.clone()));
+        let pool = MaxPool1dConfig::new(2).with_stride(2).init();
+        let burns = pool
+            .forward(convolution.forward(x.clone().swap_dims(1, 2)))
+            .swap_dims(1, 2);
+        let close = |one: Tensor<3>, other: Tensor<3>| {
+            assert_eq!(one.dims(), other.dims());
+            for (one, other) in read_back(one).iter().zip(read_back(other)) {
+                assert!((one - other).abs() < 1e-5, "{one} against {other}");
+            }
+        };
+        close(ours.clone(), burns.clone());
+        // Squares, so that every output has a gradient of its own.
+        let gradients = |y: Tensor<3>| {
+            let gradients = y.powi_scalar(2).sum().backward();
+            let weight = convolution.weight.val().grad(&gradients).unwrap();
+            (weight, x.grad(&gradients).unwrap())
+        };
+        let (ours, burns) = (gradients(ours), gradients(burns));
+        close(ours.0, burns.0);
+        close(ours.1, burns.1);
     }
 }
