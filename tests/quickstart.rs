@@ -7,9 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use myointent::cli::replay;
-use myointent::inference::integer_logits;
+use myointent::inference::{input, integer_logits};
 use shared::model::file::Model;
-use shared::stream::preprocess::clean;
 use shared::uart_line::{Kind, Report};
 use small::{folder, myointent, recordings, small_preset};
 
@@ -93,7 +92,7 @@ fn an_integer_student_is_deterministic_and_near_the_float_student() {
     let bytes = fs::read(run.join("student.intent")).unwrap();
     let model = Model::parse(&bytes).unwrap();
     let recording = replay::one_recording(&file, None).unwrap();
-    let emg: Vec<_> = clean(recording.samples).collect();
+    let emg = input(&recording.samples, model.header.normalized);
     let rows = integer_logits(&model, &emg).unwrap();
     assert_eq!(rows, integer_logits(&model, &emg).unwrap());
 

@@ -670,6 +670,11 @@ fn trials(library: &Library) -> Vec<Trial> {
             name: recording.name.clone(),
             raw: recording.samples.clone(),
             emg: clean(recording.aligned_samples()).collect(),
+            normalized: {
+                let mut samples = recording.normalized_samples();
+                recording.data_set.align(&mut samples);
+                clean(samples).collect()
+            },
             published: None,
             lag_compensated: late.chain(labels).take(recording.samples.len()).collect(),
             other_movement: Vec::new(),
@@ -698,7 +703,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     assert!(!trials.is_empty() && !training.is_empty());
     let logits = trials
         .iter()
-        .map(|trial| integer_logits(&model, &trial.emg).unwrap());
+        .map(|trial| integer_logits(&model, trial.input(model.header.normalized)).unwrap());
     let own = Candidate {
         name: "model".to_owned(),
         looks_back: true,

@@ -2,9 +2,9 @@
 //! [`model`](crate::model).
 //!
 //! ```text
-//! Sample -> Preprocessor -> SampleRing -> Encode -> Smoother -> SafeState -> Report
-//!           median, |x|     600 samples   a patch:  look-ahead  valid, or    a UART line
-//!           lags 1 sample   in patches    6 rows    and hold    relax        each
+//! Sample -> Normalizer -> Preprocessor -> SampleRing -> Encode -> Smoother -> SafeState -> Report
+//!           rest,         median, |x|     600 samples   a patch:  look-ahead  valid, or    a UART line
+//!           strength      lags 1 sample   in patches    6 rows    and hold    relax        each
 //! ```
 //!
 //! No clock, no log, no hardware: the caller passes the time and handles the reports. Device and
@@ -12,6 +12,7 @@
 
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
+use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::Preprocessor;
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
@@ -51,6 +52,8 @@ impl IntoIterator for Reports {
 /// From samples to reports.
 #[derive(Debug)]
 pub struct Pipeline<'s, E: Encode> {
+    /// Of a model that was trained with it. What it knows about the wearer outlasts gaps and disconnections.
+    normalizer: Option<Normalizer>,
     preprocessor: Preprocessor,
     ring: SampleRing,
     encoder: E,
@@ -91,6 +94,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     ) -> Self {
         encoder.reset(state);
         Self {
+            normalizer: None,
             preprocessor: Preprocessor::new(),
             ring: SampleRing::new(),
             smoother,
@@ -104,10 +108,20 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
     }
 
+    /// Whether samples are normalized to the wearer, as the model was trained; not before the first call. Forgets the
+    /// wearer.
+    pub fn normalize(&mut self, on: bool) {
+        self.normalizer = on.then(Normalizer::new);
+    }
+
     /// Takes the next sample.
     pub fn sample(&mut self, now: Millis, sample: Sample) -> Reports {
         let mut reports = self.tick(now);
         self.handle(now, Event::Sample, &mut reports);
+        let sample = match &mut self.normalizer {
+            Some(normalizer) => normalizer.push(sample),
+            None => sample,
+        };
         self.process(now, sample, Origin::Received, &mut reports);
         reports
     }

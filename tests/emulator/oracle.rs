@@ -29,6 +29,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     let mut state = encoder.fresh();
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
+    pipeline.normalize(model.header.normalized);
     let mut lines = vec![pipeline.state_report().to_string()];
     let mut add = |reports: Reports| lines.extend(reports.into_iter().map(|r| r.to_string()));
     let mut now = Millis(0);

@@ -51,7 +51,9 @@ pub fn load(reason: ResetReason) -> Result<(&'static mut DevicePipeline, u32), M
     let smoother = Smoother::new(settings, encoder.classes())?;
     let pipeline = || Pipeline::with_smoother(encoder, STATE.take(), smoother, start(reason));
     // In place: it is too large to pass through the stack.
-    Ok((PIPELINE.init_with(pipeline), checksum))
+    let pipeline = PIPELINE.init_with(pipeline);
+    pipeline.normalize(model.header.normalized);
+    Ok((pipeline, checksum))
 }
 
 fn start(reason: ResetReason) -> Start {

@@ -106,6 +106,7 @@ fn replay(
     let mut state = encoder.fresh();
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
+    pipeline.normalize(model.header.normalized);
     output(&pipeline.state_report().to_string())?;
     for (index, pair) in samples.chunks(2).enumerate() {
         #[expect(

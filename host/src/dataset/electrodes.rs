@@ -62,15 +62,23 @@ impl DataSet {
     }
 }
 
+impl DataSet {
+    /// Brings samples of this set into the common frame of all data sets.
+    pub fn align(self, samples: &mut [Sample]) {
+        let frame = self.electrode_frame();
+        for sample in samples {
+            *sample = frame.align(*sample);
+        }
+    }
+}
+
 impl Recording {
     /// The samples with the electrodes in the common frame of all data sets.
     #[must_use]
     pub fn aligned_samples(&self) -> Vec<Sample> {
-        let frame = self.data_set.electrode_frame();
-        self.samples
-            .iter()
-            .map(|&sample| frame.align(sample))
-            .collect()
+        let mut samples = self.samples.clone();
+        self.data_set.align(&mut samples);
+        samples
     }
 }
 

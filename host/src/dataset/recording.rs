@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
 /// A published set of recordings, or a kind of file.
@@ -134,6 +135,8 @@ pub struct Recording {
     pub other_movement: Vec<Range<usize>>,
     /// Known limits of the recording, a sentence each.
     pub notes: Vec<String>,
+    /// What is known about the wearer when the recording begins, from the person's recordings before it.
+    pub wearer: Normalizer,
 }
 
 impl Recording {
@@ -154,6 +157,7 @@ impl Recording {
             labels,
             other_movement: Vec::new(),
             notes: Vec::new(),
+            wearer: Normalizer::new(),
         }
     }
 
@@ -161,6 +165,14 @@ impl Recording {
     #[must_use]
     pub fn full_name(&self) -> String {
         format!("{}/{}", self.subject, self.name)
+    }
+
+    /// The samples normalized to the wearer.
+    #[must_use]
+    pub fn normalized_samples(&self) -> Vec<Sample> {
+        let mut wearer = self.wearer;
+        let samples = self.samples.iter();
+        samples.map(|&sample| wearer.push(sample)).collect()
     }
 
     /// Whether any sample has a label.

@@ -175,6 +175,7 @@ mod tests {
             name: "r".to_owned(),
             raw: Vec::new(),
             emg: patches.iter().flat_map(|&(v, _)| samples(v)).collect(),
+            normalized: Vec::new(),
             published: None,
             lag_compensated: patches.iter().flat_map(|&(_, l)| labels(l)).collect(),
             other_movement: Vec::new(),

@@ -279,6 +279,7 @@ mod tests {
             name: "r".to_owned(),
             raw: vec![[0; 8]; truth.len()],
             emg: vec![[0; 8]; truth.len()],
+            normalized: Vec::new(),
             published: None,
             lag_compensated: truth,
             other_movement: Vec::new(),

@@ -18,10 +18,24 @@ pub struct Trial {
     pub raw: Vec<Sample>,
     /// Preprocessed samples.
     pub emg: Vec<CleanSample>,
+    /// Preprocessed samples, normalized to the wearer before all else.
+    pub normalized: Vec<CleanSample>,
     /// Labels as published; none for spliced recordings.
     pub published: Option<Vec<Option<Intent>>>,
     /// Lag-compensated labels.
     pub lag_compensated: Vec<Option<Intent>>,
     /// Samples of movements outside the vocabulary, in which every gesture's label is wrong; empty if none are known.
     pub other_movement: Vec<bool>,
+}
+
+impl Trial {
+    /// The input of a model.
+    #[must_use]
+    pub fn input(&self, normalized: bool) -> &[CleanSample] {
+        if normalized {
+            &self.normalized
+        } else {
+            &self.emg
+        }
+    }
 }

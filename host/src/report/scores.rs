@@ -257,6 +257,7 @@ mod tests {
                 .iter()
                 .map(|&label| [if label == Some(Intent::Relax) { 1 } else { 20 }; 8])
                 .collect(),
+            normalized: Vec::new(),
             published: Some(truth.clone()),
             lag_compensated: truth.clone(),
             other_movement: Vec::new(),

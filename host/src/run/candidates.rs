@@ -48,7 +48,7 @@ pub(super) fn integer_candidate(
 ) -> Result<Candidate, StepError> {
     let logits = trials
         .par_iter()
-        .map(|trial| integer_logits(model, &trial.emg))
+        .map(|trial| integer_logits(model, trial.input(model.header.normalized)))
         .collect::<Result<_, _>>()?;
     Ok(Candidate {
         name: name.to_owned(),
@@ -65,8 +65,9 @@ fn candidate(
     trials: &[Trial],
     logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits> + Sync,
 ) -> Result<Candidate, RunError> {
+    let normalized = context.config.preset.data.normalize;
     let logits = parallel::map(name, trials, &context.folder, &context.interrupt, |trial| {
-        logits(&trial.emg)
+        logits(trial.input(normalized))
     })?;
     Ok(Candidate {
         name: name.to_owned(),

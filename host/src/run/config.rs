@@ -89,13 +89,30 @@ impl ResolvedConfig {
         self.lags.get(&data_set).map_or(0, |lag| lag.samples)
     }
 
-    /// Samples of a recording, electrodes rotated to the common orientation if the preset says so.
+    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common orientation.
     #[must_use]
     pub(crate) fn samples(&self, recording: &Recording) -> Vec<Sample> {
-        if self.preset.data.align_electrodes {
-            recording.aligned_samples()
+        let mut samples = if self.preset.data.normalize {
+            recording.normalized_samples()
         } else {
             recording.samples.clone()
+        };
+        self.align(recording, &mut samples);
+        samples
+    }
+
+    /// Rotates the electrodes to the common orientation, if the preset says so.
+    pub(super) fn align(&self, recording: &Recording, samples: &mut [Sample]) {
+        if self.preset.data.align_electrodes {
+            recording.data_set.align(samples);
         }
+    }
+
+    /// The same without normalization to the wearer, which the baselines do not have.
+    #[must_use]
+    pub fn without_normalization(&self) -> Self {
+        let mut config = self.clone();
+        config.preset.data.normalize = false;
+        config
     }
 }

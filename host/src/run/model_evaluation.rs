@@ -10,7 +10,7 @@ use serde::Serialize;
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
 use shared::stream::smoother::AggregationMode;
-use shared::units::CHANNELS;
+use shared::units::{CHANNELS, Sample};
 
 pub use self::named_model::{NamedModel, beside};
 pub use self::subjects::EvaluatedSubject;
@@ -192,13 +192,15 @@ fn trials(
         .par_iter()
         .filter(|recording| is_evaluated(&recording.subject))
         .map(|recording| {
-            let mut samples = recording.aligned_samples();
-            for sample in &mut samples {
-                sample.rotate_right(selection.rotation % CHANNELS);
-            }
             let name = format!("{}/{}", recording.subject, recording.name);
-            bridge_lost_notifications(&mut samples, selection.lost_percent, &name);
-            trial(recording, samples, vocabulary, lags[&recording.data_set])
+            let arrange = |samples: &mut Vec<Sample>| {
+                recording.data_set.align(samples);
+                for sample in &mut *samples {
+                    sample.rotate_right(selection.rotation % CHANNELS);
+                }
+                bridge_lost_notifications(samples, selection.lost_percent, &name);
+            };
+            trial(recording, arrange, vocabulary, lags[&recording.data_set])
         })
         .collect()
 }

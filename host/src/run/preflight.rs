@@ -25,8 +25,14 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
     };
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());
-    let bytes = quantization::quantize(&student, config, vocabulary, smoother, provenance)
-        .map_err(StepError::Student)?;
+    let bytes = quantization::quantize(
+        &student,
+        config,
+        vocabulary,
+        (smoother, preset.data.normalize),
+        provenance,
+    )
+    .map_err(StepError::Student)?;
     let model = Model::parse(&bytes).map_err(StepError::Student)?;
     if preset.student.board {
         DeviceEncoder::new(&model).map_err(StepError::Board)?;

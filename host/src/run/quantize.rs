@@ -168,7 +168,7 @@ pub(super) fn model_bytes(
         student,
         &preset.student,
         preset.vocabulary(),
-        smoother,
+        (smoother, preset.data.normalize),
         provenance,
     )
     .map_err(StepError::Student)

@@ -38,6 +38,8 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
             subject: recording.subject,
             name: recording.name,
             emg: clean(recording.samples.iter().copied()).collect(),
+            // Spliced from what the preset asks for, normalized or not.
+            normalized: clean(recording.samples.iter().copied()).collect(),
             raw: recording.samples,
             published: None,
             lag_compensated: recording.labels,
@@ -53,21 +55,28 @@ fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> 
         .into_iter()
         .map(|recording| {
             let lag = config.lag(recording.data_set);
-            trial(recording, config.samples(recording), vocabulary, lag)
+            let align = |samples: &mut Vec<Sample>| config.align(recording, samples);
+            trial(recording, align, vocabulary, lag)
         })
         .collect()
 }
 
-/// A recording as it is evaluated: `raw` samples, labels in a vocabulary, shifted by `lag` samples.
+/// A recording as it is evaluated: what `arrange` makes of its samples, labels in a vocabulary, shifted by `lag` samples.
 ///
 /// Intents outside the vocabulary count as movement outside it.
 pub(super) fn trial(
     recording: &Recording,
-    raw: Vec<Sample>,
+    arrange: impl Fn(&mut Vec<Sample>),
     vocabulary: Vocabulary,
     lag: usize,
 ) -> Trial {
     let published = recording.labels_in(vocabulary);
+    let arranged = |mut samples: Vec<Sample>| {
+        arrange(&mut samples);
+        samples
+    };
+    let raw = arranged(recording.samples.clone());
+    let normalized = arranged(recording.normalized_samples());
     let length = raw.len();
     let mut other_movement = vec![false; length];
     for range in recording.movement_outside(vocabulary) {
@@ -81,6 +90,7 @@ pub(super) fn trial(
         subject: recording.subject.clone(),
         name: recording.name.clone(),
         emg: clean(raw.iter().copied()).collect(),
+        normalized: clean(normalized).collect(),
         raw,
         lag_compensated: lag::compensated(&published, lag),
         published: Some(published),

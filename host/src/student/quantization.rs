@@ -20,7 +20,7 @@ pub(crate) fn quantize(
     student: &Student,
     config: &StudentConfig,
     vocabulary: Vocabulary,
-    smoother: SmootherDefaults,
+    (smoother, normalized): (SmootherDefaults, bool),
     provenance: ProvenanceParts,
 ) -> Result<Vec<u8>, ModelError> {
     let StudentConfig {
@@ -38,6 +38,7 @@ pub(crate) fn quantize(
             vocabulary,
         },
         companding,
+        normalized,
         smoother,
         provenance,
         embed: linear(&student.embed),

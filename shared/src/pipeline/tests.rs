@@ -101,6 +101,31 @@ fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
 }
 
 #[test]
+fn a_normalizing_pipeline_gives_the_labels_of_normalized_samples_and_knows_the_wearer_after_a_gap()
+{
+    let [mut normalizing, mut plain] = [(); 2].map(|()| pipeline());
+    normalizing.normalize(true);
+    let mut wearer = Normalizer::new();
+    let mut labels = 0;
+    for index in 0..6000 {
+        if index == 3000 {
+            for pipeline in [&mut normalizing, &mut plain] {
+                let _ = pipeline.gap(at(index), 50);
+                let _ = pipeline.disconnected(at(index));
+            }
+        }
+        let now = at(index + if index < 3000 { 0 } else { 50 });
+        // Rest and contractions of a second.
+        let strength = if index / 200 % 2 == 0 { 3 } else { 40 };
+        let sample = constant((index * index % 61 % strength) as i8);
+        let reports = fields(normalizing.sample(now, sample));
+        labels += reports.len();
+        assert_eq!(reports, fields(plain.sample(now, wearer.push(sample))));
+    }
+    assert!(labels > 200, "{labels}");
+}
+
+#[test]
 fn five_lost_samples_are_bridged_by_the_last_one() {
     let mut pipeline = pipeline();
     assert_eq!(fields(feed(&mut pipeline, 0, 650, 1)), []);

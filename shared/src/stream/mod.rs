@@ -1,7 +1,8 @@
-//! What a stream passes through beside the model: link sequence numbers, preprocessing, the sample
-//! ring, the smoother, the safe state.
+//! What a stream passes through beside the model: link sequence numbers, normalization to the
+//! wearer, preprocessing, the sample ring, the smoother, the safe state.
 
 pub mod link_sequence;
+pub mod normalizer;
 pub mod preprocess;
 pub mod ring;
 pub mod safe_state;

@@ -9,9 +9,8 @@ use clap::{Args, ValueEnum};
 use shared::intent::Intent;
 use shared::model::LookBackLogits;
 use shared::model::file::Model;
-use shared::stream::preprocess::clean;
 use shared::stream::smoother::Settings;
-use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, Sample, WINDOW};
+use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 
 use self::matrix::{Format, Matrix};
 use super::arguments::BackendArguments;
@@ -20,7 +19,7 @@ use crate::dataset::npy::{self, Values};
 use crate::evaluation::smooth;
 use crate::execution::bounded_read;
 use crate::execution::run_folder::{RunFolder, write_whole};
-use crate::inference::{integer_logits, student_logits, teacher_logits};
+use crate::inference::{input, integer_logits, student_logits, teacher_logits};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::{RunContext, load_student, load_teacher};
 use crate::student::distillation;
@@ -88,7 +87,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         over_window(arguments, &window(path)?)?
     } else if let Some(path) = &arguments.recording {
         let recording = one_recording(path, arguments.name.as_deref())?;
-        over_recording(arguments, &clean(recording.samples).collect::<Vec<_>>())?
+        over_recording(arguments, &recording.samples)?
     } else {
         bail!("no input: give --recording or --window");
     };
@@ -98,7 +97,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 /// Logits of every patch, number of classes and how they are smoothed.
 fn logits(
     arguments: &Arguments,
-    emg: &[CleanSample],
+    samples: &[Sample],
 ) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
     if let Some(path) = &arguments.model {
         let bytes = bounded_read::read(path, bounded_read::MODEL)
@@ -107,7 +106,7 @@ fn logits(
             Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
         let classes = model.header.dimensions.vocabulary.classes();
         return Ok((
-            integer_logits(&model, emg)?,
+            integer_logits(&model, &input(samples, model.header.normalized))?,
             classes,
             model.header.smoother.in_patches(),
         ));
@@ -115,6 +114,7 @@ fn logits(
     let (folder, config) = run_of(arguments)?;
     let device = arguments.backend.device().inner();
     let classes = config.preset.classes;
+    let emg = &input(samples, config.preset.data.normalize);
     let rows = match arguments.which {
         Which::Teacher => {
             let model = load_teacher(&folder, &config, &device)?;
@@ -136,9 +136,9 @@ fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> 
     Ok(RunContext::find(path)?)
 }
 
-fn over_recording(arguments: &Arguments, emg: &[CleanSample]) -> anyhow::Result<Matrix> {
-    let (rows, classes, settings) = logits(arguments, emg)?;
-    let labels = smooth(&rows, emg.len(), classes, settings)?;
+fn over_recording(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
+    let (rows, classes, settings) = logits(arguments, samples)?;
+    let labels = smooth(&rows, samples.len(), classes, settings)?;
     Ok(of_samples(&labels.reference, &rows, classes))
 }
 
@@ -158,17 +158,17 @@ fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize
 }
 
 fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
-    let emg: Vec<CleanSample> = clean(samples.iter().copied()).collect();
     if arguments.model.is_none() && arguments.which == Which::Teacher {
         let (folder, config) = run_of(arguments)?;
         let device = arguments.backend.device().inner();
         let classes = config.preset.classes;
         let model = load_teacher(&folder, &config, &device)?;
         let shape = config.preset.teacher.window_shape();
-        let mut input = Vec::with_capacity(shape.window * CHANNELS);
+        let emg = input(samples, config.preset.data.normalize);
+        let mut values = Vec::with_capacity(shape.window * CHANNELS);
         // A model of a shorter window sees the newest samples of this one.
-        Variation::NONE.write(&emg[WINDOW - shape.window..], &mut input);
-        let output = model.forward(TeacherInput::for_inference(input, shape, classes, &device));
+        Variation::NONE.write(&emg[WINDOW - shape.window..], &mut values);
+        let output = model.forward(TeacherInput::for_inference(values, shape, classes, &device));
         let columns = names(classes, String::new())
             .chain(["mask".to_owned()])
             .collect();
@@ -177,7 +177,7 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
             values: read_back(output.intent),
         });
     }
-    let (rows, classes, _) = logits(arguments, &emg)?;
+    let (rows, classes, _) = logits(arguments, samples)?;
     let columns = (0..LOOK_BACK)
         .flat_map(|back| names(classes, format!("back{back}_")))
         .collect();

@@ -271,6 +271,7 @@ mod tests {
                 labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
                 other_movement: vec![700..750],
+                wearer: shared::stream::normalizer::Normalizer::new(),
             }],
             ignored: ["LICENSE", "notes.txt", "README"]
                 .map(|name| Ignored {

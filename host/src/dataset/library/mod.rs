@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use super::readers::error::LoadError;
@@ -100,6 +101,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
         });
     }
     library.leave_out_repeats();
+    library.follow_wearers();
     Ok(library)
 }
 
@@ -111,6 +113,19 @@ impl Library {
         subjects.sort_unstable();
         subjects.dedup();
         subjects
+    }
+
+    /// Normalization follows a wearer from one recording to the next, in path order. Many are of a few seconds: by
+    /// themselves they would show it nothing.
+    fn follow_wearers(&mut self) {
+        let mut wearers: HashMap<String, Normalizer> = HashMap::new();
+        for recording in &mut self.recordings {
+            let wearer = wearers.entry(recording.subject.clone()).or_default();
+            recording.wearer = *wearer;
+            for &sample in &recording.samples {
+                wearer.push(sample);
+            }
+        }
     }
 
     /// Leaves out copies of a recording under another subject's name.

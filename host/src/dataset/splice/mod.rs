@@ -13,6 +13,7 @@ mod source;
 mod tests;
 mod transitions;
 
+use shared::stream::normalizer::Normalizer;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -85,6 +86,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 labels,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
                 other_movement: relax,
+                wearer: Normalizer::new(),
             });
         }
     }

@@ -34,6 +34,7 @@ fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
         labels,
         notes: Vec::new(),
         other_movement: Vec::new(),
+        wearer: shared::stream::normalizer::Normalizer::new(),
     }
 }
 

@@ -129,6 +129,7 @@ mod tests {
                 labels: Vec::new(),
                 notes: Vec::new(),
                 other_movement: Vec::new(),
+                wearer: shared::stream::normalizer::Normalizer::new(),
             })
         };
         of(DataSet::Roshambo, roshambo)

@@ -12,6 +12,7 @@ mod wearer;
 use std::path::{Path, PathBuf};
 
 use shared::intent::{Intent, Vocabulary};
+use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 use self::cues::cues;
@@ -104,6 +105,7 @@ fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Inte
                 notes: Vec::new(),
                 other_movement: Vec::new(),
                 name,
+                wearer: Normalizer::new(),
             };
             (recording, muscle)
         })

@@ -16,6 +16,7 @@ fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
             labels: vec![Some(Intent::Relax); 20],
             other_movement: Vec::new(),
             notes: Vec::new(),
+            wearer: shared::stream::normalizer::Normalizer::new(),
         })
         .collect()
 }

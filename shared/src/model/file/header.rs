@@ -63,6 +63,8 @@ pub struct Header<'m> {
     pub dimensions: Dimensions,
     /// Companding of the input.
     pub companding: Companding,
+    /// Whether samples are normalized to the wearer before all else ([`Normalizer`](crate::stream::normalizer::Normalizer)).
+    pub normalized: bool,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
     /// Provenance.

@@ -67,12 +67,18 @@ fn everything_written_is_read_back() {
     let Header {
         dimensions,
         companding,
+        normalized,
         smoother,
         provenance,
     } = model.header;
     assert_eq!(
-        (dimensions, companding, smoother),
-        (parts.dimensions, parts.companding, parts.smoother)
+        (dimensions, companding, normalized, smoother),
+        (
+            parts.dimensions,
+            parts.companding,
+            parts.normalized,
+            parts.smoother
+        )
     );
     assert_eq!(
         provenance.data_sets.iter().collect::<Vec<_>>(),

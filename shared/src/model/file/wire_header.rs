@@ -31,6 +31,7 @@ pub(super) struct WireHeader<'m> {
     pub sample_rate_hz: u32,
     pub median_width: u8,
     pub divisor: u8,
+    pub normalized: bool,
     pub aggregation: u8,
     pub look_ahead: u16,
     pub hold: u16,
@@ -48,7 +49,7 @@ impl<'m> WireHeader<'m> {
     /// The header of a model; its lists are encoded already.
     pub fn new(
         dimensions: &Dimensions,
-        companding: Companding,
+        (companding, normalized): (Companding, bool),
         smoother: &SmootherDefaults,
         class_names: &'m [u8],
         [data_sets, subjects_seen, subjects_left_out, metrics]: [&'m [u8]; 4],
@@ -73,6 +74,7 @@ impl<'m> WireHeader<'m> {
             sample_rate_hz: SAMPLE_RATE_HZ,
             median_width: MEDIAN_WIDTH,
             divisor: DIVISOR,
+            normalized,
             aggregation: match smoother.aggregation {
                 AggregationMode::AllRowsFrom => 0,
                 AggregationMode::SameInstant => 1,
@@ -118,6 +120,7 @@ impl<'m> WireHeader<'m> {
         Ok(Header {
             dimensions,
             companding,
+            normalized: self.normalized,
             smoother: self.smoother()?,
             provenance: Provenance {
                 data_sets: List::read(self.data_sets, "data_sets")?,

@@ -88,6 +88,8 @@ pub struct ModelParts {
     pub dimensions: Dimensions,
     /// Companding of the input.
     pub companding: Companding,
+    /// Whether samples are normalized to the wearer.
+    pub normalized: bool,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
     /// Provenance.
@@ -130,7 +132,7 @@ impl ModelParts {
         let metrics = list(&provenance.metrics);
         let header = WireHeader::new(
             &self.dimensions,
-            self.companding,
+            (self.companding, self.normalized),
             &self.smoother,
             &names,
             [&data_sets, &subjects_seen, &subjects_left_out, &metrics],

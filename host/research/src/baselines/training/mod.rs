@@ -47,9 +47,11 @@ pub(crate) fn train_all(
     baselines: &[Baseline],
     settings: &BaselineSettings,
 ) -> Result<(), TrainingError> {
+    // The paper's baselines get the signal as the armband sends it.
+    let config = context.config.without_normalization();
     let setup = Setup {
-        training: &context.config.training(&context.library),
-        validation: &context.config.validation(&context.library),
+        training: &config.training(&context.library),
+        validation: &config.validation(&context.library),
         settings,
         seed: context.config.preset.seed,
         device: &context.device,

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
@@ -64,6 +65,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         samples,
         notes: notes(part, person),
         other_movement,
+        wearer: Normalizer::new(),
     })
 }
 

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
 use crate::dataset::readers::error::{Damage, Fault};
@@ -69,6 +70,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
                 notes: note.map(str::to_owned).into_iter().collect(),
                 other_movement: Vec::new(),
                 name,
+                wearer: Normalizer::new(),
             });
         }
     }

@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use crate::dataset::labels::motion::{Motion, Truth};
@@ -104,6 +105,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
         labels,
         notes,
         other_movement,
+        wearer: Normalizer::new(),
     })
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::folder;
@@ -50,6 +51,7 @@ pub(crate) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Re
         labels,
         notes,
         other_movement: Vec::new(),
+        wearer: Normalizer::new(),
     })
 }
 

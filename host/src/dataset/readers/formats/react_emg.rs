@@ -11,6 +11,7 @@
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
 use crate::dataset::readers::error::{Damage, Fault};
@@ -170,6 +171,7 @@ fn recording(
         labels,
         notes,
         other_movement: Vec::new(),
+        wearer: Normalizer::new(),
     })
 }
 

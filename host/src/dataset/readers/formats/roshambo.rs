@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
@@ -58,6 +59,7 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
         labels,
         notes: notes(person, session),
         other_movement,
+        wearer: Normalizer::new(),
     })
 }
 

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::normalizer::Normalizer;
 
 use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::readers::error::{Damage, Fault};
@@ -50,6 +51,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         samples,
         notes,
         other_movement,
+        wearer: Normalizer::new(),
     })
 }
 

@@ -101,6 +101,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let mut memory = encoder.fresh();
     let mut pipeline =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
+    pipeline.normalize(model.header.normalized);
 
     let mut preprocessor = Preprocessor::new();
     let mut ring = SampleRing::new();
