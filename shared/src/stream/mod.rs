@@ -1,6 +1,7 @@
-//! What a stream passes through beside the model: link sequence numbers, preprocessing, the sample
+//! What a stream passes through beside the model: link sequence numbers, alignment, preprocessing, the sample
 //! ring, the smoother, the safe state.
 
+pub mod alignment;
 pub mod link_sequence;
 pub mod preprocess;
 pub mod ring;

@@ -13,6 +13,7 @@ use super::{
 use crate::intent::Vocabulary;
 use crate::model::dimensions::Dimensions;
 use crate::model::kernels::packing::packed;
+use crate::stream::alignment::{TEMPLATE_BYTES, TemplateError};
 
 const SMALL: Dimensions = Dimensions {
     width: 16,
@@ -68,11 +69,17 @@ fn everything_written_is_read_back() {
         dimensions,
         companding,
         smoother,
+        template,
         provenance,
     } = model.header;
     assert_eq!(
-        (dimensions, companding, smoother),
-        (parts.dimensions, parts.companding, parts.smoother)
+        (dimensions, companding, smoother, template),
+        (
+            parts.dimensions,
+            parts.companding,
+            parts.smoother,
+            parts.template
+        )
     );
     assert_eq!(
         provenance.data_sets.iter().collect::<Vec<_>>(),
@@ -113,6 +120,47 @@ fn everything_written_is_read_back() {
     same_linear(read.ff2, &written.ff2);
     same_norm(model.weights.final_norm, &parts.final_norm);
     same_linear(model.weights.head, &parts.head);
+}
+
+#[test]
+fn a_template_may_be_missing_and_is_checked() {
+    let mut parts = small();
+    parts.template = None;
+    let bytes = parts.to_bytes().unwrap();
+    assert_eq!(Model::parse(&bytes).unwrap().header.template, None);
+    let short = header_refusal(|header| header.template = &[0; TEMPLATE_BYTES - 1]);
+    assert_eq!(
+        short,
+        ModelError::Template(TemplateError::Length {
+            found: TEMPLATE_BYTES - 1
+        })
+    );
+    let flat = header_refusal(|header| header.template = &[0; TEMPLATE_BYTES]);
+    assert_eq!(
+        flat,
+        ModelError::Template(TemplateError::Precision {
+            electrode: 0,
+            found: 0
+        })
+    );
+}
+
+#[test]
+fn a_template_can_be_exchanged_without_touching_anything_else() {
+    let parts = small();
+    let with = parts.to_bytes().unwrap();
+    let mut bare = parts.clone();
+    // Lengths of the header modulo four, so that the tensors move by every number of zeros.
+    for revision in ["", "a", "ab", "abc"] {
+        bare.provenance.git_revision = revision.into();
+        bare.template = None;
+        let without = bare.to_bytes().unwrap();
+        bare.template = parts.template;
+        let added = Model::with_template(&without, parts.template.as_ref()).unwrap();
+        assert_eq!(added, bare.to_bytes().unwrap());
+        assert_eq!(Model::with_template(&added, None).unwrap(), without);
+    }
+    assert!(Model::with_template(&with[1..], None).is_err());
 }
 
 #[test]
