@@ -329,3 +329,5 @@ proptest! {
         prop_assert_eq!(labels, expected);
     }
 }
+
+mod alignment;

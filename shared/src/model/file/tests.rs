@@ -250,12 +250,12 @@ fn every_single_bit_and_byte_flip_is_refused() {
 #[test]
 fn another_format_is_named() {
     let mut bytes = small().to_bytes().unwrap();
-    bytes[8] = 3;
+    bytes[8] = 4;
     let refused = Model::parse(&bytes).unwrap_err();
-    assert_eq!(refused, ModelError::Version { found: 3 });
+    assert_eq!(refused, ModelError::Version { found: 4 });
     assert_eq!(
         refused.to_string(),
-        "model format 3, this build reads 4: export the model again"
+        "model format 4, this build reads 5: export the model again"
     );
 }
 

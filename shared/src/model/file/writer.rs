@@ -166,10 +166,7 @@ impl Model<'_> {
     /// # Errors
     ///
     /// As [`Model::parse`].
-    pub fn with_template(
-        file: &[u8],
-        template: Option<&Template>,
-    ) -> Result<Vec<u8>, ModelError> {
+    pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
         let model = Model::parse(file)?;
         let body = &file[PREFIX_BYTES..model.length - CHECKSUM_BYTES];
         let (mut header, mut rest) = postcard::take_from_bytes::<WireHeader<'_>>(body)
@@ -184,7 +181,10 @@ impl Model<'_> {
                 .map_err(|_| ModelError::Header { field: "tensors" })?;
             let start = end - after.len() - field.len();
             // Zeros stand before the tensor where its place in the old file asked for them.
-            append_tensor(&mut out, &field[start.next_multiple_of(ALIGNMENT) - start..]);
+            append_tensor(
+                &mut out,
+                &field[start.next_multiple_of(ALIGNMENT) - start..],
+            );
             rest = after;
         }
         seal(&mut out);

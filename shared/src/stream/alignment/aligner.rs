@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn an_interruption_drops_the_gesture_in_progress_alone() {
         let mut aligner = Aligner::new();
-        let mut push = |aligner: &mut Aligner, sample, patches| {
+        let push = |aligner: &mut Aligner, sample, patches| {
             for _ in 0..patches {
                 aligner.push(&[sample; PATCH], &template());
             }
