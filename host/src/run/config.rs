@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use shared::stream::alignment::Template;
 use shared::units::Sample;
 
 use super::preset::Preset;
@@ -39,6 +40,10 @@ pub struct ResolvedConfig {
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
+    /// The alignment template of the training subjects, as [`Template::to_bytes`] has its numbers; none if too few of them
+    /// open the hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub template: Option<Vec<i16>>,
     /// Fingerprint of the recordings of everybody who has a role.
     pub recordings: Fingerprint,
     /// Fingerprint of the weights that training starts from; none for random ones.
@@ -87,6 +92,17 @@ impl ResolvedConfig {
     #[must_use]
     pub(crate) fn lag(&self, data_set: DataSet) -> usize {
         self.lags.get(&data_set).map_or(0, |lag| lag.samples)
+    }
+
+    /// The alignment template of the run's models.
+    #[must_use]
+    pub(crate) fn alignment_template(&self) -> Option<Template> {
+        let numbers = self.template.as_deref()?;
+        let bytes: Vec<u8> = numbers
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect();
+        Template::from_bytes(&bytes).ok()
     }
 
     /// Samples of a recording, electrodes rotated to the common orientation if the preset says so.

@@ -25,7 +25,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
     };
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());
-    let bytes = quantization::quantize(&student, config, vocabulary, smoother, provenance)
+    let bytes = quantization::quantize(&student, config, vocabulary, smoother, None, provenance)
         .map_err(StepError::Student)?;
     let model = Model::parse(&bytes).map_err(StepError::Student)?;
     if preset.student.board {

@@ -1,0 +1,97 @@
+//! The alignment template of a model: of a run's training people, or of the people whom a model file has seen.
+
+use std::collections::BTreeMap;
+
+use shared::intent::Intent;
+use shared::model::file::Model;
+use shared::stream::alignment::Template;
+use shared::units::Sample;
+
+use super::config::ResolvedConfig;
+use super::error::StepError;
+use super::model_evaluation::lags;
+use crate::dataset::alignment::{FEWEST_PEOPLE, Profiles, profiles, template};
+use crate::dataset::labels::lag;
+use crate::dataset::split::Role;
+use crate::dataset::{Library, Recording};
+
+/// The template's numbers over the training people of a run.
+pub(super) fn numbers_of_training(
+    config: &ResolvedConfig,
+    labelled: &[&Recording],
+) -> Option<Vec<i16>> {
+    let training = labelled
+        .iter()
+        .copied()
+        .filter(|recording| config.split.role(&recording.subject) == Some(Role::Training));
+    let people = people(training, |recording| {
+        (config.samples(recording), config.lag(recording.data_set))
+    });
+    let bytes = template(&people)?.to_bytes();
+    Some(
+        bytes
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .map(|&two| i16::from_le_bytes(two))
+            .collect(),
+    )
+}
+
+/// A model file with a template of the people whom the model has seen, of whom a library holds recordings; and how many of
+/// them there are. Everything else in the file stays as it is.
+///
+/// Electrodes are in the common frame of all data sets. The label lag of a set is estimated on the people seen.
+///
+/// # Errors
+/// When the model is refused, or fewer than three of its people open the hand in the library.
+pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, usize), StepError> {
+    let model = Model::parse(file)?;
+    let seen: Vec<&str> = model.header.provenance.subjects_seen.iter().collect();
+    let own: Vec<&Recording> = library
+        .recordings
+        .iter()
+        .filter(|recording| seen.contains(&recording.subject.as_str()))
+        .collect();
+    let lags = lags(&own);
+    let people = people(own.iter().copied(), |recording| {
+        (recording.aligned_samples(), lags[&recording.data_set])
+    });
+    let opens = people
+        .iter()
+        .filter(|profiles| profiles.contains_key(&Intent::Open))
+        .count();
+    let template: Template = template(&people).ok_or(StepError::NoTemplate {
+        expected: FEWEST_PEOPLE,
+        found: opens,
+    })?;
+    Ok((Model::with_template(file, Some(&template))?, opens))
+}
+
+/// The profiles of each person; `read` gives a recording's samples and its label lag.
+fn people<'r>(
+    recordings: impl Iterator<Item = &'r Recording>,
+    read: impl Fn(&Recording) -> (Vec<Sample>, usize),
+) -> Vec<Profiles> {
+    let mut by_person: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
+    for recording in recordings {
+        let own = by_person.entry(&recording.subject).or_default();
+        own.push(recording);
+    }
+    by_person
+        .values()
+        .map(|own| {
+            let streams: Vec<(Vec<Sample>, Vec<Option<Intent>>)> = own
+                .iter()
+                .map(|recording| {
+                    let (samples, lag) = read(recording);
+                    (samples, lag::compensated(&recording.labels, lag))
+                })
+                .collect();
+            let borrowed = streams
+                .iter()
+                .map(|(samples, labels)| (samples.as_slice(), labels.as_slice()));
+            profiles(borrowed)
+        })
+        .collect()
+}
