@@ -212,16 +212,16 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         };
         // The median lags one sample.
         let window_end = SampleIndex(emitted.0.wrapping_sub(1));
-        if let Some(&patch) = self.ring.push(clean, origin) {
+        if self.ring.push(clean, origin).is_some() {
             self.newest_end = window_end;
             self.behind += 1;
-            self.observe(&patch);
+            self.observe();
+        }
+        if self.behind == 0 {
+            return;
         }
         // One patch a sample: ten times as fast as they come, and on a device less than the time between two samples.
-        self.behind = self.behind.min(self.ring.complete());
-        let Some(behind) = self.behind.checked_sub(1) else {
-            return;
-        };
+        let behind = self.behind.min(self.ring.complete()).saturating_sub(1);
         self.behind = behind;
         let patch = self.ring.before_newest(behind);
         let rows = self.encoder.step(self.state, patch);

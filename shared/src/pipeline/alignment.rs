@@ -6,7 +6,7 @@ use crate::stream::alignment::{
     Aligner, Alignment, Fit, GESTURES, Outcome, Poor, Progress, Template,
 };
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
-use crate::units::{Patch, SampleIndex};
+use crate::units::SampleIndex;
 
 /// What a pipeline knows about the placement of the armband.
 #[derive(Debug, Default)]
@@ -120,13 +120,13 @@ impl<E: Encode> Pipeline<'_, E> {
         }
     }
 
-    /// Shows a patch, in the alignment in force, to the alignment in progress.
-    pub(super) fn observe(&mut self, patch: &Patch) {
+    /// Shows the newest patch, in the alignment in force, to the alignment in progress.
+    pub(super) fn observe(&mut self) {
         let placement = &mut self.placement;
         let (Some(aligner), Some(template)) = (&mut placement.aligner, &placement.template) else {
             return;
         };
-        let progress = aligner.push(patch, template);
+        let progress = aligner.push(self.ring.before_newest(0), template);
         let gestures = aligner.gestures();
         match progress {
             Progress::Waiting => {}

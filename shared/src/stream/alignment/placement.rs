@@ -48,6 +48,10 @@ impl Alignment {
     /// Values of the armband's electrodes in the order of the model's.
     #[must_use]
     pub fn apply<T: Copy>(self, armband: [T; CHANNELS]) -> [T; CHANNELS] {
+        // As it nearly always is; this runs for every sample.
+        if self.turn == 0 && !self.mirrored {
+            return armband;
+        }
         core::array::from_fn(|electrode| armband[self.source(electrode)])
     }
 
