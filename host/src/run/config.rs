@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use shared::stream::alignment::Template;
+use shared::stream::alignment::{Alignment, Template};
 use shared::units::Sample;
 
 use super::preset::Preset;
@@ -40,6 +40,10 @@ pub struct ResolvedConfig {
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
+    /// Places by which people are turned in training and validation, with `data.align_people`; those who are not are left
+    /// out.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub turns: BTreeMap<String, u8>,
     /// The alignment template of the training subjects, as [`Template::to_bytes`] has its numbers; none if too few of them
     /// open the hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -105,13 +109,20 @@ impl ResolvedConfig {
         Template::from_bytes(&bytes).ok()
     }
 
-    /// Samples of a recording, electrodes rotated to the common orientation if the preset says so.
+    /// Samples of a recording, electrodes rotated to the common orientation if the preset says so, and the person turned as
+    /// in [`ResolvedConfig::turns`].
     #[must_use]
     pub(crate) fn samples(&self, recording: &Recording) -> Vec<Sample> {
-        if self.preset.data.align_electrodes {
+        let mut samples = if self.preset.data.align_electrodes {
             recording.aligned_samples()
         } else {
             recording.samples.clone()
+        };
+        if let Some(&turn) = self.turns.get(&recording.subject) {
+            for sample in &mut samples {
+                *sample = Alignment::new(turn, false).apply(*sample);
+            }
         }
+        samples
     }
 }

@@ -115,11 +115,12 @@ impl ResolvedConfig {
             recordings: lineage::recordings(library, &split),
             split,
             lags,
+            turns: BTreeMap::new(),
             template: None,
             start_weights: None,
             git_revision: revision().map(str::to_owned),
         };
-        config.template = template::numbers_of_training(&config, &labelled);
+        template::align_people(&mut config, &labelled);
         Ok(config)
     }
 
