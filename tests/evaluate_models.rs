@@ -8,7 +8,9 @@ use std::fs;
 use std::path::Path;
 
 use myointent::dataset::{LoadOptions, load};
-use myointent::run::model_evaluation::{ModelEvaluation, NamedModel, Selection, evaluate_models};
+use myointent::run::model_evaluation::{
+    ModelEvaluation, NamedModel, Selection, Turn, Worn, evaluate_models,
+};
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
@@ -147,9 +149,12 @@ fn a_rotated_armband_changes_what_the_model_sees_and_not_the_amplitude() {
     recordings(&folder);
     let file = folder.join("one.intent");
     model(&file, &[], Vocabulary::Three);
-    let with = |rotation| {
+    let with = |places| {
         let selection = Selection {
-            rotation,
+            worn: Worn {
+                turn: Turn::By(places),
+                mirrored: false,
+            },
             ..Selection::default()
         };
         evaluated(&folder, &file, &selection)

@@ -2,14 +2,20 @@
 //! [`model`](crate::model).
 //!
 //! ```text
-//! Sample -> Normalizer -> Preprocessor -> SampleRing -> Encode -> Smoother -> SafeState -> Report
-//!           rest,         median, |x|     600 samples   a patch:  look-ahead  valid, or    a UART line
-//!           strength      lags 1 sample   in patches    6 rows    and hold    relax        each
+//! Sample -> Normalizer -> Alignment -> Preprocessor -> SampleRing -> Encode -> Smoother -> SafeState -> Report
+//!           rest,         which        median, |x|     600 samples   a patch:  look-ahead  valid, or    a UART line
+//!           strength      electrode    lags 1 sample   in patches    6 rows    and hold    relax        each
 //! ```
+//!
+//! A change of the alignment rearranges the samples of the ring, and the encoder takes them again, a patch with each
+//! sample: the label stays for at most 0.35 s and then is what it would be had the armband always sat so.
 //!
 //! No clock, no log, no hardware: the caller passes the time and handles the reports. Device and
 //! `myointent replay` run the same code, so both write the same UART lines.
 
+mod alignment;
+
+use self::alignment::Placement;
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
@@ -18,7 +24,7 @@ use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Settings, SettingsError, Smoother};
 use crate::uart_line::{Counters, Kind, Report};
-use crate::units::{LOOK_BACK, Millis, Sample, SampleIndex};
+use crate::units::{LOOK_BACK, Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
 
 /// Most consecutive lost samples that are filled in, by repeating the last sample before them.
 const MAX_BRIDGED: u32 = 5;
@@ -54,17 +60,22 @@ impl IntoIterator for Reports {
 pub struct Pipeline<'s, E: Encode> {
     /// Of a model that was trained with it. What it knows about the wearer outlasts gaps and disconnections.
     normalizer: Option<Normalizer>,
+    placement: Placement,
     preprocessor: Preprocessor,
     ring: SampleRing,
+    /// Complete patches in the ring that the encoder has yet to take, the newest ones.
+    behind: usize,
     encoder: E,
     /// Borrowed: it is too large to be moved over a device's stack.
     state: &'s mut E::State,
     smoother: Smoother<MAX_CLASSES, LOOK_BACK>,
     safe_state: SafeState,
     counters: Counters,
+    /// The newest sample of the ring's newest complete patch.
+    newest_end: SampleIndex,
     /// Position of the next sample.
     next: SampleIndex,
-    /// The last sample, which fills gaps; none where no gap may be filled.
+    /// The last sample, aligned, which fills gaps; none where no gap may be filled.
     last: Option<Sample>,
     sequence: u32,
 }
@@ -95,13 +106,16 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         encoder.reset(state);
         Self {
             normalizer: None,
+            placement: Placement::default(),
             preprocessor: Preprocessor::new(),
             ring: SampleRing::new(),
+            behind: 0,
             smoother,
             state,
             encoder,
             safe_state: SafeState::new(start),
             counters: Counters::default(),
+            newest_end: SampleIndex(0),
             next: SampleIndex(0),
             last: None,
             sequence: 0,
@@ -118,10 +132,12 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn sample(&mut self, now: Millis, sample: Sample) -> Reports {
         let mut reports = self.tick(now);
         self.handle(now, Event::Sample, &mut reports);
+        self.watch(sample);
         let sample = match &mut self.normalizer {
             Some(normalizer) => normalizer.push(sample),
             None => sample,
         };
+        let sample = self.placement.current.apply(sample);
         self.process(now, sample, Origin::Received, &mut reports);
         reports
     }
@@ -151,10 +167,11 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         reports
     }
 
-    /// The armband was disconnected.
+    /// The armband was disconnected; its alignment is dropped.
     pub fn disconnected(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
         self.reset_window();
+        self.drop_alignment();
         self.handle(now, Event::Disconnected, &mut reports);
         reports
     }
@@ -200,7 +217,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         missing <= MAX_BRIDGED && self.ring.bridged() + missing <= MAX_BRIDGED_OF_WINDOW
     }
 
-    /// Passes one sample, received or filled in, through all steps.
+    /// Passes one sample, aligned, received or filled in, through all steps.
     fn process(&mut self, now: Millis, sample: Sample, origin: Origin, reports: &mut Reports) {
         let emitted = self.next;
         self.next = emitted.plus(1);
@@ -210,14 +227,25 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         };
         // The median lags one sample.
         let window_end = SampleIndex(emitted.0.wrapping_sub(1));
-        let Some(patch) = self.ring.push(clean, origin) else {
-            return;
-        };
-        let rows = self.encoder.step(self.state, patch);
-        let window_full = self.ring.is_full();
-        if !window_full {
+        if self.ring.push(clean, origin).is_some() {
+            self.newest_end = window_end;
+            self.behind += 1;
+        }
+        if self.behind == 0 {
             return;
         }
+        // One patch a sample: ten times as fast as they come, and on a device less than the time between two samples.
+        let behind = self.behind.min(self.ring.complete()).saturating_sub(1);
+        self.behind = behind;
+        let patch = self.ring.before_newest(behind);
+        let rows = self.encoder.step(self.state, patch);
+        let window_full = self.ring.contiguous() as usize / PATCH >= WINDOW_PATCHES + behind;
+        // The labels that older windows take part in were emitted under the alignment before.
+        if !window_full || behind >= LOOK_BACK {
+            return;
+        }
+        let after = (behind * PATCH) as u32;
+        let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
         let Some(decision) = self.smoother.push(window_end, &rows) else {
             return;
         };
@@ -242,6 +270,8 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.counters.resets = self.counters.resets.saturating_add(1);
         self.preprocessor = Preprocessor::new();
         self.ring.reset();
+        self.behind = 0;
+        self.interrupt_alignment();
         self.encoder.reset(self.state);
         self.smoother.restart();
     }
@@ -253,12 +283,17 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
     }
 
-    fn report(&mut self, kind: Kind, instant: SampleIndex, emitted: SampleIndex) -> Report {
+    /// Number of the next line.
+    const fn next_sequence(&mut self) -> u32 {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
+        sequence
+    }
+
+    fn report(&mut self, kind: Kind, instant: SampleIndex, emitted: SampleIndex) -> Report {
         Report {
             kind,
-            sequence,
+            sequence: self.next_sequence(),
             instant,
             emitted,
             status: self.safe_state.status(),

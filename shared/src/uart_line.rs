@@ -22,10 +22,14 @@
 //! A line has at most 99 bytes, CR LF included. The delay of a label is `emitted - instant` samples of
 //! 5 ms. Every line that parses is written back byte for byte.
 //!
+//! While an alignment is made there are other lines between these: [`alignment`].
+//!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
 //! $LABEL,2,609,660,close,1,-,0,0,0*0D
 //! ```
+
+pub mod alignment;
 
 use core::fmt::{self, Write};
 
@@ -72,11 +76,6 @@ pub struct Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_char('$')?;
-        let mut body = Summed {
-            inner: &mut *formatter,
-            sum: 0,
-        };
         let kind = match self.kind {
             Kind::Label => "LABEL",
             Kind::State => "STATE",
@@ -86,19 +85,31 @@ impl fmt::Display for Report {
             bridged,
             resets,
         } = self.counters;
-        write!(
-            body,
-            "{kind},{},{},{},{},{},{},{lost},{bridged},{resets}",
-            self.sequence,
-            self.instant.0,
-            self.emitted.0,
-            self.status.label().name(),
-            u8::from(self.status.valid()),
-            self.status.cause().map_or("-", Cause::name),
-        )?;
-        let sum = body.sum;
-        write!(formatter, "*{sum:02X}\r\n")
+        write_framed(
+            formatter,
+            format_args!(
+                "{kind},{},{},{},{},{},{},{lost},{bridged},{resets}",
+                self.sequence,
+                self.instant.0,
+                self.emitted.0,
+                self.status.label().name(),
+                u8::from(self.status.valid()),
+                self.status.cause().map_or("-", Cause::name),
+            ),
+        )
     }
+}
+
+/// Writes `$`, the body, `*` and its checksum, CR LF.
+fn write_framed(formatter: &mut fmt::Formatter<'_>, text: fmt::Arguments<'_>) -> fmt::Result {
+    formatter.write_char('$')?;
+    let mut body = Summed {
+        inner: &mut *formatter,
+        sum: 0,
+    };
+    body.write_fmt(text)?;
+    let sum = body.sum;
+    write!(formatter, "*{sum:02X}\r\n")
 }
 
 /// Writes text and computes the XOR of its bytes.
@@ -154,18 +165,6 @@ impl Report {
     /// # Errors
     /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field.
     pub fn parse(line: &[u8]) -> Result<Self, ParseError> {
-        let body = framed(line)?;
-        let mut fields = [""; 10];
-        let found = body.split(',').count();
-        if found != fields.len() {
-            return Err(ParseError::Fields {
-                expected: fields.len(),
-                found,
-            });
-        }
-        for (field, text) in fields.iter_mut().zip(body.split(',')) {
-            *field = text;
-        }
         let [
             kind,
             sequence,
@@ -177,7 +176,7 @@ impl Report {
             lost,
             bridged,
             resets,
-        ] = fields;
+        ] = fields(framed(line)?)?;
         Ok(Self {
             kind: match kind {
                 "LABEL" => Kind::Label,
@@ -195,6 +194,22 @@ impl Report {
             },
         })
     }
+}
+
+/// The fields of a body, as many as are expected.
+fn fields<const COUNT: usize>(body: &str) -> Result<[&str; COUNT], ParseError> {
+    let mut fields = [""; COUNT];
+    let found = body.split(',').count();
+    if found != COUNT {
+        return Err(ParseError::Fields {
+            expected: COUNT,
+            found,
+        });
+    }
+    for (field, text) in fields.iter_mut().zip(body.split(',')) {
+        *field = text;
+    }
+    Ok(fields)
 }
 
 /// The body of a line whose frame and checksum are right.

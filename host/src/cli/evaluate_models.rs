@@ -12,7 +12,7 @@ use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
 use crate::report::model_report::{self, people_rows, tables};
 use crate::run::model_evaluation::{
-    EvaluatedSubject, ModelResults, NamedModel, Selection, evaluate_models,
+    EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
 
 /// Options of `evaluate` for model files on any recordings.
@@ -35,9 +35,16 @@ pub(in crate::cli) struct Options {
     /// Also evaluate test people (host/people.toml), who are for releases.
     #[arg(long, requires = "data")]
     test_people: bool,
-    /// Rotate the armband by this many electrodes, 0 to 7.
-    #[arg(long, value_name = "K", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..8))]
-    rotate: u8,
+    /// Turn the armband by this many places, 0 to 7, or by another number for each person: any.
+    #[arg(long, value_name = "K", requires = "data", default_value = "0", value_parser = turn)]
+    rotate: Turn,
+    /// Wear the armband on the other arm.
+    #[arg(long, requires = "data")]
+    mirror: bool,
+    /// Evaluate each model also after alignment by each person's first openings of the hand, as the device does it. People
+    /// without two are left out, and those openings are not scored.
+    #[arg(long, requires = "data")]
+    align: bool,
     /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
     #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
@@ -52,6 +59,17 @@ pub(in crate::cli) struct Options {
     /// CSV file to write: a row for each person and model.
     #[arg(long, value_name = "FILE", requires = "data")]
     csv: Option<PathBuf>,
+}
+
+/// Places that armbands are turned by.
+fn turn(text: &str) -> Result<Turn, String> {
+    if text == "any" {
+        return Ok(Turn::Any);
+    }
+    let places = text.parse().ok().filter(|places| *places < 8);
+    places
+        .map(Turn::By)
+        .ok_or_else(|| "expected 0 to 7, or any".to_owned())
 }
 
 /// Evaluates model files on the recordings below `data`.
@@ -81,7 +99,11 @@ pub(in crate::cli) fn run(
         subjects: options.subjects.clone(),
         seen: options.seen,
         test: options.test_people,
-        rotation: options.rotate.into(),
+        worn: Worn {
+            turn: options.rotate,
+            mirrored: options.mirror,
+        },
+        align: options.align,
         lost_percent: options.lose,
     };
     let evaluation = evaluate_models(&models, &library, &selection)?;
@@ -117,6 +139,10 @@ fn warn(results: &ModelResults) {
     count(
         results.left_out_test.len(),
         "left out, because they are test people (--test-people)",
+    );
+    count(
+        results.left_out_openings.len(),
+        "left out, because they do not open the hand twice (--align)",
     );
     let evaluated = |wanted: fn(&&EvaluatedSubject) -> bool| {
         let subjects = results.subjects.iter();

@@ -11,6 +11,7 @@ mod presets;
 pub mod replay;
 mod score;
 mod steps;
+mod template;
 
 use std::process::ExitCode;
 
@@ -75,6 +76,8 @@ enum Command {
     Score(score::Arguments),
     /// Show the header of a model file.
     Info(info::Arguments),
+    /// Make the alignment template of a model file anew, from the people whom the model has seen.
+    Template(template::Arguments),
     /// List the built-in presets, or print one.
     Presets(presets::Arguments),
 }
@@ -96,6 +99,7 @@ impl Cli {
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
+            Command::Template(arguments) => template::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
         };
         match result {

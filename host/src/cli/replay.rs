@@ -21,7 +21,8 @@ use crate::execution::bounded_read;
     after_help = "The device's clock starts with the first sample; samples arrive two at a time, every 10 ms.\n\
     Lines are the device's, byte for byte; the README explains them.\n\n\
     Examples:\n  myointent replay models/three-class.intent recordings/s1/s1_grasp.csv\n  \
-    myointent replay models/three-class.intent recordings --name react-emg/s1/s1_grasp --speed"
+    myointent replay models/three-class.intent recordings --name react-emg/s1/s1_grasp --speed\n  \
+    myointent replay models/three-class.intent recordings/s1/s1_grasp.csv --align"
 )]
 pub struct Arguments {
     /// Model file.
@@ -36,6 +37,9 @@ pub struct Arguments {
     /// Replay in real time.
     #[arg(long)]
     real_time: bool,
+    /// Begin an alignment with the first sample: the wearer opens the hand twice, with rest before and after.
+    #[arg(long, conflicts_with = "speed")]
+    align: bool,
     /// Print how many times faster than real time the pipeline runs, instead of the lines.
     #[arg(long, conflicts_with = "real_time")]
     speed: bool,
@@ -55,7 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.speed {
         let start = Instant::now();
         let mut lines = 0_usize;
-        replay(&model, &recording.samples, None, |_| {
+        replay(&model, &recording.samples, None, false, |_| {
             lines += 1;
             Ok(())
         })?;
@@ -69,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let start = arguments.real_time.then(Instant::now);
-    replay(&model, &recording.samples, start, |line| {
+    replay(&model, &recording.samples, start, arguments.align, |line| {
         out.write_all(line.as_bytes())?;
         if arguments.real_time {
             out.flush()
@@ -88,18 +92,20 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     let model = Model::parse(model)?;
     let mut lines = String::new();
-    replay(&model, samples, None, |line| {
+    replay(&model, samples, None, false, |line| {
         lines.push_str(line);
         Ok(())
     })?;
     Ok(lines)
 }
 
-/// Runs the device's pipeline over samples, in real time from `start` on if there is one.
+/// Runs the device's pipeline over samples, in real time from `start` on if there is one; `align` begins an alignment with
+/// the first.
 fn replay(
     model: &Model<'_>,
     samples: &[Sample],
     start: Option<Instant>,
+    align: bool,
     mut output: impl FnMut(&str) -> std::io::Result<()>,
 ) -> anyhow::Result<()> {
     let encoder = HostEncoder::new(model)?;
@@ -107,7 +113,14 @@ fn replay(
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
     pipeline.normalize(model.header.normalized);
+    pipeline.set_template(model.header.template);
     output(&pipeline.state_report().to_string())?;
+    if align {
+        pipeline.begin_alignment();
+    }
+    if let Some(report) = pipeline.take_alignment_report() {
+        output(&report.to_string())?;
+    }
     for (index, pair) in samples.chunks(2).enumerate() {
         #[expect(
             clippy::cast_possible_truncation,
@@ -122,6 +135,9 @@ fn replay(
         }
         for &sample in pair {
             for report in pipeline.sample(now, sample) {
+                output(&report.to_string())?;
+            }
+            if let Some(report) = pipeline.take_alignment_report() {
                 output(&report.to_string())?;
             }
         }

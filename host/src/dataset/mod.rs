@@ -6,6 +6,7 @@
 //! how much later the muscle acts. Where a set has no times, the muscle activity itself gives the
 //! labels. Nothing here resamples, filters or scales a sample, but for `uci-gestures`, half of which is lost.
 
+pub mod alignment;
 pub mod corpus;
 mod electrodes;
 pub mod labels;

@@ -3,6 +3,7 @@
 //! Numbers are formatted and drawn here, not computed. The file contains its pictures and its style, so it
 //! can be mailed, archived and opened without a network.
 
+mod alignment;
 mod canvas;
 pub mod cell;
 mod confusion;

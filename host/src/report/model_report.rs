@@ -4,6 +4,7 @@ use std::path::Path;
 
 use shared::units::SAMPLE_PERIOD_MS;
 
+use super::alignment::{self, placement};
 use super::cell::{difference, quantile};
 use super::run_report::{SHOWN, changes, timeline};
 use super::scores::{COMPARED, table};
@@ -63,11 +64,10 @@ pub fn tables(results: &ModelResults) -> Vec<Table> {
     let mut scores: Vec<&Score> = results.scores.iter().collect();
     scores.sort_by_key(|score| score.data_set.as_str());
     let caption = "Lag-compensated labels, each model with its own look-ahead; mean [95 % interval] over subjects";
-    vec![
-        table(caption, &scores),
-        differences(results),
-        people_table(results),
-    ]
+    let mut tables = vec![table(caption, &scores), differences(results)];
+    tables.extend(alignment::table(results));
+    tables.push(people_table(results));
+    tables
 }
 
 /// The first model against the others and the floors, paired over people.
@@ -249,12 +249,11 @@ fn facts(results: &ModelResults) -> Vec<(String, String)> {
         results.left_out_seen.join(", "),
     );
     fact("left out: test people", results.left_out_test.join(", "));
-    if results.rotation > 0 {
-        fact(
-            "armband rotated by",
-            format!("{} electrodes", results.rotation),
-        );
-    }
+    fact("armband", placement(results.worn));
+    fact(
+        "left out: fewer than two openings of the hand",
+        results.left_out_openings.join(", "),
+    );
     if results.lost_percent > 0 {
         fact(
             "notifications lost and bridged",

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use shared::stream::alignment::{Alignment, Template};
 use shared::units::Sample;
 
 use super::preset::Preset;
@@ -39,6 +40,14 @@ pub struct ResolvedConfig {
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
+    /// Places by which people are turned in training and validation, with `data.align_people`; those who are not are left
+    /// out.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub turns: BTreeMap<String, u8>,
+    /// The alignment template of the training subjects, as [`Template::to_bytes`] has its numbers; none if too few of them
+    /// open the hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub template: Option<Vec<i16>>,
     /// Fingerprint of the recordings of everybody who has a role.
     pub recordings: Fingerprint,
     /// Fingerprint of the weights that training starts from; none for random ones.
@@ -89,7 +98,19 @@ impl ResolvedConfig {
         self.lags.get(&data_set).map_or(0, |lag| lag.samples)
     }
 
-    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common orientation.
+    /// The alignment template of the run's models.
+    #[must_use]
+    pub(crate) fn alignment_template(&self) -> Option<Template> {
+        let numbers = self.template.as_deref()?;
+        let bytes: Vec<u8> = numbers
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect();
+        Template::from_bytes(&bytes).ok()
+    }
+
+    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common orientation, and
+    /// the person turned as in [`ResolvedConfig::turns`].
     #[must_use]
     pub(crate) fn samples(&self, recording: &Recording) -> Vec<Sample> {
         let mut samples = if self.preset.data.normalize {
@@ -101,10 +122,15 @@ impl ResolvedConfig {
         samples
     }
 
-    /// Rotates the electrodes to the common orientation, if the preset says so.
+    /// Turns the electrodes of a recording as the preset says.
     pub(super) fn align(&self, recording: &Recording, samples: &mut [Sample]) {
         if self.preset.data.align_electrodes {
             recording.data_set.align(samples);
+        }
+        if let Some(&turn) = self.turns.get(&recording.subject) {
+            for sample in samples {
+                *sample = Alignment::new(turn, false).apply(*sample);
+            }
         }
     }
 

@@ -54,6 +54,24 @@ pub enum StepError {
         /// Somebody whom it has seen.
         subject: String,
     },
+    /// Nobody can be aligned.
+    #[error(
+        "none of {people} people opens the hand twice in these recordings: leave out --align, or give others"
+    )]
+    NobodyOpens {
+        /// People who could be evaluated otherwise.
+        people: usize,
+    },
+    /// Too few people for an alignment template.
+    #[error(
+        "{found} of the people whom the model has seen open the hand in these recordings, {expected} are needed: give the recordings that it was trained on"
+    )]
+    NoTemplate {
+        /// Fewest people.
+        expected: usize,
+        /// People found.
+        found: usize,
+    },
     /// An unknown name.
     #[error(transparent)]
     Name(#[from] SplitError),

@@ -15,6 +15,7 @@ pub mod quantize;
 pub mod resolve;
 mod soft_targets;
 mod streams;
+pub mod template;
 pub mod train;
 mod trials;
 

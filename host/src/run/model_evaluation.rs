@@ -1,5 +1,6 @@
 //! Evaluation of model files on any recordings, without a run folder.
 
+mod alignment;
 mod named_model;
 mod subjects;
 
@@ -9,9 +10,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
+use shared::stream::alignment::Alignment;
 use shared::stream::smoother::AggregationMode;
-use shared::units::{CHANNELS, Sample};
+use shared::units::Sample;
 
+pub use self::alignment::{AlignedSubject, Turn, Worn};
+use self::alignment::{align, aligned_candidate, leave_out_openings, openings_of};
 pub use self::named_model::{NamedModel, beside};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
@@ -35,8 +39,11 @@ pub struct Selection {
     pub seen: bool,
     /// Also test people.
     pub test: bool,
-    /// Electrodes that the armband is rotated by, 0 to 7, after the data set's own frame is accounted for.
-    pub rotation: usize,
+    /// How they wear it.
+    pub worn: Worn,
+    /// Whether each model is also evaluated after alignment. Only people who open the hand twice are then, and those openings
+    /// are not scored.
+    pub align: bool,
     /// Percent of the notifications that are lost and bridged, 0 to 66.
     pub lost_percent: u8,
 }
@@ -67,8 +74,12 @@ pub struct ModelResults {
     pub left_out_seen: Vec<String>,
     /// Test people left out.
     pub left_out_test: Vec<String>,
-    /// Electrodes that the armband was rotated by.
-    pub rotation: usize,
+    /// People left out because they do not open the hand twice, if alignment was asked for.
+    pub left_out_openings: Vec<String>,
+    /// How the armband was worn.
+    pub worn: Worn,
+    /// What alignment made of it, for each model and person; empty if it was not asked for.
+    pub alignments: Vec<AlignedSubject>,
     /// Percent of the notifications that were lost and bridged.
     pub lost_percent: u8,
     /// Samples that labels were shifted by, from the recordings of the set at hand.
@@ -111,15 +122,40 @@ pub fn evaluate_models(
         .collect::<Result<Vec<_>, StepError>>()?;
     let vocabulary = common_vocabulary(models, &parsed)?;
     let labelled = labelled(library, vocabulary);
-    let (subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
+    let (mut subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
     let lags = lags(&labelled);
-    let is_evaluated = |subject: &str| subjects.iter().any(|own| own.subject == subject);
-    let trials = trials(&labelled, &is_evaluated, vocabulary, &lags, selection);
+    let worn: BTreeMap<String, Alignment> = subjects
+        .iter()
+        .enumerate()
+        .map(|(number, own)| (own.subject.clone(), selection.worn.of(number)))
+        .collect();
+    let mut trials = trials(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
+    let named: Vec<(&NamedModel, &Model<'_>)> = models.iter().zip(&parsed).collect();
+    let mut left_out_openings = Vec::new();
+    let (mut alignments, mut found) = (Vec::new(), Vec::new());
+    if selection.align {
+        let people = openings_of(&trials);
+        (subjects, left_out_openings) = subjects
+            .into_iter()
+            .partition(|own| people.contains_key(&own.subject));
+        if subjects.is_empty() {
+            return Err(StepError::NobodyOpens {
+                people: left_out_openings.len(),
+            });
+        }
+        let taken;
+        (alignments, found, taken) = align(&named, &people, &worn);
+        leave_out_openings(&mut trials, &people, &taken);
+        trials.retain(|trial| people.contains_key(&trial.subject));
+    }
     let mut candidates = models
         .iter()
         .zip(&parsed)
         .map(|(model, parsed)| integer_candidate(&model.name, parsed, &trials))
         .collect::<Result<Vec<_>, _>>()?;
+    for ((model, parsed), own) in named.iter().zip(&found) {
+        candidates.push(aligned_candidate(&model.name, parsed, &trials, own)?);
+    }
     candidates.push(constant(&trials));
     candidates.push(EnergyDetector::default().candidate(&trials));
     let models: Vec<EvaluatedModel> = models
@@ -129,8 +165,10 @@ pub fn evaluate_models(
         .collect();
     let mut scores = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
-        let look_ahead = models
-            .get(at)
+        // Models, the same aligned, floors.
+        let mut repeated = models.iter().cycle().take(models.len() + found.len());
+        let look_ahead = repeated
+            .nth(at)
             .map_or(LookAhead::None, |model| model.look_ahead);
         scores.extend(score(
             candidate,
@@ -146,7 +184,12 @@ pub fn evaluate_models(
             subjects,
             left_out_seen: left_out.seen,
             left_out_test: left_out.test,
-            rotation: selection.rotation,
+            left_out_openings: left_out_openings
+                .into_iter()
+                .map(|own| own.subject)
+                .collect(),
+            worn: selection.worn,
+            alignments,
             lost_percent: selection.lost_percent,
             lags,
             scores,
@@ -162,14 +205,11 @@ pub fn evaluate_models(
 pub fn trials_of(library: &Library, vocabulary: Vocabulary, people: &[String]) -> Vec<Trial> {
     let labelled = labelled(library, vocabulary);
     let lags = lags(&labelled);
-    let is_evaluated = |subject: &str| people.iter().any(|own| own == subject);
-    trials(
-        &labelled,
-        &is_evaluated,
-        vocabulary,
-        &lags,
-        &Selection::default(),
-    )
+    let worn = people
+        .iter()
+        .map(|subject| (subject.clone(), Alignment::NONE))
+        .collect();
+    trials(&labelled, &worn, vocabulary, &lags, 0)
 }
 
 /// Recordings that models of a vocabulary can be evaluated on.
@@ -180,25 +220,25 @@ fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
         .collect()
 }
 
-/// The recordings of the evaluated people, with the rotation and the losses of a selection.
+/// The recordings of the evaluated people, the armband worn so, with so many percent of the notifications lost.
 fn trials(
     labelled: &[&Recording],
-    is_evaluated: &(impl Fn(&str) -> bool + Sync),
+    worn: &BTreeMap<String, Alignment>,
     vocabulary: Vocabulary,
     lags: &BTreeMap<DataSet, usize>,
-    selection: &Selection,
+    lost_percent: u8,
 ) -> Vec<Trial> {
     labelled
         .par_iter()
-        .filter(|recording| is_evaluated(&recording.subject))
-        .map(|recording| {
+        .filter_map(|recording| Some((recording, worn.get(&recording.subject)?.inverse())))
+        .map(|(recording, placed)| {
             let name = format!("{}/{}", recording.subject, recording.name);
             let arrange = |samples: &mut Vec<Sample>| {
                 recording.data_set.align(samples);
                 for sample in &mut *samples {
-                    sample.rotate_right(selection.rotation % CHANNELS);
+                    *sample = placed.apply(*sample);
                 }
-                bridge_lost_notifications(samples, selection.lost_percent, &name);
+                bridge_lost_notifications(samples, lost_percent, &name);
             };
             trial(recording, arrange, vocabulary, lags[&recording.data_set])
         })
@@ -222,7 +262,7 @@ fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Voca
 }
 
 /// Samples that the labels of each data set are shifted by.
-fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, usize> {
+pub(super) fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, usize> {
     by_data_set(recordings.iter().copied())
         .into_iter()
         .map(|(data_set, own)| {

@@ -30,6 +30,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
         config,
         vocabulary,
         (smoother, preset.data.normalize),
+        None,
         provenance,
     )
     .map_err(StepError::Student)?;

@@ -169,6 +169,7 @@ pub(super) fn model_bytes(
         &preset.student,
         preset.vocabulary(),
         (smoother, preset.data.normalize),
+        context.config.alignment_template(),
         provenance,
     )
     .map_err(StepError::Student)

@@ -11,6 +11,7 @@ use thiserror::Error;
 use super::config::{Fold, Lag, ResolvedConfig};
 use super::lineage;
 use super::preset::{LabelLag, Preset};
+use super::template;
 use crate::dataset::folds::{self, Protocol};
 use crate::dataset::labels::lag;
 use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
@@ -103,7 +104,7 @@ impl ResolvedConfig {
         }
         let split = split(&mut preset, &labelled, group)?;
         let lags = lags(&preset, &labelled, &split);
-        Ok(Self {
+        let mut config = Self {
             variant: preset.name.clone(),
             fold,
             start: None,
@@ -114,9 +115,13 @@ impl ResolvedConfig {
             recordings: lineage::recordings(library, &split),
             split,
             lags,
+            turns: BTreeMap::new(),
+            template: None,
             start_weights: None,
             git_revision: revision().map(str::to_owned),
-        })
+        };
+        template::align_people(&mut config, &labelled);
+        Ok(config)
     }
 
     /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of

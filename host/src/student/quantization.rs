@@ -9,6 +9,8 @@ use shared::model::file::{
     LayerParts, LinearParts, ModelError, ModelParts, NormParts, ProvenanceParts, SmootherDefaults,
 };
 
+use shared::stream::alignment::Template;
+
 use super::model::{Student, StudentConfig};
 use crate::training::tensor::read_back;
 
@@ -21,6 +23,7 @@ pub(crate) fn quantize(
     config: &StudentConfig,
     vocabulary: Vocabulary,
     (smoother, normalized): (SmootherDefaults, bool),
+    template: Option<Template>,
     provenance: ProvenanceParts,
 ) -> Result<Vec<u8>, ModelError> {
     let StudentConfig {
@@ -40,6 +43,7 @@ pub(crate) fn quantize(
         companding,
         normalized,
         smoother,
+        template,
         provenance,
         embed: linear(&student.embed),
         layers: student

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::checkpoint::{Checkpoint, Progress, Store};
 use super::ema::Ema;
 use super::learner::{Learner, WeightedMetric};
-use super::metrics::{EpochMetrics, RunningMeans};
+use super::metrics::{EpochMetrics, RunningMeans, recorded};
 use super::optimizer::{gradients, optimizer};
 use super::schedule::{LearningRate, LrSchedule};
 use crate::execution::fingerprint::Fingerprint;
@@ -122,6 +122,7 @@ pub fn fit<L: Learner>(
         checkpoint.average = ema.as_ref().map(|ema| ema.apply(checkpoint.model.clone()));
         let kept = checkpoint.average.as_ref().unwrap_or(&checkpoint.model);
         let (loss, metrics) = learner.validate(&kept.valid());
+        let loss = recorded(loss);
         let selecting = WeightedMetric {
             name: "selecting",
             mean: loss,
@@ -140,7 +141,7 @@ pub fn fit<L: Learner>(
         checkpoint.progress.epochs.push(EpochMetrics {
             epoch,
             step,
-            learning_rate: rate,
+            learning_rate: recorded(rate),
             train: means.by_name(),
             validation_loss: loss,
             validation: validation.by_name(),

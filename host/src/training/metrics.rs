@@ -44,9 +44,15 @@ impl RunningMeans {
     pub(super) fn by_name(&self) -> Vec<(String, f64)> {
         self.0
             .iter()
-            .map(|metric| (metric.name.to_owned(), metric.mean))
+            .map(|metric| (metric.name.to_owned(), recorded(metric.mean)))
             .collect()
     }
+}
+
+/// A number as files keep it: ten significant digits. Of a longer one, what is read back from JSON may differ in the last bit,
+/// and a resumed training would not write the same files.
+pub(super) fn recorded(number: f64) -> f64 {
+    format!("{number:.9e}").parse().unwrap_or(number)
 }
 
 impl std::fmt::Display for RunningMeans {
@@ -62,6 +68,22 @@ impl std::fmt::Display for RunningMeans {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_recorded_is_read_back_exactly() {
+        let read_back = |number: f64| -> f64 {
+            serde_json::from_str(&serde_json::to_string(&number).unwrap()).unwrap()
+        };
+        // One that is not, as it is.
+        let long = 0.181_150_673_643_538_82;
+        assert_ne!(read_back(long).to_bits(), long.to_bits());
+        for step in 1..20_000 {
+            let number = (f64::from(step) * 0.37).sin() * 10_f64.powi(step % 9 - 6);
+            let kept = recorded(number);
+            assert_eq!(read_back(kept).to_bits(), kept.to_bits(), "{number}");
+            assert!((kept - number).abs() <= 1e-9 * number.abs(), "{number}");
+        }
+    }
 
     #[test]
     fn means_are_weighted() {

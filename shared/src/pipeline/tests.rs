@@ -354,3 +354,5 @@ proptest! {
         prop_assert_eq!(labels, expected);
     }
 }
+
+mod alignment;

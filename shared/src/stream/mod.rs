@@ -1,6 +1,7 @@
 //! What a stream passes through beside the model: link sequence numbers, normalization to the
-//! wearer, preprocessing, the sample ring, the smoother, the safe state.
+//! wearer, alignment, preprocessing, the sample ring, the smoother, the safe state.
 
+pub mod alignment;
 pub mod link_sequence;
 pub mod normalizer;
 pub mod preprocess;

@@ -5,6 +5,7 @@
 //! equals the form for whole recordings. Source: ReactEMG's public code; `tests/golden` compares with
 //! its numbers.
 
+use super::alignment::Alignment;
 use crate::units::{CHANNELS, CleanSample, Sample};
 
 /// Samples under the median.
@@ -35,6 +36,12 @@ impl Preprocessor {
         let clean = rectified_median(self.before, pending, sample);
         self.before = pending;
         Some(clean)
+    }
+
+    /// Electrodes in another order, as if all samples so far had come in it.
+    pub(crate) fn rearrange(&mut self, alignment: Alignment) {
+        self.before = alignment.apply(self.before);
+        self.pending = self.pending.map(|sample| alignment.apply(sample));
     }
 
     /// Ends the stream: returns its last sample, if there is one, and starts a new stream.

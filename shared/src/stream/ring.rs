@@ -1,5 +1,6 @@
 //! Ring buffer of the last 3 s of preprocessed samples, stored as whole patches.
 
+use super::alignment::Alignment;
 use crate::units::{CHANNELS, CleanSample, PATCH, Patch, WINDOW, WINDOW_PATCHES};
 
 /// The model's window: the newest 600 samples, in patches counted from the last reset.
@@ -94,14 +95,32 @@ impl SampleRing {
         self.contiguous >= WINDOW as u32
     }
 
-    /// Complete patches, oldest first: 60 directly after a patch has completed in a full ring, 59 while
-    /// the next one overwrites the oldest.
-    pub fn patches(&self) -> impl Iterator<Item = &Patch> {
-        let whole = if self.is_full() {
+    /// Electrodes of all samples in another order, as if they had come in it.
+    pub(crate) fn rearrange(&mut self, alignment: Alignment) {
+        for sample in self.patches.as_flattened_mut() {
+            *sample = alignment.apply(*sample);
+        }
+    }
+
+    /// How many complete patches it holds, at most 60.
+    pub(crate) fn complete(&self) -> usize {
+        if self.is_full() {
             WINDOW_PATCHES - usize::from(self.filled > 0)
         } else {
             self.current
-        };
+        }
+    }
+
+    /// The complete patch that is `back` patches older than the newest; below [`SampleRing::complete`].
+    pub(crate) fn before_newest(&self, back: usize) -> &Patch {
+        let place = self.current + 2 * WINDOW_PATCHES - 1 - back % WINDOW_PATCHES;
+        &self.patches[place % WINDOW_PATCHES]
+    }
+
+    /// Complete patches, oldest first: 60 directly after a patch has completed in a full ring, 59 while
+    /// the next one overwrites the oldest.
+    pub fn patches(&self) -> impl Iterator<Item = &Patch> {
+        let whole = self.complete();
         let oldest = self.current + WINDOW_PATCHES - whole;
         (oldest..oldest + whole).map(|place| &self.patches[place % WINDOW_PATCHES])
     }
@@ -156,6 +175,9 @@ mod tests {
                 };
                 let expected = &whole[whole.len() - kept..];
                 assert_eq!(ring.patches().collect::<Vec<_>>(), expected);
+                assert_eq!(ring.complete(), kept);
+                let newest_first: Vec<_> = (0..kept).map(|back| ring.before_newest(back)).collect();
+                assert!(newest_first.into_iter().rev().eq(expected.iter().copied()));
                 assert_eq!(ring.contiguous() as usize, list.len());
                 assert_eq!(ring.is_full(), list.len() >= WINDOW);
                 // The newest 600 samples less those whose patch the incomplete one overwrites.

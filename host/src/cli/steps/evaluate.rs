@@ -26,7 +26,8 @@ use crate::run::quantize::ModelFile;
     has all numbers, with every aggregation mode and every subject.\n\n\
     Examples:\n  myointent evaluate --run runs/mine\n  \
     myointent evaluate --model models/three-class.intent --data DIR\n  \
-    myointent evaluate --model a.intent --model b.intent --data DIR --subjects roshambo,ss-stm/sub3 --csv people.csv"
+    myointent evaluate --model a.intent --model b.intent --data DIR --subjects roshambo,ss-stm/sub3 --csv people.csv\n  \
+    myointent evaluate --model a.intent --data DIR --rotate any --align"
 )]
 pub struct Arguments {
     /// Run folder of `myointent quantize`.

@@ -3,6 +3,7 @@
 use super::names::{Excerpt, TensorName};
 use super::{ALIGNMENT, FORMAT_VERSION, LARGEST, MAGIC};
 use crate::model::dimensions::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH};
+use crate::stream::alignment::TemplateError;
 use crate::units::{LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES};
 
 /// Why bytes are not a model for this program.
@@ -180,6 +181,9 @@ pub enum ModelError {
         /// The file's hold.
         found: usize,
     },
+    /// The alignment template is damaged.
+    #[error("alignment template: {0}")]
+    Template(#[from] TemplateError),
     /// An entry margin out of range.
     #[error("entry margin {found}, expected 0 to {MAX_ENTRY_MARGIN}: export with one")]
     EntryMargin {

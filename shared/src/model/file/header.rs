@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::error::ModelError;
 use crate::intent::MAX_CLASSES;
 use crate::model::dimensions::{Companding, Dimensions};
+use crate::stream::alignment::Template;
 use crate::stream::smoother::{AggregationMode, Settings};
 use crate::units::PATCH;
 
@@ -67,6 +68,8 @@ pub struct Header<'m> {
     pub normalized: bool,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
+    /// What an open hand looks like, for alignment; none if the model was trained on nobody who opens it.
+    pub template: Option<Template>,
     /// Provenance.
     pub provenance: Provenance<'m>,
 }

@@ -6,6 +6,7 @@ use super::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, Smo
 use crate::model::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
+use crate::stream::alignment::{PRECISION_ONE, TEMPLATE_BYTES, Template};
 use crate::stream::smoother::AggregationMode;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
@@ -36,6 +37,21 @@ impl Draw {
     }
 }
 
+/// A template of a pattern that falls round the arm, 2 nats per square octave in every direction.
+fn ramp() -> Template {
+    let mut bytes = [0; TEMPLATE_BYTES];
+    let mut put = |place: usize, number: i16| {
+        bytes[2 * place..][..2].copy_from_slice(&number.to_le_bytes());
+    };
+    let mut diagonal = CHANNELS;
+    for electrode in 0..CHANNELS {
+        put(electrode, 400 - 115 * electrode as i16);
+        put(diagonal, 2 * PRECISION_ONE);
+        diagonal += CHANNELS - electrode;
+    }
+    Template::from_bytes(&bytes).expect("means below 8 octaves, a positive diagonal")
+}
+
 /// A model of these dimensions whose weights are pseudo-random numbers from a seed.
 #[must_use]
 pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
@@ -56,6 +72,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
             hold: 20,
             entry_margins: [0.0, 0.5, 0.5, 0.5, 0.5, 0.5],
         },
+        template: Some(ramp()),
         provenance: ProvenanceParts {
             data_sets: ["noise".into(), "more noise".into()].into(),
             subjects_seen: ["noise/1".into(), "noise/2".into()].into(),

@@ -13,6 +13,7 @@ use super::{
 use crate::intent::Vocabulary;
 use crate::model::dimensions::Dimensions;
 use crate::model::kernels::packing::packed;
+use crate::stream::alignment::{TEMPLATE_BYTES, TemplateError};
 
 const SMALL: Dimensions = Dimensions {
     width: 16,
@@ -69,15 +70,17 @@ fn everything_written_is_read_back() {
         companding,
         normalized,
         smoother,
+        template,
         provenance,
     } = model.header;
     assert_eq!(
-        (dimensions, companding, normalized, smoother),
+        (dimensions, companding, normalized, smoother, template),
         (
             parts.dimensions,
             parts.companding,
             parts.normalized,
-            parts.smoother
+            parts.smoother,
+            parts.template
         )
     );
     assert_eq!(
@@ -119,6 +122,47 @@ fn everything_written_is_read_back() {
     same_linear(read.ff2, &written.ff2);
     same_norm(model.weights.final_norm, &parts.final_norm);
     same_linear(model.weights.head, &parts.head);
+}
+
+#[test]
+fn a_template_may_be_missing_and_is_checked() {
+    let mut parts = small();
+    parts.template = None;
+    let bytes = parts.to_bytes().unwrap();
+    assert_eq!(Model::parse(&bytes).unwrap().header.template, None);
+    let short = header_refusal(|header| header.template = &[0; TEMPLATE_BYTES - 1]);
+    assert_eq!(
+        short,
+        ModelError::Template(TemplateError::Length {
+            found: TEMPLATE_BYTES - 1
+        })
+    );
+    let flat = header_refusal(|header| header.template = &[0; TEMPLATE_BYTES]);
+    assert_eq!(
+        flat,
+        ModelError::Template(TemplateError::Precision {
+            electrode: 0,
+            found: 0
+        })
+    );
+}
+
+#[test]
+fn a_template_can_be_exchanged_without_touching_anything_else() {
+    let parts = small();
+    let with = parts.to_bytes().unwrap();
+    let mut bare = parts.clone();
+    // Lengths of the header modulo four, so that the tensors move by every number of zeros.
+    for revision in ["", "a", "ab", "abc"] {
+        bare.provenance.git_revision = revision.into();
+        bare.template = None;
+        let without = bare.to_bytes().unwrap();
+        bare.template = parts.template;
+        let added = Model::with_template(&without, parts.template.as_ref()).unwrap();
+        assert_eq!(added, bare.to_bytes().unwrap());
+        assert_eq!(Model::with_template(&added, None).unwrap(), without);
+    }
+    assert!(Model::with_template(&with[1..], None).is_err());
 }
 
 #[test]
@@ -208,12 +252,12 @@ fn every_single_bit_and_byte_flip_is_refused() {
 #[test]
 fn another_format_is_named() {
     let mut bytes = small().to_bytes().unwrap();
-    bytes[8] = 3;
+    bytes[8] = 4;
     let refused = Model::parse(&bytes).unwrap_err();
-    assert_eq!(refused, ModelError::Version { found: 3 });
+    assert_eq!(refused, ModelError::Version { found: 4 });
     assert_eq!(
         refused.to_string(),
-        "model format 3, this build reads 4: export the model again"
+        "model format 4, this build reads 5: export the model again"
     );
 }
 

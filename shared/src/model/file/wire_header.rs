@@ -9,6 +9,7 @@ use crate::intent::{MAX_CLASSES, Vocabulary};
 use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
 };
+use crate::stream::alignment::Template;
 use crate::stream::preprocess::{DIVISOR, MEDIAN_WIDTH};
 use crate::stream::smoother::AggregationMode;
 use crate::units::{
@@ -36,6 +37,7 @@ pub(super) struct WireHeader<'m> {
     pub look_ahead: u16,
     pub hold: u16,
     pub entry_margins: [f32; MAX_CLASSES],
+    pub template: &'m [u8],
     pub data_sets: &'m [u8],
     pub subjects_seen: &'m [u8],
     pub subjects_left_out: &'m [u8],
@@ -51,6 +53,7 @@ impl<'m> WireHeader<'m> {
         dimensions: &Dimensions,
         (companding, normalized): (Companding, bool),
         smoother: &SmootherDefaults,
+        template: &'m [u8],
         class_names: &'m [u8],
         [data_sets, subjects_seen, subjects_left_out, metrics]: [&'m [u8]; 4],
         (git_revision, seed): (&'m str, u64),
@@ -82,6 +85,7 @@ impl<'m> WireHeader<'m> {
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
             entry_margins: smoother.entry_margins,
+            template,
             data_sets,
             subjects_seen,
             subjects_left_out,
@@ -122,6 +126,7 @@ impl<'m> WireHeader<'m> {
             companding,
             normalized: self.normalized,
             smoother: self.smoother()?,
+            template: self.template()?,
             provenance: Provenance {
                 data_sets: List::read(self.data_sets, "data_sets")?,
                 subjects_seen: List::read(self.subjects_seen, "subjects_seen")?,
@@ -131,6 +136,13 @@ impl<'m> WireHeader<'m> {
                 metrics: self.metrics()?,
             },
         })
+    }
+
+    fn template(&self) -> Result<Option<Template>, ModelError> {
+        if self.template.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(Template::from_bytes(self.template)?))
     }
 
     fn metrics(&self) -> Result<List<'m, (&'m str, f32)>, ModelError> {

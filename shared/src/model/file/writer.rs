@@ -10,6 +10,7 @@ use super::{
 };
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::model::kernels::packing::packed;
+use crate::stream::alignment::Template;
 
 /// A linear map with quantized rows.
 #[derive(Clone, PartialEq, Debug)]
@@ -92,6 +93,8 @@ pub struct ModelParts {
     pub normalized: bool,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
+    /// What an open hand looks like, for alignment.
+    pub template: Option<Template>,
     /// Provenance.
     pub provenance: ProvenanceParts,
     /// 80 -> d.
@@ -130,10 +133,12 @@ impl ModelParts {
         let subjects_seen = list(&provenance.subjects_seen);
         let subjects_left_out = list(&provenance.subjects_left_out);
         let metrics = list(&provenance.metrics);
+        let template = bytes_of(self.template);
         let header = WireHeader::new(
             &self.dimensions,
             (self.companding, self.normalized),
             &self.smoother,
+            &template,
             &names,
             [&data_sets, &subjects_seen, &subjects_left_out, &metrics],
             (&provenance.git_revision, provenance.seed),
@@ -155,6 +160,44 @@ impl ModelParts {
         seal(&mut file);
         file
     }
+}
+
+impl Model<'_> {
+    /// The file with another alignment template, or with none; everything else is as it was.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::parse`].
+    pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
+        let model = Model::parse(file)?;
+        let body = &file[PREFIX_BYTES..model.length - CHECKSUM_BYTES];
+        let (mut header, mut rest) = postcard::take_from_bytes::<WireHeader<'_>>(body)
+            .map_err(|_| ModelError::Header { field: "header" })?;
+        let template = bytes_of(template.copied());
+        header.template = &template;
+        let mut out = prefix();
+        append(&mut out, &header);
+        while !rest.is_empty() {
+            let end = PREFIX_BYTES + body.len();
+            let (field, after) = postcard::take_from_bytes::<&[u8]>(rest)
+                .map_err(|_| ModelError::Header { field: "tensors" })?;
+            let start = end - after.len() - field.len();
+            // Zeros stand before the tensor where its place in the old file asked for them.
+            append_tensor(
+                &mut out,
+                &field[start.next_multiple_of(ALIGNMENT) - start..],
+            );
+            rest = after;
+        }
+        seal(&mut out);
+        Model::parse(&out)?;
+        Ok(out)
+    }
+}
+
+/// A template as the header has it: no bytes for none.
+fn bytes_of(template: Option<Template>) -> Vec<u8> {
+    template.map_or_else(Vec::new, |template| template.to_bytes().to_vec())
 }
 
 /// Quantizes each row to -127..=127: integers row-major, and one scale per row.

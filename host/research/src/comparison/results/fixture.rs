@@ -69,6 +69,8 @@ impl Fixture {
                     test: Vec::new(),
                 },
                 lags: BTreeMap::new(),
+                turns: BTreeMap::new(),
+                template: None,
                 recordings: Fingerprint::of_bytes(b"recordings"),
                 start_weights: None,
                 git_revision: Some("abc".to_owned()),

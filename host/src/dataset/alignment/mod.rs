@@ -1,0 +1,12 @@
+//! Alignment on recordings: the template of a model, and the gestures with which a person would align the armband.
+//!
+//! The device's side is [`shared::stream::alignment`]; what was measured is in docs/alignment.md.
+
+mod matrix;
+mod openings;
+mod profiles;
+mod template;
+
+pub use openings::{Openings, openings};
+pub use profiles::{Profiles, profiles};
+pub use template::{FEWEST_PEOPLE, common_turns, template};

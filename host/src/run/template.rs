@@ -1,0 +1,116 @@
+//! The alignment template of a model: of a run's training people, or of the people whom a model file has seen.
+
+use std::collections::BTreeMap;
+
+use shared::intent::Intent;
+use shared::model::file::Model;
+use shared::stream::alignment::{Alignment, Template};
+use shared::units::Sample;
+
+use super::config::ResolvedConfig;
+use super::error::StepError;
+use super::model_evaluation::lags;
+use crate::dataset::alignment::{FEWEST_PEOPLE, Profiles, common_turns, profiles, template};
+use crate::dataset::labels::lag;
+use crate::dataset::split::Role;
+use crate::dataset::{Library, Recording};
+
+/// Turns training and validation people to agree with one another, if the preset asks for it, and makes the template of the
+/// training people as they are then.
+pub(super) fn align_people(config: &mut ResolvedConfig, labelled: &[&Recording]) {
+    let read = |recording: &Recording| (config.samples(recording), config.lag(recording.data_set));
+    let role = |subject: &str| config.split.role(subject);
+    let seen = |recording: &&Recording| {
+        matches!(
+            role(&recording.subject),
+            Some(Role::Training | Role::Validation)
+        )
+    };
+    let (subjects, people): (Vec<String>, Vec<Profiles>) =
+        people(labelled.iter().copied().filter(seen), read)
+            .into_iter()
+            .unzip();
+    let mut turns = vec![Alignment::NONE; people.len()];
+    if config.preset.data.align_people {
+        turns = common_turns(&people);
+    }
+    let (own, own_turns): (Vec<Profiles>, Vec<Alignment>) = subjects
+        .iter()
+        .zip(people.into_iter().zip(&turns))
+        .filter(|(subject, _)| role(subject) == Some(Role::Training))
+        .map(|(_, (profiles, &turn))| (profiles, turn))
+        .unzip();
+    let numbers = template(&own, &own_turns).map(|template| {
+        let bytes = template.to_bytes();
+        let numbers = bytes.as_chunks::<2>().0.iter();
+        numbers.map(|&two| i16::from_le_bytes(two)).collect()
+    });
+    config.template = numbers;
+    config.turns = subjects
+        .into_iter()
+        .zip(turns)
+        .filter(|(_, turn)| *turn != Alignment::NONE)
+        .map(|(subject, turn)| (subject, turn.turn()))
+        .collect();
+}
+
+/// A model file with a template of the people whom the model has seen, of whom a library holds recordings; and how many of
+/// them there are. Everything else in the file stays as it is.
+///
+/// Electrodes are in the common frame of all data sets, as in the training without `data.align_people`. The label lag of a set is estimated on the people seen.
+///
+/// # Errors
+/// When the model is refused, or fewer than three of its people open the hand in the library.
+pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, usize), StepError> {
+    let model = Model::parse(file)?;
+    let seen: Vec<&str> = model.header.provenance.subjects_seen.iter().collect();
+    let own: Vec<&Recording> = library
+        .recordings
+        .iter()
+        .filter(|recording| seen.contains(&recording.subject.as_str()))
+        .collect();
+    let lags = lags(&own);
+    let people: Vec<Profiles> = people(own.iter().copied(), |recording| {
+        (recording.aligned_samples(), lags[&recording.data_set])
+    })
+    .into_values()
+    .collect();
+    let opens = people
+        .iter()
+        .filter(|profiles| profiles.contains_key(&Intent::Open))
+        .count();
+    let template: Template =
+        template(&people, &vec![Alignment::NONE; people.len()]).ok_or(StepError::NoTemplate {
+            expected: FEWEST_PEOPLE,
+            found: opens,
+        })?;
+    Ok((Model::with_template(file, Some(&template))?, opens))
+}
+
+/// The profiles of each person; `read` gives a recording's samples and its label lag.
+fn people<'r>(
+    recordings: impl Iterator<Item = &'r Recording>,
+    read: impl Fn(&Recording) -> (Vec<Sample>, usize),
+) -> BTreeMap<String, Profiles> {
+    let mut by_person: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
+    for recording in recordings {
+        let own = by_person.entry(&recording.subject).or_default();
+        own.push(recording);
+    }
+    by_person
+        .into_iter()
+        .map(|(subject, own)| {
+            let streams: Vec<(Vec<Sample>, Vec<Option<Intent>>)> = own
+                .iter()
+                .map(|recording| {
+                    let (samples, lag) = read(recording);
+                    (samples, lag::compensated(&recording.labels, lag))
+                })
+                .collect();
+            let borrowed = streams
+                .iter()
+                .map(|(samples, labels)| (samples.as_slice(), labels.as_slice()));
+            (subject.to_owned(), profiles(borrowed))
+        })
+        .collect()
+}

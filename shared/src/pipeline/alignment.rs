@@ -1,0 +1,197 @@
+//! Alignment as a part of the pipeline: which electrode is which, while the stream goes on.
+
+use super::Pipeline;
+use crate::model::Encode;
+use crate::stream::alignment::{
+    Aligner, Alignment, Fit, GESTURES, Outcome, Poor, Progress, Template,
+};
+use crate::stream::preprocess::Preprocessor;
+use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
+use crate::units::{PATCH, Patch, Sample, SampleIndex};
+
+/// What a pipeline knows about the placement of the armband.
+#[derive(Debug, Default)]
+pub(super) struct Placement {
+    template: Option<Template>,
+    /// In force.
+    pub(super) current: Alignment,
+    aligner: Option<Aligner>,
+    view: View,
+    news: Option<News>,
+}
+
+/// The stream as the alignment in progress sees it: not normalized, as the template was measured, in patches of its own.
+#[derive(Debug, Default)]
+struct View {
+    preprocessor: Preprocessor,
+    patch: Patch,
+    filled: usize,
+}
+
+impl View {
+    /// Takes a sample; returns the patch that it completes.
+    fn push(&mut self, sample: Sample) -> Option<&Patch> {
+        self.patch[self.filled] = self.preprocessor.push(sample)?;
+        self.filled += 1;
+        if self.filled < PATCH {
+            return None;
+        }
+        self.filled = 0;
+        Some(&self.patch)
+    }
+}
+
+/// What is to be reported.
+#[derive(Clone, Copy, Debug)]
+struct News {
+    state: AlignmentState,
+    gestures: u8,
+    quality: Option<(u32, u32)>,
+}
+
+impl News {
+    /// Without a result.
+    const fn of(state: AlignmentState, gestures: u8) -> Self {
+        Self {
+            state,
+            gestures,
+            quality: None,
+        }
+    }
+
+    const fn result(state: AlignmentState, fit: Fit) -> Self {
+        Self {
+            state,
+            gestures: GESTURES,
+            quality: Some(AlignmentReport::quality_of(fit)),
+        }
+    }
+}
+
+impl<E: Encode> Pipeline<'_, E> {
+    /// The template of the model, without which there is no alignment; none before the first call.
+    pub const fn set_template(&mut self, template: Option<Template>) {
+        self.placement.template = template;
+    }
+
+    /// The alignment in force; [`Alignment::NONE`] at first and after a disconnection.
+    #[must_use]
+    pub const fn alignment(&self) -> Alignment {
+        self.placement.current
+    }
+
+    /// Begins an alignment, anew if one is in progress. Labels go on meanwhile under the old one.
+    pub fn begin_alignment(&mut self) {
+        let placement = &mut self.placement;
+        placement.aligner = placement.template.is_some().then(Aligner::new);
+        placement.view = View::default();
+        let state = if placement.aligner.is_some() {
+            AlignmentState::Waiting
+        } else {
+            AlignmentState::Unavailable
+        };
+        placement.news = Some(News::of(state, 0));
+    }
+
+    /// Ends an alignment in progress; the alignment in force stays.
+    pub fn cancel_alignment(&mut self) {
+        if let Some(aligner) = self.placement.aligner.take() {
+            let gestures = aligner.gestures();
+            self.placement.news = Some(News::of(AlignmentState::Cancelled, gestures));
+        }
+    }
+
+    /// Puts an alignment in force, such as one that was stored, and ends one in progress.
+    pub fn set_alignment(&mut self, alignment: Alignment) {
+        self.placement.aligner = None;
+        self.placement.news = Some(News::of(AlignmentState::Set, 0));
+        self.realign(alignment);
+    }
+
+    /// What is new about the alignment since the last call, to be written on the UART; to be called after every other
+    /// method. What was not taken is replaced by what comes later.
+    pub fn take_alignment_report(&mut self) -> Option<AlignmentReport> {
+        let News {
+            state,
+            gestures,
+            quality,
+        } = self.placement.news.take()?;
+        Some(AlignmentReport {
+            sequence: self.next_sequence(),
+            emitted: SampleIndex(self.next.0.saturating_sub(1)),
+            state,
+            gestures,
+            alignment: self.placement.current,
+            quality,
+        })
+    }
+
+    /// The armband may have been taken off.
+    pub(super) fn drop_alignment(&mut self) {
+        let placement = &mut self.placement;
+        let aligner = placement.aligner.take();
+        if aligner.is_some() || placement.current != Alignment::NONE {
+            let gestures = aligner.map_or(0, |aligner| aligner.gestures());
+            placement.news = Some(News::of(AlignmentState::Disconnected, gestures));
+            placement.current = Alignment::NONE;
+        }
+    }
+
+    /// The next sample does not follow the previous one. The armband need not have moved.
+    pub(super) fn interrupt_alignment(&mut self) {
+        if let Some(aligner) = &mut self.placement.aligner {
+            aligner.interrupt();
+            self.placement.view = View::default();
+        }
+    }
+
+    /// Shows a sample to the alignment in progress.
+    pub(super) fn watch(&mut self, sample: Sample) {
+        let placement = &mut self.placement;
+        let (Some(aligner), Some(template)) = (&mut placement.aligner, &placement.template) else {
+            return;
+        };
+        let Some(patch) = placement.view.push(placement.current.apply(sample)) else {
+            return;
+        };
+        let progress = aligner.push(patch, template);
+        let gestures = aligner.gestures();
+        match progress {
+            Progress::Waiting => {}
+            Progress::Gesture => {
+                placement.news = Some(News::of(AlignmentState::Waiting, gestures));
+            }
+            Progress::Done(outcome) => {
+                placement.aligner = None;
+                placement.news = Some(match outcome {
+                    Outcome::Aligned(fit) => News::result(AlignmentState::Aligned, fit),
+                    Outcome::Poor(fit, Poor::Distance) => {
+                        News::result(AlignmentState::PoorDistance, fit)
+                    }
+                    Outcome::Poor(fit, Poor::Margin) => {
+                        News::result(AlignmentState::PoorMargin, fit)
+                    }
+                    Outcome::Timeout => News::of(AlignmentState::Timeout, gestures),
+                });
+                if let Outcome::Aligned(fit) = outcome {
+                    self.realign(self.placement.current.then(fit.alignment));
+                }
+            }
+        }
+    }
+
+    /// Rearranges all samples so far, and has the encoder take them again.
+    fn realign(&mut self, alignment: Alignment) {
+        let change = self.placement.current.inverse().then(alignment);
+        if change == Alignment::NONE {
+            return;
+        }
+        self.placement.current = alignment;
+        self.preprocessor.rearrange(change);
+        self.ring.rearrange(change);
+        self.last = self.last.map(|sample| change.apply(sample));
+        self.encoder.reset(self.state);
+        self.smoother.restart();
+        self.behind = self.ring.complete();
+    }
+}

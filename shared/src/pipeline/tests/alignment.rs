@@ -1,0 +1,233 @@
+//! Alignment while the stream goes on, with a real encoder.
+
+use super::*;
+use crate::intent::Vocabulary;
+use crate::model::dimensions::Dimensions;
+use crate::model::encoder::{Encoder, EncoderState};
+use crate::model::file::{Model, random::random_model};
+use crate::model::noise::Noise;
+use crate::stream::alignment::Alignment;
+use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
+
+type SmallEncoder = Encoder<'static, 16, 54>;
+type SmallPipeline = Pipeline<'static, SmallEncoder>;
+
+/// A label for each patch without a gate, so that no label depends on when the first one was due.
+const SETTINGS: Settings = Settings {
+    hold: 1,
+    ..Settings::PAPER_IN_PATCHES
+};
+
+/// A pipeline of a random model with the template of a ramp round the arm.
+fn real() -> SmallPipeline {
+    let dimensions = Dimensions {
+        width: 16,
+        layers: 2,
+        span: 27,
+        vocabulary: Vocabulary::Three,
+    };
+    let bytes: &'static [u8] = random_model(dimensions, 3).to_bytes().unwrap().leak();
+    let model = Model::parse(bytes).unwrap();
+    let encoder = SmallEncoder::new(&model).unwrap();
+    let state: &'static mut EncoderState<16, 54> = Box::leak(Box::new(encoder.fresh()));
+    let mut pipeline = Pipeline::new(encoder, state, SETTINGS, Start::Boot).unwrap();
+    pipeline.set_template(model.header.template);
+    pipeline
+}
+
+/// Samples of noise, whose amplitude falls round the arm as the template does, on the electrodes of an armband placed
+/// like this; gestures are four times as strong as the rest between.
+fn stream(alignment: Alignment, count: u32) -> Vec<Sample> {
+    let mut noise = Noise(9);
+    let open = [118, 86, 62, 44, 32, 24, 16, 12];
+    (0..count)
+        .map(|index| {
+            let is_active = index >= 800 && index % 400 < 200;
+            let sample = open.map(|most: i32| {
+                let most = if is_active { most } else { 4 };
+                ((noise.signed() * most as f32) as i32).clamp(-127, 127) as i8
+            });
+            alignment.inverse().apply(sample)
+        })
+        .collect()
+}
+
+fn run(
+    pipeline: &mut SmallPipeline,
+    samples: &[Sample],
+    from: u32,
+) -> (Vec<Report>, Vec<AlignmentReport>) {
+    let mut reports = Vec::new();
+    let mut news = Vec::new();
+    for (index, &sample) in (from..).zip(samples) {
+        reports.extend(pipeline.sample(at(index), sample));
+        news.extend(pipeline.take_alignment_report());
+    }
+    (reports, news)
+}
+
+fn labels(reports: &[Report]) -> Vec<(u32, Status)> {
+    let labels = reports.iter().filter(|report| report.kind == Kind::Label);
+    labels
+        .map(|report| (report.instant.0, report.status))
+        .collect()
+}
+
+#[test]
+fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
+    let mut expected = real();
+    let in_place = labels(&run(&mut expected, &stream(Alignment::NONE, 3000), 0).0);
+    for worn in [Alignment::new(3, false), Alignment::new(6, true)] {
+        let mut pipeline = real();
+        pipeline.begin_alignment();
+        let (reports, news) = run(&mut pipeline, &stream(worn, 3000), 0);
+        let states: Vec<_> = news
+            .iter()
+            .map(|news| (news.state, news.gestures))
+            .collect();
+        let (waiting, aligned) = (AlignmentState::Waiting, AlignmentState::Aligned);
+        assert_eq!(states, [(waiting, 0), (waiting, 1), (aligned, 2)]);
+        assert_eq!((pipeline.alignment(), news[2].alignment), (worn, worn));
+        // The second gesture ends at sample 1400.
+        let done = news[2].emitted.0;
+        assert!((1400..1500).contains(&done), "{done}");
+        // One patch a sample: 60 that were there and those that came meanwhile.
+        let after: Vec<_> = labels(&reports)
+            .into_iter()
+            .filter(|&(instant, _)| instant > done)
+            .collect();
+        let first = after[0].0;
+        assert!(first <= done + 30, "{first} {done}");
+        let wanted: Vec<_> = in_place
+            .iter()
+            .copied()
+            .filter(|&(instant, _)| instant >= first)
+            .collect();
+        assert_eq!(after, wanted);
+        assert!(
+            wanted.iter().any(|label| label.1 != wanted[0].1),
+            "labels differ"
+        );
+        let emitted: Vec<u32> = reports
+            .iter()
+            .filter(|report| report.kind == Kind::Label)
+            .map(|report| report.emitted.0)
+            .collect();
+        let longest = emitted.windows(2).map(|two| two[1] - two[0]).max();
+        assert!(longest <= Some(80), "{longest:?}");
+        assert!(pipeline.status().valid());
+    }
+}
+
+#[test]
+fn sequence_numbers_are_one_count() {
+    let mut pipeline = real();
+    let mut sequences = Vec::from([pipeline.state_report().sequence]);
+    pipeline.begin_alignment();
+    for (index, &sample) in (0..).zip(&stream(Alignment::NONE, 1600)) {
+        sequences.extend(
+            pipeline
+                .sample(at(index), sample)
+                .into_iter()
+                .map(|report| report.sequence),
+        );
+        sequences.extend(
+            pipeline
+                .take_alignment_report()
+                .map(|report| report.sequence),
+        );
+    }
+    assert!(sequences.iter().copied().eq(0..sequences.len() as u32));
+}
+
+#[test]
+fn a_gap_keeps_the_alignment_and_a_disconnection_drops_it() {
+    let worn = Alignment::new(2, true);
+    let mut pipeline = real();
+    pipeline.set_alignment(worn);
+    assert_eq!(
+        pipeline.take_alignment_report().map(|news| news.state),
+        Some(AlignmentState::Set)
+    );
+    run(&mut pipeline, &stream(worn, 700), 0);
+    pipeline.gap(at(800), 100);
+    pipeline.stalled(at(800));
+    pipeline.tick(Millis(9000));
+    assert_eq!(pipeline.alignment(), worn);
+    assert_eq!(pipeline.take_alignment_report(), None);
+    pipeline.disconnected(Millis(9100));
+    let news = pipeline.take_alignment_report().unwrap();
+    assert_eq!(
+        (news.state, news.alignment),
+        (AlignmentState::Disconnected, Alignment::NONE)
+    );
+    pipeline.disconnected(Millis(9200));
+    assert_eq!(pipeline.take_alignment_report(), None, "nothing to drop");
+}
+
+#[test]
+fn without_a_template_nothing_begins_and_on_request_it_ends() {
+    let mut pipeline = real();
+    pipeline.set_template(None);
+    pipeline.begin_alignment();
+    assert_eq!(
+        pipeline.take_alignment_report().map(|news| news.state),
+        Some(AlignmentState::Unavailable)
+    );
+    pipeline.cancel_alignment();
+    assert_eq!(pipeline.take_alignment_report(), None);
+    let mut pipeline = real();
+    pipeline.begin_alignment();
+    pipeline.cancel_alignment();
+    assert_eq!(
+        pipeline.take_alignment_report().map(|news| news.state),
+        Some(AlignmentState::Cancelled)
+    );
+    let (_, news) = run(&mut pipeline, &stream(Alignment::NONE, 1600), 0);
+    assert_eq!(news, []);
+}
+
+#[test]
+fn an_alignment_is_seen_from_the_one_in_force() {
+    let worn = Alignment::new(5, true);
+    let mut pipeline = real();
+    // One place off.
+    pipeline.set_alignment(Alignment::new(4, true));
+    pipeline.begin_alignment();
+    run(&mut pipeline, &stream(worn, 1600), 0);
+    assert_eq!(pipeline.alignment(), worn);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    /// Whenever the alignment changes, before the window is full too: what comes out later is the same.
+    #[test]
+    fn a_change_at_any_time_is_as_if_it_had_always_been(
+        change in 0_u32..900,
+        (turn, mirrored) in (0_u8..8, any::<bool>()),
+        (gap, missing) in (0_u32..900, 0_u32..8),
+    ) {
+        let worn = Alignment::new(turn, mirrored);
+        let samples = stream(worn, 1700);
+        let mut always = real();
+        always.set_alignment(worn);
+        let mut late = real();
+        let [mut expected, mut found] = [Vec::new(), Vec::new()];
+        for (index, &sample) in (0..).zip(&samples) {
+            if index == change {
+                late.set_alignment(worn);
+            }
+            if index == gap && missing > 0 {
+                expected.extend(always.gap(at(index), missing));
+                found.extend(late.gap(at(index), missing));
+            }
+            expected.extend(always.sample(at(index), sample));
+            found.extend(late.sample(at(index), sample));
+        }
+        let after = |reports: &[Report]| -> Vec<_> {
+            let labels = labels(reports).into_iter();
+            labels.filter(|&(instant, _)| instant > change + 30).collect()
+        };
+        prop_assert_eq!(after(&found), after(&expected));
+    }
+}

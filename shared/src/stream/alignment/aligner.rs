@@ -1,0 +1,208 @@
+//! Alignment in progress: waits for gestures, then chooses a placement or says why not.
+
+use super::gesture::GestureDetector;
+use super::profile::{COUNT, Profile};
+use super::template::{Fit, Template};
+use crate::units::{CHANNELS, Patch};
+
+/// Openings of the hand that an alignment takes. A third gains nothing: docs/alignment.md.
+pub const GESTURES: u8 = 2;
+
+/// Patches after which an alignment without gestures ends: 30 s.
+pub const TIMEOUT_PATCHES: u16 = 600;
+
+/// Largest distance of a placement that is accepted: 8 nats, in hundredths.
+const FURTHEST: u32 = 800;
+/// Least margin of a placement that is accepted: 2 nats, in hundredths.
+const LEAST_MARGIN: u32 = 200;
+
+/// Takes the stream while the wearer opens the hand.
+///
+/// No clock: time is counted in patches. One call does bounded work; the last gesture's costs 16 x 36 products.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Aligner {
+    detector: GestureDetector,
+    gestures: u8,
+    /// Sums over the gestures of each electrode's mean, in 1/64 counts.
+    means: [u32; CHANNELS],
+    patches: u16,
+}
+
+/// What a patch led to.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Progress {
+    /// Nothing new.
+    Waiting,
+    /// A gesture was found; more are needed.
+    Gesture,
+    /// The end.
+    Done(Outcome),
+}
+
+/// How an alignment ends.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Outcome {
+    /// The armband sits like this, seen from the alignment in force so far.
+    Aligned(Fit),
+    /// Nothing is to be changed.
+    Poor(Fit, Poor),
+    /// Too few gestures in 30 s.
+    Timeout,
+}
+
+/// Why a placement is not accepted.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Poor {
+    /// No placement looks like an open hand.
+    Distance,
+    /// Another placement, not beside it, looks nearly as much like one.
+    Margin,
+}
+
+impl Aligner {
+    /// Before the first patch.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            detector: GestureDetector::new(),
+            gestures: 0,
+            means: [0; CHANNELS],
+            patches: 0,
+        }
+    }
+
+    /// Gestures found so far.
+    #[must_use]
+    pub const fn gestures(&self) -> u8 {
+        self.gestures
+    }
+
+    /// The next patch does not follow the one before: a gesture in progress is dropped, those before it count.
+    pub fn interrupt(&mut self) {
+        self.detector = GestureDetector::new();
+    }
+
+    /// Takes the next patch. Not to be called after [`Progress::Done`].
+    pub fn push(&mut self, patch: &Patch, template: &Template) -> Progress {
+        self.patches = self.patches.saturating_add(1);
+        let Some(gesture) = self.detector.push(patch) else {
+            return if self.patches >= TIMEOUT_PATCHES {
+                Progress::Done(Outcome::Timeout)
+            } else {
+                Progress::Waiting
+            };
+        };
+        for (sum, mean) in self.means.iter_mut().zip(gesture.means(COUNT)) {
+            *sum += mean;
+        }
+        self.gestures += 1;
+        if self.gestures < GESTURES {
+            return Progress::Gesture;
+        }
+        let mean = self.means.map(|sum| sum / u32::from(self.gestures));
+        let fit = template.fit(Profile::new(mean));
+        Progress::Done(if fit.distance > FURTHEST {
+            Outcome::Poor(fit, Poor::Distance)
+        } else if fit.margin < LEAST_MARGIN {
+            Outcome::Poor(fit, Poor::Margin)
+        } else {
+            Outcome::Aligned(fit)
+        })
+    }
+}
+
+impl Default for Aligner {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::alignment::Alignment;
+    use crate::stream::alignment::template::tests::{template, template_of};
+    use crate::units::PATCH;
+
+    /// Means whose profile is the test template's: 20 counts x 2^(mean / 256), less 1.
+    const OPEN: [u8; CHANNELS] = [58, 43, 31, 22, 16, 12, 8, 6];
+    const REST: [u8; CHANNELS] = [2; CHANNELS];
+
+    /// The last progress but `Waiting`, and the patches until it is done.
+    fn run(template: &Template, phases: &[([u8; CHANNELS], usize)]) -> (Progress, usize) {
+        let mut aligner = Aligner::new();
+        let mut last = Progress::Waiting;
+        let mut taken = 0;
+        for &(sample, patches) in phases {
+            for _ in 0..patches {
+                let progress = aligner.push(&[sample; PATCH], template);
+                taken += 1;
+                if progress != Progress::Waiting {
+                    last = progress;
+                }
+                if matches!(progress, Progress::Done(_)) {
+                    return (last, taken);
+                }
+            }
+        }
+        (last, taken)
+    }
+
+    fn two(template: &Template, open: [u8; CHANNELS]) -> Progress {
+        run(
+            template,
+            &[(REST, 20), (open, 20), (REST, 20), (open, 20), (REST, 20)],
+        )
+        .0
+    }
+
+    #[test]
+    fn two_openings_align_whatever_the_placement() {
+        for alignment in Alignment::all() {
+            match two(&template(), alignment.inverse().apply(OPEN)) {
+                Progress::Done(Outcome::Aligned(fit)) => assert_eq!(fit.alignment, alignment),
+                other => panic!("{alignment:?}: {other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn one_opening_is_not_enough_and_time_runs_out() {
+        let one = run(&template(), &[(REST, 20), (OPEN, 20), (REST, 100)]);
+        assert_eq!(one.0, Progress::Gesture);
+        let late = run(&template(), &[(REST, 20), (OPEN, 20), (REST, 1000)]);
+        assert_eq!(late, (Progress::Done(Outcome::Timeout), 600));
+    }
+
+    #[test]
+    fn what_looks_like_no_open_hand_is_poor() {
+        let far = two(&template(), [127, 1, 60, 1, 60, 1, 60, 1]);
+        assert!(
+            matches!(far, Progress::Done(Outcome::Poor(_, Poor::Distance))),
+            "{far:?}"
+        );
+        // As strong all round, and a template so wide that it is near.
+        let flat = two(&template_of(1), [20; CHANNELS]);
+        assert!(
+            matches!(flat, Progress::Done(Outcome::Poor(_, Poor::Margin))),
+            "{flat:?}"
+        );
+    }
+
+    #[test]
+    fn an_interruption_drops_the_gesture_in_progress_alone() {
+        let mut aligner = Aligner::new();
+        let push = |aligner: &mut Aligner, sample, patches| {
+            for _ in 0..patches {
+                aligner.push(&[sample; PATCH], &template());
+            }
+        };
+        push(&mut aligner, REST, 20);
+        push(&mut aligner, OPEN, 20);
+        push(&mut aligner, REST, 20);
+        push(&mut aligner, OPEN, 10);
+        aligner.interrupt();
+        push(&mut aligner, REST, 20);
+        assert_eq!(aligner.gestures(), 1);
+    }
+}

@@ -1,0 +1,323 @@
+//! What an open hand looks like over the electrodes: a normal density of profiles, and the placement that fits it best.
+
+use super::placement::Alignment;
+use super::profile::{OCTAVE, Profile};
+use crate::units::CHANNELS;
+
+/// Numbers on and above the diagonal of a symmetric matrix of 8 x 8.
+const TRIANGLE: usize = CHANNELS * (CHANNELS + 1) / 2;
+
+/// Bytes of a template in a model file.
+pub const TEMPLATE_BYTES: usize = 2 * (CHANNELS + TRIANGLE);
+
+/// A precision of one nat per square octave.
+pub const PRECISION_ONE: i16 = 64;
+
+/// Largest magnitude of a mean: 8 octaves, more than any profile has.
+const LARGEST_MEAN: i16 = 8 * OCTAVE;
+
+/// How much nearer a mirrored placement must be to be chosen: 2 nats, in hundredths. The open hand of some people is
+/// nearly symmetrical, and fewer wear the armband on the other arm than not. What it costs those: docs/alignment.md.
+const OTHER_ARM: i64 = 200;
+
+/// Mean and precision (inverse covariance) of the profiles of an open hand, placed as in training.
+///
+/// The mean is in 1/256 octaves, the precision in 1/64 nats per square octave.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Template {
+    mean: [i16; CHANNELS],
+    /// Row by row from the diagonal on.
+    precision: [i16; TRIANGLE],
+}
+
+/// The placement of a profile that a template fits best.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Fit {
+    /// The placement.
+    pub alignment: Alignment,
+    /// How far the profile is from the template's mean, in hundredths of a nat: half the squared Mahalanobis distance.
+    pub distance: u32,
+    /// How much further the best placement of the same arm is that lies more than one place away, in hundredths of a nat.
+    pub margin: u32,
+}
+
+/// Why numbers are no template.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+pub enum TemplateError {
+    /// Neither empty nor a template.
+    #[error("{found} bytes, a template has {TEMPLATE_BYTES}: make it again")]
+    Length {
+        /// Bytes found.
+        found: usize,
+    },
+    /// A mean that no profile can have.
+    #[error(
+        "mean {found} of electrode {electrode}, at most {LARGEST_MEAN} expected: make it again"
+    )]
+    Mean {
+        /// From 0.
+        electrode: usize,
+        /// As it is in the file.
+        found: i16,
+    },
+    /// A density without a width.
+    #[error("precision {found} of electrode {electrode}, more than 0 expected: make it again")]
+    Precision {
+        /// From 0.
+        electrode: usize,
+        /// As it is in the file.
+        found: i16,
+    },
+}
+
+impl Template {
+    /// A template of the mean and of the precision matrix's rows from the diagonal on.
+    ///
+    /// # Errors
+    /// If a mean is above 8 octaves, or a number on the diagonal is not positive.
+    pub fn new(mean: [i16; CHANNELS], precision: [i16; TRIANGLE]) -> Result<Self, TemplateError> {
+        let template = Self { mean, precision };
+        for electrode in 0..CHANNELS {
+            let found = mean[electrode];
+            if found.unsigned_abs() > LARGEST_MEAN.unsigned_abs() {
+                return Err(TemplateError::Mean { electrode, found });
+            }
+            let found = template.precision(electrode, electrode);
+            if found <= 0 {
+                return Err(TemplateError::Precision { electrode, found });
+            }
+        }
+        Ok(template)
+    }
+
+    /// Reads mean and precision, little endian.
+    ///
+    /// # Errors
+    /// If there are not [`TEMPLATE_BYTES`], or as [`Template::new`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, TemplateError> {
+        let (numbers, rest) = bytes.as_chunks::<2>();
+        if bytes.len() != TEMPLATE_BYTES || !rest.is_empty() {
+            return Err(TemplateError::Length { found: bytes.len() });
+        }
+        let number = |index: usize| i16::from_le_bytes(numbers[index]);
+        Self::new(
+            core::array::from_fn(number),
+            core::array::from_fn(|index| number(CHANNELS + index)),
+        )
+    }
+
+    /// The bytes that [`Template::from_bytes`] reads.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; TEMPLATE_BYTES] {
+        let mut bytes = [0; TEMPLATE_BYTES];
+        let numbers = self.mean.iter().chain(&self.precision);
+        for (two, number) in bytes.as_chunks_mut::<2>().0.iter_mut().zip(numbers) {
+            *two = number.to_le_bytes();
+        }
+        bytes
+    }
+
+    /// Half the squared Mahalanobis distance of a profile, in hundredths of a nat, at least 0.
+    ///
+    /// Cost: 36 products of 64 bits.
+    fn distance(&self, profile: [i16; CHANNELS]) -> i64 {
+        let deviation: [i64; CHANNELS] =
+            core::array::from_fn(|at| i64::from(profile[at]) - i64::from(self.mean[at]));
+        let mut sum = 0;
+        for row in 0..CHANNELS {
+            for column in row..CHANNELS {
+                // Both halves of the matrix; half of the diagonal is that of the square.
+                let weight = if row == column { 1 } else { 2 };
+                let precision = i64::from(self.precision(row, column));
+                // At most 64 x 2^12 x 2^12 x 2^15: 2^45.
+                sum += weight * precision * deviation[row] * deviation[column];
+            }
+        }
+        let unit = 2 * i64::from(OCTAVE) * i64::from(OCTAVE) * i64::from(PRECISION_ONE);
+        (sum.max(0) * 100) / unit
+    }
+
+    /// The best of the 16 placements of a profile; one of the other arm has to be 2 nats nearer. Of two equal ones the
+    /// lower turn, unmirrored before mirrored.
+    #[must_use]
+    pub fn fit(&self, profile: Profile) -> Fit {
+        let distance = |alignment: Alignment| self.distance(alignment.apply(profile.0));
+        let handicap = |alignment: Alignment| if alignment.mirrored() { OTHER_ARM } else { 0 };
+        let mut best = Alignment::NONE;
+        let mut nearest = distance(best);
+        for alignment in Alignment::all() {
+            let found = distance(alignment);
+            if found + handicap(alignment) < nearest + handicap(best) {
+                (best, nearest) = (alignment, found);
+            }
+        }
+        let elsewhere = Alignment::all()
+            .filter(|other| other.places_from(best).is_some_and(|places| places > 1))
+            .map(distance)
+            .min();
+        let hundredths = |nats: i64| u32::try_from(nats).unwrap_or(u32::MAX);
+        Fit {
+            alignment: best,
+            distance: hundredths(nearest),
+            margin: hundredths((elsewhere.unwrap_or(nearest) - nearest).max(0)),
+        }
+    }
+
+    fn precision(&self, row: usize, column: usize) -> i16 {
+        // Rows before have 8, 7, ... numbers.
+        let start = row * (2 * CHANNELS + 1 - row) / 2;
+        self.precision[start + column - row]
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A density as wide in all directions, of this many nats per square octave, about a pattern that falls round the
+    /// arm, which its mirror image does not.
+    pub(crate) fn template_of(nats: i16) -> Template {
+        let mut precision = [0; TRIANGLE];
+        for row in 0..CHANNELS {
+            precision[row * (2 * CHANNELS + 1 - row) / 2] = nats * PRECISION_ONE;
+        }
+        Template::new([400, 290, 170, 60, -60, -170, -290, -400], precision).unwrap()
+    }
+
+    pub(crate) fn template() -> Template {
+        template_of(10)
+    }
+
+    /// The profile that the template's mean makes with the armband placed like this.
+    fn worn(alignment: Alignment) -> Profile {
+        Profile(alignment.inverse().apply(template().mean))
+    }
+
+    #[test]
+    fn every_placement_is_found() {
+        for alignment in Alignment::all() {
+            let fit = template().fit(worn(alignment));
+            assert_eq!((fit.alignment, fit.distance), (alignment, 0));
+            assert!(fit.margin > 500, "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn the_distance_is_half_the_squared_mahalanobis_distance() {
+        // One octave off in one electrode, at 10 nats per square octave.
+        let mut profile = template().mean;
+        profile[3] += OCTAVE;
+        assert_eq!(template().distance(profile), 500);
+        // Off the diagonal: rows 0 and 1, both halves of the matrix.
+        let mut other = template();
+        other.precision[1] = 4 * PRECISION_ONE;
+        profile = other.mean;
+        profile[0] += OCTAVE;
+        profile[1] += OCTAVE;
+        assert_eq!(other.distance(profile), 500 + 500 + 400);
+    }
+
+    #[test]
+    fn a_symmetrical_pattern_is_taken_for_the_arm_of_training() {
+        let mut template = template();
+        template.mean = [400, 200, 0, -200, -300, -200, 0, 200];
+        for turn in 0..8 {
+            let mirrored = Alignment::new(turn, true);
+            let fit = template.fit(Profile(mirrored.inverse().apply(template.mean)));
+            assert_eq!(fit.alignment, Alignment::new(turn, false));
+        }
+    }
+
+    #[test]
+    fn a_flat_pattern_has_no_margin() {
+        assert!(template().fit(Profile([0; CHANNELS])).margin < 10);
+    }
+
+    #[test]
+    fn each_wrong_number_is_refused() {
+        let bytes = template().to_bytes();
+        assert_eq!(Template::from_bytes(&bytes), Ok(template()));
+        let length = |found| Err(TemplateError::Length { found });
+        assert_eq!(
+            Template::from_bytes(&bytes[1..]),
+            length(TEMPLATE_BYTES - 1)
+        );
+        assert_eq!(Template::from_bytes(&[]), length(0));
+        let with = |place: usize, number: i16| {
+            let mut changed = bytes;
+            changed[2 * place..][..2].copy_from_slice(&number.to_le_bytes());
+            Template::from_bytes(&changed)
+        };
+        assert_eq!(
+            with(2, 2049),
+            Err(TemplateError::Mean {
+                electrode: 2,
+                found: 2049
+            })
+        );
+        assert_eq!(
+            with(7, i16::MIN),
+            Err(TemplateError::Mean {
+                electrode: 7,
+                found: i16::MIN
+            })
+        );
+        assert_eq!(
+            with(8 + 8, 0),
+            Err(TemplateError::Precision {
+                electrode: 1,
+                found: 0
+            })
+        );
+        assert_eq!(
+            with(8 + 35, -1),
+            Err(TemplateError::Precision {
+                electrode: 7,
+                found: -1
+            })
+        );
+    }
+
+    proptest! {
+        /// The answer to a turned armband is the turned answer, where no two placements are equally far.
+        #[test]
+        fn turning_the_armband_turns_the_answer(
+            mean in prop::array::uniform8(-2048_i16..=2048),
+            widths in prop::array::uniform8(1_i16..=i16::MAX),
+            profile in prop::array::uniform8(-1793_i16..=1794),
+            turn in 0_u8..8,
+        ) {
+            let mut precision = [0; TRIANGLE];
+            for (row, width) in widths.into_iter().enumerate() {
+                precision[row * (2 * CHANNELS + 1 - row) / 2] = width;
+            }
+            let template = Template::new(mean, precision).unwrap();
+            let mut distances = [0; 2 * CHANNELS];
+            for (distance, place) in distances.iter_mut().zip(Alignment::all()) {
+                *distance = template.distance(place.apply(profile));
+            }
+            distances.sort_unstable();
+            // Other placements may be as good as the best less the handicap of the other arm.
+            prop_assume!(distances.windows(2).all(|two| two[0] < two[1] && two[1] - two[0] != OTHER_ARM));
+            let turned = Alignment::new(turn, false);
+            let here = template.fit(Profile(profile));
+            let there = template.fit(Profile(turned.inverse().apply(profile)));
+            prop_assert_eq!(turned.inverse().then(there.alignment), here.alignment);
+            prop_assert_eq!((here.distance, here.margin), (there.distance, there.margin));
+        }
+
+        /// Whatever is in the file, nothing overflows.
+        #[test]
+        fn every_template_gives_a_fit(
+            mean in prop::array::uniform8(-2048_i16..=2048),
+            precision in prop::collection::vec(prop_oneof![Just(i16::MIN), Just(i16::MAX), any::<i16>()], TRIANGLE),
+            profile in prop::array::uniform8(-1793_i16..=1794),
+        ) {
+            if let Ok(template) = Template::new(mean, precision.try_into().unwrap()) {
+                let fit = template.fit(Profile(profile));
+                prop_assert!(fit.alignment.turn() < 8);
+            }
+        }
+    }
+}
