@@ -165,7 +165,10 @@ fn openers() -> Library {
 #[test]
 fn people_are_turned_to_agree_only_if_the_preset_says_so() {
     let with = |align_people| {
-        let mut preset = preset(&["synthetic/p1"], &["synthetic/p2"]);
+        let mut preset = preset(
+            &["synthetic/p1", "react-emg/p4"],
+            &["synthetic/p2", "react-emg/p5"],
+        );
         preset.data.align_people = align_people;
         ResolvedConfig::new(preset, &openers(), None, false, None).unwrap()
     };
