@@ -197,6 +197,67 @@ fn lost_notifications_repeat_the_sample_before_them() {
 }
 
 #[test]
+fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_not_scored() {
+    let folder = folder("evaluate-aligned");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    let with = |places, align| {
+        let selection = Selection {
+            worn: Worn {
+                turn: Turn::By(places),
+                mirrored: false,
+            },
+            align,
+            ..Selection::default()
+        };
+        evaluated(&folder, &file, &selection)
+    };
+    let (plain, straight, turned) = (with(0, false), with(0, true), with(3, true));
+    let names: Vec<_> = straight
+        .candidates
+        .iter()
+        .map(|own| &own.name[..])
+        .collect();
+    assert_eq!(
+        names,
+        ["one", "one, aligned", "constant relax", "energy detector"]
+    );
+    assert_eq!(straight.results.alignments.len(), 4);
+    assert_eq!(straight.results.alignments, turned.results.alignments);
+    let aligned = straight.results.alignments.iter();
+    assert!(aligned.clone().any(|own| own.outcome == "aligned"));
+    // As the logits are, where an alignment was found.
+    for (at, trial) in straight.trials.iter().enumerate() {
+        let mut found = aligned.clone().filter(|own| own.outcome == "aligned");
+        if found.any(|own| own.subject == trial.subject) {
+            let logits = |evaluation: &ModelEvaluation| evaluation.candidates[1].logits[at].clone();
+            assert_eq!(logits(&straight), logits(&turned));
+        }
+    }
+    let labels = |evaluation: &ModelEvaluation| -> usize {
+        let trials = evaluation.trials.iter();
+        trials
+            .map(|trial| trial.lag_compensated.iter().flatten().count())
+            .sum()
+    };
+    assert!(labels(&straight) + 4 * 2 * 60 <= labels(&plain));
+    let text = folder.join("people.csv");
+    assert!(evaluate(
+        &folder,
+        &[
+            "--model",
+            file.to_str().unwrap(),
+            "--rotate",
+            "any",
+            "--mirror",
+            "--align"
+        ]
+    ));
+    assert!(fs::read_to_string(text).unwrap().contains("one, aligned"));
+}
+
+#[test]
 fn json_names_models_people_and_scores() {
     let folder = folder("evaluate-json");
     recordings(&folder);

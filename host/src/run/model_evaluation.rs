@@ -14,8 +14,8 @@ use shared::stream::alignment::Alignment;
 use shared::stream::smoother::AggregationMode;
 use shared::units::Sample;
 
+use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
 pub use self::alignment::{AlignedSubject, Turn, Worn};
-use self::alignment::{align, aligned_candidate, leave_out_openings, openings_of};
 pub use self::named_model::{NamedModel, beside};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
@@ -132,7 +132,7 @@ pub fn evaluate_models(
     let mut trials = trials(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
     let named: Vec<(&NamedModel, &Model<'_>)> = models.iter().zip(&parsed).collect();
     let mut left_out_openings = Vec::new();
-    let (mut alignments, mut found) = (Vec::new(), Vec::new());
+    let mut aligned = Aligned::default();
     if selection.align {
         let people = openings_of(&trials);
         (subjects, left_out_openings) = subjects
@@ -143,9 +143,8 @@ pub fn evaluate_models(
                 people: left_out_openings.len(),
             });
         }
-        let taken;
-        (alignments, found, taken) = align(&named, &people, &worn);
-        leave_out_openings(&mut trials, &people, &taken);
+        aligned = align(&named, &people, &worn);
+        leave_out_openings(&mut trials, &people, &aligned.taken);
         trials.retain(|trial| people.contains_key(&trial.subject));
     }
     let mut candidates = models
@@ -153,7 +152,7 @@ pub fn evaluate_models(
         .zip(&parsed)
         .map(|(model, parsed)| integer_candidate(&model.name, parsed, &trials))
         .collect::<Result<Vec<_>, _>>()?;
-    for ((model, parsed), own) in named.iter().zip(&found) {
+    for ((model, parsed), own) in named.iter().zip(&aligned.found) {
         candidates.push(aligned_candidate(&model.name, parsed, &trials, own)?);
     }
     candidates.push(constant(&trials));
@@ -166,7 +165,10 @@ pub fn evaluate_models(
     let mut scores = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
         // Models, the same aligned, floors.
-        let mut repeated = models.iter().cycle().take(models.len() + found.len());
+        let mut repeated = models
+            .iter()
+            .cycle()
+            .take(models.len() + aligned.found.len());
         let look_ahead = repeated
             .nth(at)
             .map_or(LookAhead::None, |model| model.look_ahead);
@@ -189,7 +191,7 @@ pub fn evaluate_models(
                 .map(|own| own.subject)
                 .collect(),
             worn: selection.worn,
-            alignments,
+            alignments: aligned.results,
             lost_percent: selection.lost_percent,
             lags,
             scores,

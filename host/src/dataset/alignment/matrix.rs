@@ -48,17 +48,14 @@ mod tests {
             }
         }
         let inverse = inverse(matrix);
-        for row in 0..CHANNELS {
-            for column in 0..CHANNELS {
-                let product: f64 = (0..CHANNELS)
-                    .map(|at| matrix[row][at] * inverse[at][column])
-                    .sum();
-                let expected = if row == column { 1.0 } else { 0.0 };
-                assert!(
-                    (product - expected).abs() < 1e-9,
-                    "{row} {column}: {product}"
-                );
-            }
+        let product = |row: usize, column: usize| -> f64 {
+            let products = matrix[row].iter().zip(&inverse);
+            products.map(|(value, other)| value * other[column]).sum()
+        };
+        for (row, column) in (0..CHANNELS * CHANNELS).map(|at| (at / CHANNELS, at % CHANNELS)) {
+            let expected = if row == column { 1.0 } else { 0.0 };
+            let found = product(row, column);
+            assert!((found - expected).abs() < 1e-9, "{row} {column}: {found}");
         }
     }
 }

@@ -69,6 +69,17 @@ pub struct AlignedSubject {
     pub quality: Option<(u32, u32)>,
 }
 
+/// What alignment made of everybody.
+#[derive(Default)]
+pub(super) struct Aligned {
+    /// A result for each model and person.
+    pub(super) results: Vec<AlignedSubject>,
+    /// Each model's alignments; none where nothing was to be changed.
+    pub(super) found: Vec<BTreeMap<String, Alignment>>,
+    /// How many openings were taken of each person, at most.
+    pub(super) taken: BTreeMap<String, usize>,
+}
+
 /// The openings of each person who has enough of them.
 pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<usize>)> {
     let mut own: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
@@ -86,16 +97,12 @@ pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<u
         .collect()
 }
 
-/// What each model's template makes of each person's openings, and how many openings were taken of each person at most.
+/// What each model's template makes of each person's openings.
 pub(super) fn align(
     models: &[(&NamedModel, &Model<'_>)],
     people: &BTreeMap<String, (Openings, Vec<usize>)>,
     worn: &BTreeMap<String, Alignment>,
-) -> (
-    Vec<AlignedSubject>,
-    Vec<BTreeMap<String, Alignment>>,
-    BTreeMap<String, usize>,
-) {
+) -> Aligned {
     let mut results = Vec::new();
     let mut found = Vec::new();
     let mut taken: BTreeMap<String, usize> = BTreeMap::new();
@@ -133,7 +140,11 @@ pub(super) fn align(
         }
         found.push(own);
     }
-    (results, found, taken)
+    Aligned {
+        results,
+        found,
+        taken,
+    }
 }
 
 /// The labels of the openings that were taken, in all trials of these people, become none: they are not scored.

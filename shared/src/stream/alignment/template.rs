@@ -77,8 +77,7 @@ impl Template {
     /// If a mean is above 8 octaves, or a number on the diagonal is not positive.
     pub fn new(mean: [i16; CHANNELS], precision: [i16; TRIANGLE]) -> Result<Self, TemplateError> {
         let template = Self { mean, precision };
-        for electrode in 0..CHANNELS {
-            let found = mean[electrode];
+        for (electrode, found) in mean.into_iter().enumerate() {
             if found.unsigned_abs() > LARGEST_MEAN.unsigned_abs() {
                 return Err(TemplateError::Mean { electrode, found });
             }
