@@ -8,10 +8,9 @@ use thiserror::Error;
 use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
-/// Names and texts of the research presets: the recipe of the model shipped before; the paper's comparisons on few people;
-/// preset `cpu` with settings for the baselines.
-const OWN: [(&str, &str); 3] = [
-    ("before", include_str!("../../presets/before.toml")),
+/// Names and texts of the research presets: the paper's comparisons on few people; preset `cpu` with settings for the
+/// baselines.
+const OWN: [(&str, &str); 2] = [
     ("study", include_str!("../../presets/study.toml")),
     ("comparison", include_str!("../../presets/comparison.toml")),
 ];
