@@ -2,6 +2,8 @@
 //!
 //! Needs QEMU, the cross compiler and the armband's Python: `cargo xtask emulator --install`.
 
+#[path = "end_to_end/alignment.rs"]
+mod alignment;
 #[path = "end_to_end/armband.rs"]
 mod armband;
 #[path = "end_to_end/faults.rs"]

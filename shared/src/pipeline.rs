@@ -15,6 +15,7 @@
 
 mod alignment;
 
+pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;

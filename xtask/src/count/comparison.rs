@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::table::{PARTS, Table};
+use super::table::{ALIGNMENT, PARTS, Table, milliseconds};
 
 /// Instructions of a whole patch, 50 ms of EMG.
 pub const BUDGET: u64 = 150_000;
@@ -54,7 +54,21 @@ impl fmt::Display for Comparison<'_> {
                 "full recompute: {} a patch; longest slice {}, about {:.1} ms",
                 recompute.mean,
                 slice.largest,
-                table.slice_ms(),
+                milliseconds(slice.largest),
+            )?;
+        }
+        let alignment = ALIGNMENT.map(|name| table.part(name));
+        if let [Some(waiting), Some(end), Some(again)] = alignment {
+            writeln!(
+                f,
+                "alignment: {} a patch while gestures are waited for; {} for the sample that ends it, about {:.1} ms; \
+                 {} for each of the next 66, at most {}, about {:.1} ms",
+                waiting.mean,
+                end.largest,
+                milliseconds(end.largest),
+                again.mean,
+                again.largest,
+                milliseconds(again.largest),
             )?;
         }
         writeln!(f, "state of the encoder: {} bytes", table.state)?;
