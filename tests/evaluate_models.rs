@@ -13,6 +13,7 @@ use myointent::run::model_evaluation::{
 };
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
+use shared::model::file::Model;
 use shared::model::file::random::random_model;
 use small::{folder, myointent, recordings};
 
@@ -255,6 +256,40 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
         ]
     ));
     assert!(fs::read_to_string(text).unwrap().contains("one, aligned"));
+}
+
+#[test]
+fn a_template_is_made_of_the_people_whom_the_model_has_seen_and_nothing_else_changes() {
+    let folder = folder("template");
+    recordings(&folder);
+    let data = folder.join("data");
+    let made = |seen: &[&str]| {
+        let file = folder.join("bare.intent");
+        model(&file, seen, Vocabulary::Three);
+        let bare = Model::with_template(&fs::read(&file).unwrap(), None).unwrap();
+        fs::write(&file, &bare).unwrap();
+        let arguments = [
+            "template",
+            file.to_str().unwrap(),
+            "--data",
+            data.to_str().unwrap(),
+        ];
+        let done = myointent(&arguments);
+        let bytes = fs::read(&file).unwrap();
+        assert_eq!(Model::with_template(&bytes, None).unwrap(), bare);
+        done.then(|| {
+            Model::parse(&bytes)
+                .unwrap()
+                .header
+                .template
+                .expect("a template")
+        })
+    };
+    let first = made(&["synthetic/s1", "synthetic/s2", "synthetic/s3"]);
+    let other = made(&["synthetic/s2", "synthetic/s3", "synthetic/s4"]);
+    assert!(first.is_some() && other.is_some());
+    assert_ne!(first, other);
+    assert_eq!(made(&["synthetic/s1", "synthetic/s2"]), None);
 }
 
 #[test]

@@ -940,6 +940,6 @@ fn two_openings_place_strangers() {
         }
     }
     assert_eq!(found.len(), 64);
-    // 60, 58 and 44 when it was written: docs/alignment.md.
-    assert!(applied >= 58 && within >= 55 && exact >= 40);
+    // 61, 51 and 38 when it was written, 8 on the other arm: docs/alignment.md.
+    assert!(applied >= 58 && within >= 48 && exact >= 35 && other_arm <= 10);
 }

@@ -180,6 +180,38 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
 mod tests {
     use super::*;
     use crate::dataset::library::inspection::Inspection;
+    use shared::intent::Vocabulary;
+    use shared::model::dimensions::Dimensions;
+    use shared::model::file::random::random_model;
+    use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+
+    #[test]
+    fn an_alignment_is_reported_from_the_first_line_on() {
+        let dimensions = Dimensions {
+            width: 16,
+            layers: 1,
+            span: 5,
+            vocabulary: Vocabulary::Three,
+        };
+        let mut parts = random_model(dimensions, 1);
+        let mut begun = |template| {
+            parts.template = template;
+            let bytes = parts.to_bytes().unwrap();
+            let model = Model::parse(&bytes).unwrap();
+            let mut lines = Vec::new();
+            replay(&model, &[[0; 8]; 4], None, true, |line| {
+                lines.push(line.to_owned());
+                Ok(())
+            })
+            .unwrap();
+            let report = AlignmentReport::parse(lines[1].as_bytes()).unwrap();
+            assert_eq!((lines.len(), report.sequence), (2, 1));
+            report.state
+        };
+        let template = random_model(dimensions, 1).template;
+        assert_eq!(begun(template), AlignmentState::Waiting);
+        assert_eq!(begun(None), AlignmentState::Unavailable);
+    }
 
     #[test]
     fn name_takes_what_inspect_prints() {

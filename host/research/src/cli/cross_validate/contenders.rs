@@ -60,7 +60,12 @@ pub(super) fn contenders(
     let others = wanted
         .map(Kind::Baseline)
         .chain([Kind::Constant, Kind::EnergyDetector]);
-    let contenders: Vec<Contender> = students.chain(others.map(|kind| of(first, kind))).collect();
+    // Baselines and floors get the signal as the armband sends it.
+    let mut plain = first.clone();
+    plain.data.normalize = false;
+    let contenders: Vec<Contender> = students
+        .chain(others.map(|kind| of(&plain, kind)))
+        .collect();
     for (at, contender) in contenders.iter().enumerate() {
         let folder = contender.folder();
         if contenders[..at]
