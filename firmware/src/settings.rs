@@ -12,8 +12,8 @@ const EMG: EmgMode = EmgMode::Filtered;
 /// Whether an alignment begins by itself at the first full window of each connection, as `MYOINTENT_ALIGN=connect` when the
 /// program is built. A button begins one in any case.
 ///
-/// Off without it: what the wearer does in the 30 s after the first window is taken for openings of the hand, and about
-/// half of other gestures fit the template as well as an open hand does (docs/alignment.md).
+/// Off without it: whoever wears the armband as in training loses accuracy by an alignment, and what is done in the 30 s
+/// after the first window is taken for openings of the hand, which half of all fists fit as well (docs/alignment.md).
 pub const ALIGN_ON_CONNECTION: bool = match option_env!("MYOINTENT_ALIGN") {
     None => false,
     Some(text) => match text.as_bytes() {

@@ -3,9 +3,11 @@
 //! The lines are compared with those of the shared pipeline, in which the alignment begins at the sample at which it began
 //! on the device: when the button is looked at depends on the emulator's clock.
 
+use myointent::cli::replay::one_recording;
+use myointent::dataset::{Recording, runs};
 use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, expected_lines};
 use serde_json::json;
-use shared::intent::Vocabulary;
+use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use shared::model::noise::Noise;
@@ -103,6 +105,24 @@ fn align(
     Ok((run, news))
 }
 
+/// The first two openings of the hand in a recording, with rest before, between and after them, then its first seconds.
+fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
+    let all = runs(&recording.labels);
+    let labelled = |wanted| all.iter().filter(move |run| run.label == Some(wanted));
+    let rest = labelled(Intent::Relax).find(|run| run.samples() >= 200);
+    let rest = rest.expect("a second of rest").start;
+    let rest = &recording.samples[rest..rest + 200];
+    let mut stream = rest.to_vec();
+    for run in labelled(Intent::Open).take(2) {
+        // People are earlier and later than their labels.
+        stream.extend(&recording.samples[run.start.saturating_sub(100)..run.end + 100]);
+        stream.extend(rest);
+    }
+    stream.extend(&recording.samples[..seconds * 200]);
+    stream.truncate(stream.len() / 2 * 2);
+    stream
+}
+
 /// An alignment of the synthetic openings: its lines, and its LED.
 fn finds(test: &str, placement: Alignment) -> anyhow::Result<()> {
     let Some(bench) = bench(test) else {
@@ -163,4 +183,34 @@ fn an_armband_on_the_other_arm_is_aligned_and_the_lines_equal_the_pipelines() ->
 {
     let test = "an_armband_on_the_other_arm_is_aligned_and_the_lines_equal_the_pipelines";
     finds(test, Alignment::new(6, true))
+}
+
+#[test]
+fn a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines()
+-> anyhow::Result<()> {
+    let test = "a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines";
+    let Some(path) = super::recording(test, "roshambo/data/subject02_session01_emg.npy") else {
+        return Ok(());
+    };
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let recording = one_recording(&path, None)?;
+    let placement = Alignment::new(3, false);
+    let samples = worn(&two_openings_of(&recording, 5), placement);
+    let (run, news) = align(&bench, &super::model(), &samples)?;
+    let aligned: Vec<_> = news
+        .iter()
+        .filter(|news| news.state == AlignmentState::Aligned)
+        .collect();
+    assert_eq!(aligned.len(), 1, "{}", run.tails());
+    // One place beside it is as good: people differ by that much.
+    let places = aligned[0].alignment.places_from(placement);
+    assert!(places.is_some_and(|places| places <= 1), "{}", aligned[0]);
+    let open = run
+        .reports()?
+        .into_iter()
+        .any(|report| report.emitted > aligned[0].emitted && report.status.label() == Intent::Open);
+    assert!(open, "no open hand after it\n{}", run.tails());
+    Ok(())
 }
