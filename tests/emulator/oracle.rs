@@ -37,17 +37,15 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     let mut lines = vec![pipeline.state_report().to_string()];
     let mut now = Millis(0);
     for input in inputs {
-        let samples = match *input {
-            Input::Samples(samples) => samples,
-            _ => &[],
-        };
-        for &sample in samples {
-            now = now.plus(SAMPLE_PERIOD_MS);
-            let reports = pipeline.sample(now, sample);
-            add(&mut lines, &mut pipeline, reports);
-        }
         let reports = match *input {
-            Input::Samples(_) => continue,
+            Input::Samples(samples) => {
+                for &sample in samples {
+                    now = now.plus(SAMPLE_PERIOD_MS);
+                    let reports = pipeline.sample(now, sample);
+                    add(&mut lines, &mut pipeline, reports);
+                }
+                continue;
+            }
             Input::Gap(missing) => pipeline.gap(now, missing),
             Input::Disconnected => pipeline.disconnected(now),
             Input::Silence(long) => {

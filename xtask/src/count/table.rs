@@ -18,9 +18,15 @@ pub const PARTS: [(&str, f64); 8] = [
 /// full recompute from the ring a patch's share and one slice.
 pub const MORE: [&str; 4] = ["total", "encoder", "recompute", "slice"];
 
-/// What is counted of an alignment: a patch while gestures are waited for, the sample that ends it, each sample with which
-/// the encoder takes the window again. Counts that were committed before these were counted lack them.
-pub const ALIGNMENT: [&str; 3] = ["align-patch", "align-end", "align-again"];
+/// What is counted of an alignment: a patch while gestures are waited for; the sample that ends it; each sample with which
+/// the encoder takes the window again; the fit alone; the change of the window alone. Older counts lack them.
+pub const ALIGNMENT: [&str; 5] = [
+    "align-patch",
+    "align-end",
+    "align-again",
+    "align-fit",
+    "align-turn",
+];
 
 /// Milliseconds of so many instructions at 64 MHz, by the cycles an instruction of the encoder's largest parts.
 pub fn milliseconds(instructions: u64) -> f64 {

@@ -5,7 +5,7 @@ use core::hint::black_box;
 use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::{AlignmentPhase, Pipeline};
-use shared::stream::alignment::{Alignment, PRECISION_ONE, Template};
+use shared::stream::alignment::{Alignment, PRECISION_ONE, Profile, Template};
 use shared::stream::safe_state::Start;
 use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, Sample};
 
@@ -32,15 +32,21 @@ pub struct Counts {
     end: Spans,
     /// The whole pipeline for each sample after it, until the encoder has taken the window.
     again: Spans,
+    /// The fit of 16 placements alone.
+    fit: Spans,
+    /// Another order of the window's electrodes alone, and the encoder's memory cleared.
+    turn: Spans,
 }
 
 impl Counts {
     /// With their names.
-    pub fn named(&self) -> [(&'static str, Spans); 3] {
+    pub fn named(&self) -> [(&'static str, Spans); 5] {
         [
             ("align-patch", self.waiting),
             ("align-end", self.end),
             ("align-again", self.again),
+            ("align-fit", self.fit),
+            ("align-turn", self.turn),
         ]
     }
 }
@@ -120,5 +126,12 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
         pipeline.alignment() == Alignment::new(3, false),
         "not found"
     );
+    // As after the gestures, and back.
+    let means = black_box(GESTURE.map(|most| 32 * most as u32));
+    let template = black_box(ramp());
+    let (_, fit) = clock.span(|| template.fit(Profile::new(means)));
+    counts.fit.push(fit);
+    let ((), turn) = clock.span(|| pipeline.set_alignment(Alignment::NONE));
+    counts.turn.push(turn);
     counts
 }
