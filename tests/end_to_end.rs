@@ -2,6 +2,8 @@
 //!
 //! Needs QEMU, the cross compiler and the armband's Python: `cargo xtask emulator --install`.
 
+#[path = "end_to_end/alignment.rs"]
+mod alignment;
 #[path = "end_to_end/armband.rs"]
 mod armband;
 #[path = "end_to_end/faults.rs"]
@@ -32,14 +34,20 @@ fn model() -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The first seconds of a recording; without it, reports the test as skipped.
-fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
+/// The file of a recording; without it, reports the test as skipped.
+fn recording(test: &str, recording: &str) -> Option<PathBuf> {
     let path = myointent_tests::data(test)?.join(recording);
     if !path.is_file() {
         let missing = format!("no {}: see docs/recordings.md", path.display());
         myointent_tests::skip(test, &missing);
         return None;
     }
+    Some(path)
+}
+
+/// The first seconds of a recording; without it, reports the test as skipped.
+fn samples(test: &str, recording: &str, seconds: usize) -> Option<Vec<Sample>> {
+    let path = self::recording(test, recording)?;
     let recording = myointent::cli::replay::one_recording(&path, None)
         .unwrap_or_else(|error| panic!("{}: {error:#}", path.display()));
     let mut samples = recording.samples;

@@ -124,6 +124,19 @@ fn counts_add_up(image: &Path) -> Result<()> {
         parts.abs_diff(encoder) <= encoder / 50,
         "{parts} of {encoder}"
     );
+    // Waiting for gestures is little beside a patch; the encoder never takes more than one patch with a sample.
+    let waiting = mean(&table, "align-patch")?;
+    ensure!(
+        waiting > 0 && waiting < total + total / 20,
+        "a patch while waiting {waiting}, else {total}"
+    );
+    for name in ["align-end", "align-again"] {
+        let largest = table.part(name).context("a part")?.largest;
+        ensure!(
+            largest > encoder / 2 && largest < total + total / 4,
+            "{name} {largest}, a patch {total}"
+        );
+    }
     // A full recompute takes two patches at once, which share the reading of the matrices.
     let recompute = sum(&["recompute"])?;
     ensure!(

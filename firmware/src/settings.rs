@@ -9,6 +9,20 @@ const ARMBAND: Option<&str> = option_env!("MYOINTENT_ARMBAND");
 /// The EMG mode of the armband. It must be the one that the model was trained on.
 const EMG: EmgMode = EmgMode::Filtered;
 
+/// Whether an alignment begins by itself at the first full window of each connection, as `MYOINTENT_ALIGN=connect` when the
+/// program is built. A button begins one in any case.
+///
+/// Off without it: whoever wears the armband as in training loses accuracy by an alignment, and what is done in the 30 s
+/// after the first window is taken for openings of the hand, which half of all fists fit as well (docs/alignment.md).
+pub const ALIGN_ON_CONNECTION: bool = match option_env!("MYOINTENT_ALIGN") {
+    None => false,
+    Some(text) => match text.as_bytes() {
+        b"connect" => true,
+        b"button" => false,
+        _ => panic!("MYOINTENT_ALIGN is neither connect nor button"),
+    },
+};
+
 /// Milliseconds without a heartbeat of one task after which the board restarts.
 pub const WATCHDOG_MS: u32 = 2000;
 

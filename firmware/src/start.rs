@@ -31,7 +31,10 @@ async fn main(spawner: Spawner) {
     uart::enqueue(UartMessage::Started(board.reset_reason, model));
     match loaded {
         Ok((pipeline, _)) => {
-            spawn(&spawner, inference::run(pipeline, board.dead_man));
+            spawn(
+                &spawner,
+                inference::run(pipeline, board.dead_man, board.button),
+            );
             spawn(&spawner, radio::run(spawner, board.radio));
         }
         Err(error) => spawn(

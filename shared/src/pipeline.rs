@@ -14,8 +14,11 @@
 //! `myointent replay` run the same code, so both write the same UART lines.
 
 mod alignment;
+mod reports;
 
+pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
+pub use self::reports::Reports;
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
@@ -31,29 +34,6 @@ const MAX_BRIDGED: u32 = 5;
 
 /// Most samples of a window of 600 that are filled in: 10 %. What that costs was measured: docs/decisions.md.
 const MAX_BRIDGED_OF_WINDOW: u32 = 60;
-
-/// Reports of one input, in order: at most a change of state and a label.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Reports([Option<Report>; 2]);
-
-impl Reports {
-    fn push(&mut self, report: Report) {
-        // Two suffice: silence empties the window, so no label follows it, and a label causes at most one
-        // change of state.
-        if let Some(free) = self.0.iter_mut().find(|slot| slot.is_none()) {
-            *free = Some(report);
-        }
-    }
-}
-
-impl IntoIterator for Reports {
-    type Item = Report;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<Report>, 2>>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.into_iter().flatten()
-    }
-}
 
 /// From samples to reports.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use shared::stream::safe_state::SILENCE_MS;
 use shared::uart_line::Kind;
 use xtask::{firmware::STACK_BUDGET, stack};
 
-use super::{Pins, Run};
+use super::{Line, Pins, Run};
 
 /// From the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
@@ -41,18 +41,21 @@ impl Run {
     }
 
     fn bad_line(&self) -> anyhow::Result<Option<String>> {
-        let starts = self.reports_by_start().with_context(|| self.tails())?;
+        let starts = self.lines_by_start().with_context(|| self.tails())?;
         if starts.len() > 1 && !self.may_restart {
             return Ok(Some("the board restarted".to_owned()));
         }
-        let placed = starts.iter().flat_map(|reports| reports.iter().enumerate());
-        for (place, report) in placed {
-            if report.sequence as usize != place {
+        let placed = starts.iter().flat_map(|lines| lines.iter().enumerate());
+        for (place, line) in placed {
+            if line.sequence() as usize != place {
                 return Ok(Some(format!(
                     "line {place} is numbered {}",
-                    report.sequence
+                    line.sequence()
                 )));
             }
+            let Line::Report(report) = line else {
+                continue;
+            };
             if report.kind == Kind::Label && !report.status.valid() {
                 return Ok(Some(format!("a label while not valid: {report}")));
             }

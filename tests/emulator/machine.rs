@@ -1,5 +1,7 @@
 //! The emulated board: QEMU's `mps2-an386`, a Cortex-M4F.
 
+use std::fs::File;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -18,7 +20,11 @@ const ERASED: u8 = 0xff;
 /// What the board writes to UART0 and UART2: files in the folder of the run.
 pub const LABELS: &str = "uart0";
 /// See [`LABELS`].
-pub const PINS: &str = "uart2";
+pub const PINS: &str = "uart2.out";
+/// What UART2 receives: a named pipe in the folder of the run.
+const BUTTON: &str = "uart2.in";
+/// The name that QEMU derives both of UART2's from.
+const UART2: &str = "uart2";
 
 /// A fault that the board injects into itself, some lines after its first label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -64,7 +70,11 @@ impl Straps {
 }
 
 /// A running board.
-pub struct Machine(pub KillOnDrop);
+pub struct Machine {
+    /// The emulator.
+    pub process: KillOnDrop,
+    button: File,
+}
 
 impl Machine {
     /// Starts it; `hci` is the socket of a controller that listens already.
@@ -100,7 +110,14 @@ impl Machine {
                 qemu.args(["-serial", "null"]);
             }
         }
-        qemu.args(["-serial", &file(PINS)]);
+        let button = named_pipe(&folder.join(BUTTON))?;
+        File::create(folder.join(PINS))?;
+        let uart2 = folder.join(UART2);
+        qemu.args([
+            "-chardev",
+            &format!("pipe,id=pins,path={}", uart2.display()),
+        ]);
+        qemu.args(["-serial", "chardev:pins"]);
         let region = region_file.display();
         let loaded = format!("loader,file={region},addr={MODEL_ADDRESS:#x},force-raw=on");
         qemu.args(["-device", &loaded]);
@@ -108,6 +125,23 @@ impl Machine {
             let strap = format!("loader,addr={address:#x},data={word},data-len=4");
             qemu.args(["-device", &strap]);
         }
-        KillOnDrop::start("machine", qemu, folder).map(Self)
+        let process = KillOnDrop::start("machine", qemu, folder)?;
+        Ok(Self { process, button })
     }
+
+    /// Presses the button, or releases it: writes the level of its pin.
+    ///
+    /// # Errors
+    /// When the pipe cannot be written.
+    pub fn set_button(&mut self, is_down: bool) -> anyhow::Result<()> {
+        self.button.write_all(if is_down { b"0" } else { b"1" })?;
+        Ok(())
+    }
+}
+
+fn named_pipe(path: &Path) -> anyhow::Result<File> {
+    let made = Command::new("mkfifo").arg(path).status()?;
+    ensure!(made.success(), "no named pipe {}: {made}", path.display());
+    // For reading too: opening waits for nobody, and the machine never reads its end.
+    Ok(File::options().read(true).write(true).open(path)?)
 }

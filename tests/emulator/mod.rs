@@ -21,6 +21,7 @@ mod run;
 pub use machine::{Fault, MODEL_REGION, Machine, Straps};
 pub use model_damage::{Damage, damages};
 pub use oracle::{Input, expected_lines};
+pub use output::Line;
 pub use pins::Pins;
 pub use run::Run;
 

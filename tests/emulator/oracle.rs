@@ -1,5 +1,6 @@
 //! The lines that a device must write: the shared pipeline, run on the PC with what the armband did.
 
+use shared::model::Encode;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
 use shared::pipeline::{Pipeline, Reports};
@@ -17,6 +18,8 @@ pub enum Input<'s> {
     Disconnected,
     /// Nothing arrives for so long.
     Silence(Millis),
+    /// The button is pressed.
+    Align,
 }
 
 /// The lines for these inputs, the first one at boot.
@@ -30,24 +33,38 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
     pipeline.normalize(model.header.normalized);
+    pipeline.set_template(model.header.template);
     let mut lines = vec![pipeline.state_report().to_string()];
-    let mut add = |reports: Reports| lines.extend(reports.into_iter().map(|r| r.to_string()));
     let mut now = Millis(0);
     for input in inputs {
-        match *input {
+        let reports = match *input {
             Input::Samples(samples) => {
                 for &sample in samples {
                     now = now.plus(SAMPLE_PERIOD_MS);
-                    add(pipeline.sample(now, sample));
+                    let reports = pipeline.sample(now, sample);
+                    add(&mut lines, &mut pipeline, reports);
                 }
+                continue;
             }
-            Input::Gap(missing) => add(pipeline.gap(now, missing)),
-            Input::Disconnected => add(pipeline.disconnected(now)),
+            Input::Gap(missing) => pipeline.gap(now, missing),
+            Input::Disconnected => pipeline.disconnected(now),
             Input::Silence(long) => {
                 now = now.plus(long.0);
-                add(pipeline.tick(now));
+                pipeline.tick(now)
             }
-        }
+            Input::Align => {
+                pipeline.begin_alignment();
+                Reports::default()
+            }
+        };
+        add(&mut lines, &mut pipeline, reports);
     }
     Ok(lines)
+}
+
+/// What a call gave, then what is new about the alignment.
+fn add<E: Encode>(lines: &mut Vec<String>, pipeline: &mut Pipeline<'_, E>, reports: Reports) {
+    lines.extend(reports.into_iter().map(|report| report.to_string()));
+    let news = pipeline.take_alignment_report();
+    lines.extend(news.map(|report| report.to_string()));
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use anyhow::Context as _;
 use serde_json::Value;
-use shared::uart_line::Report;
+use shared::uart_line::{Report, alignment::AlignmentReport};
 
 use super::run::ARMBAND_LOG;
 use super::{Pins, Run, machine};
@@ -13,6 +13,50 @@ use super::{Pins, Run, machine};
 const TAIL: usize = 12;
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
+
+/// A line of UART0 for programs.
+#[derive(Clone, Copy, Debug)]
+pub enum Line {
+    /// A label or a state.
+    Report(Report),
+    /// What an alignment does.
+    Alignment(AlignmentReport),
+}
+
+impl Line {
+    fn parse(line: &str) -> anyhow::Result<Self> {
+        let bytes = line.as_bytes();
+        let parsed = if line.starts_with("$ALIGN,") {
+            AlignmentReport::parse(bytes).map(Self::Alignment)
+        } else {
+            Report::parse(bytes).map(Self::Report)
+        };
+        parsed.with_context(|| line.to_owned())
+    }
+
+    /// Its number.
+    #[must_use]
+    pub const fn sequence(&self) -> u32 {
+        match self {
+            Self::Report(report) => report.sequence,
+            Self::Alignment(report) => report.sequence,
+        }
+    }
+
+    const fn report(self) -> Option<Report> {
+        match self {
+            Self::Report(report) => Some(report),
+            Self::Alignment(_) => None,
+        }
+    }
+
+    const fn alignment(self) -> Option<AlignmentReport> {
+        match self {
+            Self::Report(_) => None,
+            Self::Alignment(report) => Some(report),
+        }
+    }
+}
 
 impl Run {
     /// Complete lines of UART0 that are reports, line ends included.
@@ -37,32 +81,63 @@ impl Run {
             .collect()
     }
 
-    /// The reports, parsed.
+    /// Labels and states, parsed.
     ///
     /// # Errors
     /// When a line cannot be parsed.
     pub fn reports(&self) -> anyhow::Result<Vec<Report>> {
-        let parse = |line: &String| Report::parse(line.as_bytes()).with_context(|| line.clone());
-        self.lines().iter().map(parse).collect()
+        Ok(self
+            .parsed()?
+            .into_iter()
+            .filter_map(Line::report)
+            .collect())
     }
 
-    /// The reports after each start of the program, the newest start last.
+    /// What alignments did, parsed.
     ///
     /// # Errors
-    /// When a line is neither report nor comment, or comes before the first start.
-    pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
-        let mut starts: Vec<Vec<Report>> = Vec::new();
+    /// When a line cannot be parsed.
+    pub fn alignments(&self) -> anyhow::Result<Vec<AlignmentReport>> {
+        Ok(self
+            .parsed()?
+            .into_iter()
+            .filter_map(Line::alignment)
+            .collect())
+    }
+
+    fn parsed(&self) -> anyhow::Result<Vec<Line>> {
+        let lines = self.lines().into_iter();
+        lines.map(|line| Line::parse(&line)).collect()
+    }
+
+    /// The lines for programs after each start of the program, the newest start last.
+    ///
+    /// # Errors
+    /// When a line is of no known kind, or comes before the first start.
+    pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
+        let mut starts: Vec<Vec<Line>> = Vec::new();
         let text = self.file(machine::LABELS);
         for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
             } else if !line.starts_with('#') {
-                let reports = starts.last_mut();
-                let reports = reports.with_context(|| format!("before the start: {line}"))?;
-                reports.push(Report::parse(line.as_bytes()).with_context(|| line.to_owned())?);
+                let lines = starts.last_mut();
+                let lines = lines.with_context(|| format!("before the start: {line}"))?;
+                lines.push(Line::parse(line)?);
             }
         }
         Ok(starts)
+    }
+
+    /// Labels and states after each start of the program, the newest start last.
+    ///
+    /// # Errors
+    /// As [`Run::lines_by_start`].
+    pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
+        let starts = self.lines_by_start()?.into_iter();
+        Ok(starts
+            .map(|lines| lines.into_iter().filter_map(Line::report).collect())
+            .collect())
     }
 
     /// Every state of the pins.

@@ -1,5 +1,5 @@
 //! The log of the emulated pins:
-//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0`.
+//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
 
 use shared::intent::Intent;
 
@@ -16,6 +16,8 @@ pub struct Pins {
     pub high: Vec<Intent>,
     /// The LED that is lit while an armband streams.
     pub armband: bool,
+    /// The LED of the alignment.
+    pub alignment_led: bool,
 }
 
 impl Pins {
@@ -31,6 +33,7 @@ impl Pins {
             valid: false,
             high: Vec::new(),
             armband: false,
+            alignment_led: false,
         };
         for word in words {
             let (name, level) = word.split_once('=')?;
@@ -42,6 +45,7 @@ impl Pins {
             match Intent::from_name(name) {
                 None if name == "valid" => pins.valid = level,
                 None if name == "armband" => pins.armband = level,
+                None if name == "alignment" => pins.alignment_led = level,
                 None => return None,
                 Some(intent) if level => pins.high.push(intent),
                 Some(_) => {}
@@ -65,9 +69,9 @@ mod tests {
 
     #[test]
     fn levels_and_times_are_read_and_anything_else_is_no_line() {
-        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1\r\n";
+        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1 alignment=1\r\n";
         let pins = Pins::parse(line).unwrap();
-        assert!(pins.valid && pins.armband);
+        assert!(pins.valid && pins.armband && pins.alignment_led);
         assert_eq!(pins.high, [Intent::Open]);
         assert_eq!(pins.since_last_byte_us(), 200);
         let overtaken = Pins {

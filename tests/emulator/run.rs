@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use bytemuck::cast_slice;
 use tempfile::TempDir;
 use xtask::emulator;
@@ -78,6 +78,15 @@ impl Run {
         Ok(run)
     }
 
+    /// Presses the button, or releases it.
+    ///
+    /// # Errors
+    /// When the machine does not run.
+    pub fn set_button(&mut self, is_down: bool) -> anyhow::Result<()> {
+        let machine = self.machine.as_mut().context("no machine")?;
+        machine.set_button(is_down)
+    }
+
     /// From here on [`Run::check`] accepts that the board restarts.
     pub fn expect_restart(&mut self) {
         self.may_restart = true;
@@ -121,7 +130,8 @@ impl Run {
     }
 
     fn ended(&mut self) -> Option<String> {
-        let machine = self.machine.as_mut().and_then(|machine| machine.0.ended());
+        let machine = self.machine.as_mut();
+        let machine = machine.and_then(|machine| machine.process.ended());
         let ended = machine.or_else(|| self.armband.as_mut().and_then(KillOnDrop::ended));
         ended.map(|(name, status)| format!("the {name} ended ({status})"))
     }

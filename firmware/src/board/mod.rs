@@ -1,7 +1,7 @@
 //! The hardware: pins, clocks, UART, watchdog, Bluetooth controller. No decisions.
 //!
 //! Every board has the same items: `start`, which takes the peripherals and sets all outputs to
-//! their safe levels; [`Pins`], [`LabelPort`], [`Watchdog`] and [`DeadMan`], which drive them; `run_radio`, which
+//! their safe levels; [`Pins`], [`LabelPort`], [`Watchdog`] and [`DeadMan`], which drive them; [`Button`]; `run_radio`, which
 //! starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic.
 
 #[cfg(feature = "emulator")]
@@ -11,11 +11,11 @@ mod nrf52;
 
 #[cfg(feature = "emulator")]
 pub use emulator::{
-    DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
+    Button, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
 };
 #[cfg(feature = "chip")]
 pub use nrf52::{
-    DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
+    Button, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
 };
 
 use crate::reset_reason::ResetReason;
@@ -26,6 +26,8 @@ pub struct Board {
     pub labels: LabelPort,
     /// Label pins and LEDs.
     pub pins: Pins,
+    /// Begins an alignment.
+    pub button: Button,
     /// What the radio needs.
     pub radio: RadioParts,
     /// Runs already.

@@ -15,6 +15,8 @@ pub struct PinState {
     pub status: Status,
     /// Whether an armband streams.
     pub armband: bool,
+    /// Whether the alignment's LED is lit.
+    pub alignment_led: bool,
 }
 
 impl PinState {
@@ -22,6 +24,7 @@ impl PinState {
     pub const SAFE: Self = Self {
         status: Status::Safe(Cause::Boot),
         armband: false,
+        alignment_led: false,
     };
 }
 
@@ -40,6 +43,11 @@ pub fn set_status(status: Status) {
 /// Sets whether an armband streams.
 pub fn set_armband(streams: bool) {
     update(|state| state.armband = streams);
+}
+
+/// Sets whether the alignment's LED is lit.
+pub fn set_alignment_led(lit: bool) {
+    update(|state| state.alignment_led = lit);
 }
 
 fn update(change: impl FnOnce(&mut PinState)) {
@@ -64,9 +72,9 @@ pub fn set_shown(state: PinState) {
     SHOWN.lock(|cell| cell.set(state));
 }
 
-/// Whether the pins show the newest state.
+/// Whether the pins show the newest label and `valid`. LEDs do not count: nothing acts on them.
 pub fn is_shown() -> bool {
-    SHOWN.lock(Cell::get) == current()
+    SHOWN.lock(Cell::get).status == current().status
 }
 
 /// Waits until the state changed since the last wait.

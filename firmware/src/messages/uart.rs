@@ -3,7 +3,7 @@
 use core::fmt::{self, Write as _};
 
 use shared::myo::{Address, Counters, FirmwareVersion};
-use shared::uart_line::Report;
+use shared::uart_line::{Report, alignment::AlignmentReport};
 
 use super::queue::Queue;
 use crate::model_region::ModelRefused;
@@ -14,6 +14,8 @@ use crate::reset_reason::ResetReason;
 pub enum UartMessage {
     /// A label, or a change of state.
     Report(Report),
+    /// What an alignment does.
+    Alignment(AlignmentReport),
     /// The program started; the CRC-32 of its model file, if it can be run.
     Started(ResetReason, Option<u32>),
     /// The model cannot be run, so no label will be valid.
@@ -90,6 +92,7 @@ impl UartMessage {
     fn write(self, line: &mut Line) -> fmt::Result {
         match self {
             Self::Report(report) => write!(line, "{report}"),
+            Self::Alignment(report) => write!(line, "{report}"),
             Self::Started(reason, model) => {
                 let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("MYOINTENT_REVISION"));
                 write!(

@@ -4,7 +4,8 @@ use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::Model;
-use shared::pipeline::{Pipeline, Reports};
+use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
+use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::{Event, SafeState, Start};
 use shared::stream::smoother::Smoother;
@@ -12,7 +13,7 @@ use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::DeadMan;
+use crate::board::{Button, DeadMan};
 use crate::clock::now;
 use crate::messages::{
     heartbeat,
@@ -22,6 +23,7 @@ use crate::messages::{
 };
 use crate::model_region::{self, ModelRefused};
 use crate::reset_reason::ResetReason;
+use crate::settings::ALIGN_ON_CONNECTION;
 
 /// The encoder's state, the largest variable in RAM.
 static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::fresh());
@@ -29,6 +31,9 @@ static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::f
 /// Heartbeat periods between two reports of a refused model: together a second, long enough to
 /// read and short enough for a terminal that is connected late.
 const REPEAT: u32 = 2;
+
+/// Milliseconds that the alignment's LED is lit, and then dark, while gestures are waited for.
+const BLINK_MS: u32 = 250;
 
 /// From sample to report, for a model of any dimensions that the device has room for.
 pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
@@ -53,6 +58,7 @@ pub fn load(reason: ResetReason) -> Result<(&'static mut DevicePipeline, u32), M
     // In place: it is too large to pass through the stack.
     let pipeline = PIPELINE.init_with(pipeline);
     pipeline.normalize(model.header.normalized);
+    pipeline.set_template(model.header.template);
     Ok((pipeline, checksum))
 }
 
@@ -68,10 +74,17 @@ fn start(reason: ResetReason) -> Start {
 ///
 /// Clears the dead-man timer with every packet that passed the pipeline, provided that the pins show the
 /// state of the packets before. So hardware makes the pins safe whatever stops on the way from radio to pin.
+///
+/// Looks at the button with every packet: without a stream there is nothing to align.
 #[embassy_executor::task]
-pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -> ! {
+pub async fn run(
+    pipeline: &'static mut DevicePipeline,
+    mut dead_man: DeadMan,
+    mut button: Button,
+) -> ! {
     uart::enqueue(UartMessage::Report(pipeline.state_report()));
     let mut detector = GapDetector::new();
+    let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
     loop {
         let silence = timer_until(pipeline.deadline());
         match select(PACKETS.receive(), silence).await {
@@ -79,17 +92,27 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                 let received = detector.receive(packet);
                 let now = now();
                 if received.disconnected {
-                    enqueue(pipeline.disconnected(now));
+                    let reports = pipeline.disconnected(now);
+                    enqueue(pipeline, reports);
+                    trigger.disconnected();
                 }
                 if received.missing > 0 {
-                    enqueue(pipeline.gap(now, received.missing));
+                    let reports = pipeline.gap(now, received.missing);
+                    enqueue(pipeline, reports);
                 }
                 for sample in received.samples.into_iter().flatten() {
-                    enqueue(pipeline.sample(now, sample));
+                    let reports = pipeline.sample(now, sample);
+                    enqueue(pipeline, reports);
+                }
+                let is_full = pipeline.status().valid();
+                if received.samples.is_some() && trigger.begins(now, button.is_down(), is_full) {
+                    pipeline.begin_alignment();
+                    enqueue(pipeline, Reports::default());
                 }
                 if dead_man.has_expired() {
                     if pipeline.status().valid() {
-                        enqueue(pipeline.stalled(now));
+                        let reports = pipeline.stalled(now);
+                        enqueue(pipeline, reports);
                     }
                     dead_man.acknowledge();
                 }
@@ -99,19 +122,30 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                 heartbeat::INFERENCE.beat();
             }
             Either::Second(()) => {
-                enqueue(pipeline.tick(now()));
+                let now = now();
+                let reports = pipeline.tick(now);
+                enqueue(pipeline, reports);
                 if PACKETS.is_empty() {
                     heartbeat::INFERENCE.beat();
                 }
             }
         }
         pin_state::set_status(pipeline.status());
+        pin_state::set_alignment_led(match pipeline.alignment_phase() {
+            AlignmentPhase::None => false,
+            AlignmentPhase::Waiting => (now().0 / BLINK_MS).is_multiple_of(2),
+            AlignmentPhase::Aligned => true,
+        });
     }
 }
 
-fn enqueue(reports: Reports) {
+/// Queues what a call of the pipeline gave and what is new about the alignment, in the order of the lines' numbers.
+fn enqueue(pipeline: &mut DevicePipeline, reports: Reports) {
     for report in reports {
         uart::enqueue(UartMessage::Report(report));
+    }
+    if let Some(report) = pipeline.take_alignment_report() {
+        uart::enqueue(UartMessage::Alignment(report));
     }
 }
 

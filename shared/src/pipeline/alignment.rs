@@ -15,6 +15,8 @@ pub(super) struct Placement {
     template: Option<Template>,
     /// In force.
     pub(super) current: Alignment,
+    /// `current` was found or given, and is not only what nothing is known against.
+    is_known: bool,
     aligner: Option<Aligner>,
     view: View,
     news: Option<News>,
@@ -68,6 +70,17 @@ impl News {
     }
 }
 
+/// What an LED may show of the alignment.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum AlignmentPhase {
+    /// No alignment was found or given since the armband was connected.
+    None,
+    /// Gestures are waited for.
+    Waiting,
+    /// An alignment was found or given, and is in force.
+    Aligned,
+}
+
 impl<E: Encode> Pipeline<'_, E> {
     /// The template of the model, without which there is no alignment; none before the first call.
     pub const fn set_template(&mut self, template: Option<Template>) {
@@ -78,6 +91,18 @@ impl<E: Encode> Pipeline<'_, E> {
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
         self.placement.current
+    }
+
+    /// What an LED may show. An alignment that failed leaves the phase before it.
+    #[must_use]
+    pub const fn alignment_phase(&self) -> AlignmentPhase {
+        if self.placement.aligner.is_some() {
+            AlignmentPhase::Waiting
+        } else if self.placement.is_known {
+            AlignmentPhase::Aligned
+        } else {
+            AlignmentPhase::None
+        }
     }
 
     /// Begins an alignment, anew if one is in progress. Labels go on meanwhile under the old one.
@@ -135,6 +160,7 @@ impl<E: Encode> Pipeline<'_, E> {
             placement.news = Some(News::of(AlignmentState::Disconnected, gestures));
             placement.current = Alignment::NONE;
         }
+        placement.is_known = false;
     }
 
     /// The next sample does not follow the previous one. The armband need not have moved.
@@ -182,6 +208,7 @@ impl<E: Encode> Pipeline<'_, E> {
 
     /// Rearranges all samples so far, and has the encoder take them again.
     fn realign(&mut self, alignment: Alignment) {
+        self.placement.is_known = true;
         let change = self.placement.current.inverse().then(alignment);
         if change == Alignment::NONE {
             return;

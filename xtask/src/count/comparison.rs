@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::table::{PARTS, Table};
+use super::table::{ALIGNMENT, PARTS, Table, milliseconds};
 
 /// Instructions of a whole patch, 50 ms of EMG.
 pub const BUDGET: u64 = 150_000;
@@ -54,7 +54,23 @@ impl fmt::Display for Comparison<'_> {
                 "full recompute: {} a patch; longest slice {}, about {:.1} ms",
                 recompute.mean,
                 slice.largest,
-                table.slice_ms(),
+                milliseconds(slice.largest),
+            )?;
+        }
+        let alignment = ALIGNMENT.map(|name| table.part(name));
+        if let [Some(waiting), Some(end), Some(again), Some(fit), Some(turn)] = alignment {
+            let (waiting, fit, turn) = (waiting.mean, fit.mean, turn.mean);
+            writeln!(
+                f,
+                "alignment: {waiting} a patch while gestures are waited for\n\
+                 alignment: {} for the sample that ends it, about {:.1} ms: {fit} for the fit, {turn} to turn the window, \
+                 and a patch\n\
+                 alignment: {} for each of the next 66 samples, at most {}, about {:.1} ms",
+                end.largest,
+                milliseconds(end.largest),
+                again.mean,
+                again.largest,
+                milliseconds(again.largest),
             )?;
         }
         writeln!(f, "state of the encoder: {} bytes", table.state)?;
@@ -73,6 +89,28 @@ impl fmt::Display for Comparison<'_> {
 mod tests {
     use super::super::table::tests::output;
     use super::*;
+
+    #[test]
+    fn an_alignment_is_shown_where_it_was_counted() {
+        let without = output("", 10_000);
+        let with: Vec<_> = ALIGNMENT
+            .iter()
+            .map(|name| format!("{name} 21 64000\n"))
+            .collect();
+        let text = |output: &str| {
+            let table = &Table::parse(output).unwrap();
+            let committed = None;
+            Comparison { table, committed }.to_string()
+        };
+        assert!(!text(&without).contains("alignment"));
+        let text = text(&(without + &with.concat()));
+        assert!(
+            text.contains(
+                "alignment: 64000 for the sample that ends it, about 1.5 ms: 21 for the fit"
+            ),
+            "{text}"
+        );
+    }
 
     #[test]
     fn the_table_shows_changes_cycles_and_the_budget() {

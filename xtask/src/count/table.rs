@@ -18,6 +18,21 @@ pub const PARTS: [(&str, f64); 8] = [
 /// full recompute from the ring a patch's share and one slice.
 pub const MORE: [&str; 4] = ["total", "encoder", "recompute", "slice"];
 
+/// What is counted of an alignment: a patch while gestures are waited for; the sample that ends it; each sample with which
+/// the encoder takes the window again; the fit alone; the change of the window alone. Older counts lack them.
+pub const ALIGNMENT: [&str; 5] = [
+    "align-patch",
+    "align-end",
+    "align-again",
+    "align-fit",
+    "align-turn",
+];
+
+/// Milliseconds of so many instructions at 64 MHz, by the cycles an instruction of the encoder's largest parts.
+pub fn milliseconds(instructions: u64) -> f64 {
+    instructions as f64 * 1.52 / 64e3
+}
+
 /// Instructions of a part, per patch.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Part {
@@ -84,12 +99,6 @@ impl Table {
         let part = |part: &Part| format!("{} {} {}\n", part.name, part.mean, part.largest);
         let parts: String = self.parts.iter().map(part).collect();
         format!("patches {}\nstate {}\n{parts}", self.patches, self.state)
-    }
-
-    /// Milliseconds of the longest slice at 64 MHz, by the cycles an instruction of the largest parts.
-    pub fn slice_ms(&self) -> f64 {
-        self.part("slice")
-            .map_or(0.0, |slice| slice.largest as f64 * 1.52 / 64e3)
     }
 
     /// Estimated cycles of a part's mean; of the total, the sum over all parts.

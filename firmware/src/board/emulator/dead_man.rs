@@ -59,9 +59,8 @@ pub fn has_expired() -> bool {
 pub fn on_expired() {
     CLEAR_INTERRUPT.write(1);
     EXPIRED.store(true, Ordering::Relaxed);
-    let armband = pin_state::current().armband;
     Pins(()).set(PinState {
-        armband,
-        ..PinState::SAFE
+        status: PinState::SAFE.status,
+        ..pin_state::current()
     });
 }

@@ -9,12 +9,10 @@ use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, pipe::Pipe};
 use embassy_time::Instant;
 use embedded_io_async::{ErrorType, Read, Write};
 
-use super::{irq::Irq, uart::Uart};
+use super::irq::Irq;
+use super::uart::{RX_ENABLE, RX_FULL, TX_ENABLE, Uart};
 
-const RX_FULL: u32 = 1 << 1;
-const RX_ENABLE: u32 = 1 << 1;
 const RX_INTERRUPT: u32 = 1 << 3;
-const TX_ENABLE: u32 = 1;
 
 /// 60 notifications: more than `trouble` queues.
 static RECEIVED: Pipe<CriticalSectionRawMutex, 2048> = Pipe::new();

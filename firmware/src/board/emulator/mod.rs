@@ -1,8 +1,9 @@
 //! QEMU's `mps2-an386`: a Cortex-M4F with UARTs and without a radio.
 //!
-//! UART0 carries the labels, UART1 HCI, UART2 the pin levels. Everything above this module is the
+//! UART0 carries the labels, UART1 HCI, UART2 the pin levels, those of the outputs out and that of the button in. Everything above this module is the
 //! program of the board, unchanged.
 
+mod button;
 mod clock;
 mod dead_man;
 mod fault;
@@ -29,6 +30,7 @@ use crate::messages::pin_state::PinState;
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
+pub use button::Button;
 pub use dead_man::DeadMan;
 use uart::Uart;
 pub use watchdog::Watchdog;
@@ -45,9 +47,8 @@ pub struct RadioParts {
 /// Takes the peripherals; the pin levels are safe from here on.
 pub fn start() -> Board {
     clock::start();
-    for uart in [Uart::LABELS, Uart::PINS] {
-        uart.start(0);
-    }
+    Uart::LABELS.start(0);
+    let button = Button::start();
     let reset_reason = match previous_end() {
         End::Running => ResetReason::Watchdog,
         End::Panic => ResetReason::Software,
@@ -59,6 +60,7 @@ pub fn start() -> Board {
     Board {
         labels: LabelPort(()),
         pins: Pins(()),
+        button,
         radio: RadioParts { from, to },
         watchdog: Watchdog::start(WATCHDOG_MS),
         dead_man: DeadMan::start(DEAD_MAN_MS),
@@ -97,10 +99,9 @@ impl Pins {
         // The dead-man timer interrupts everything but this.
         critical_section::with(|_| {
             let expired = dead_man::has_expired() && state.status.valid();
-            let armband = state.armband;
             let safe = PinState {
-                armband,
-                ..PinState::SAFE
+                status: PinState::SAFE.status,
+                ..state
             };
             // Writing to the UART never fails.
             let _ = self.write(if expired { safe } else { state });
@@ -116,7 +117,8 @@ impl Pins {
             let level = u8::from(intent == state.status.label());
             write!(uart, " {}={level}", intent.name())?;
         }
-        writeln!(uart, " armband={}", u8::from(state.armband))
+        let (armband, led) = (u8::from(state.armband), u8::from(state.alignment_led));
+        writeln!(uart, " armband={armband} alignment={led}")
     }
 }
 

@@ -5,7 +5,9 @@ use core::fmt;
 use super::registers::Register;
 
 const TX_FULL: u32 = 1;
-const TX_ENABLE: u32 = 1;
+pub(super) const RX_FULL: u32 = 1 << 1;
+pub(super) const TX_ENABLE: u32 = 1;
+pub(super) const RX_ENABLE: u32 = 1 << 1;
 /// Smallest divider that QEMU's model accepts; it ignores the rate otherwise.
 const DIVIDER: u32 = 16;
 
@@ -41,6 +43,12 @@ impl Uart {
     pub fn start(self, control: u32) {
         self.divider.write(DIVIDER);
         self.control.write(TX_ENABLE | control);
+    }
+
+    /// The byte that was received, if there is one. The sender waits while none is taken.
+    pub fn receive(self) -> Option<u8> {
+        let is_full = self.state.read() & RX_FULL != 0;
+        is_full.then(|| self.data.read().to_le_bytes()[0])
     }
 
     /// Sends, waiting for room.

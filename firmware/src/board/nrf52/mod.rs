@@ -13,7 +13,7 @@ use critical_section::Mutex;
 use defmt_rtt as _;
 use embassy_nrf::{
     bind_interrupts,
-    gpio::{Level, Output},
+    gpio::{Input, Level, Output},
     gpiote::OutputChannel,
     interrupt::{self, InterruptExt as _, Priority},
     pac,
@@ -61,6 +61,7 @@ pub fn start() -> Board {
         valid: wiring.valid,
         valid_led: wiring.valid_led,
         armband_led: wiring.armband_led,
+        alignment_led: wiring.alignment_led,
     };
     critical_section::with(|section| OUTPUTS.borrow(section).replace(Some(outputs)));
 
@@ -76,6 +77,7 @@ pub fn start() -> Board {
     Board {
         labels,
         pins: Pins(()),
+        button: Button(wiring.button),
         radio: wiring.radio,
         watchdog: Watchdog::start(wiring.watchdog),
         dead_man,
@@ -121,6 +123,7 @@ struct Outputs {
     expired: Event<'static>,
     valid_led: Output<'static>,
     armband_led: Output<'static>,
+    alignment_led: Output<'static>,
 }
 
 impl Outputs {
@@ -174,11 +177,22 @@ fn set_outputs(state: PinState) {
         let valid = state.status.valid() && !outputs.expired.is_triggered();
         outputs.valid_led.set_level(led(valid));
         outputs.armband_led.set_level(led(state.armband));
+        outputs.alignment_led.set_level(led(state.alignment_led));
     });
 }
 
 fn led(on: bool) -> Level {
     if on { wiring::LED_ON } else { wiring::LED_OFF }
+}
+
+/// The button that begins an alignment.
+pub struct Button(Input<'static>);
+
+impl Button {
+    /// Whether it is down at this moment; its contact may bounce.
+    pub fn is_down(&mut self) -> bool {
+        self.0.is_low()
+    }
 }
 
 /// The watchdog. It keeps running over resets until power is lost.

@@ -6,7 +6,7 @@
 
 use embassy_nrf::{
     Peri, Peripherals,
-    gpio::{AnyPin, Level, Output, OutputDrive},
+    gpio::{AnyPin, Input, Level, Output, OutputDrive, Pull},
     gpiote::{Channel, OutputChannel, OutputChannelPolarity},
     peripherals,
 };
@@ -27,6 +27,10 @@ pub struct Wiring {
     pub valid_led: Output<'static>,
     /// LED: an armband streams.
     pub armband_led: Output<'static>,
+    /// LED: what an alignment does.
+    pub alignment_led: Output<'static>,
+    /// Button: begins an alignment. Connects the pin to ground while it is down.
+    pub button: Input<'static>,
     /// The UART's TX pin, 115200 8N1.
     pub uart_tx: Peri<'static, AnyPin>,
     /// The UART itself.
@@ -42,7 +46,7 @@ pub struct Wiring {
 /// Configures every pin, outputs at their safe levels.
 pub fn wire(p: Peripherals) -> Wiring {
     #[cfg(feature = "nrf52840")]
-    let (relax, others, valid, valid_led, armband_led, uart_tx) = (
+    let (relax, others, valid, leds, button, uart_tx) = (
         p.P1_01,
         [
             p.P1_02.into(),
@@ -52,12 +56,12 @@ pub fn wire(p: Peripherals) -> Wiring {
             p.P1_06.into(),
         ],
         p.P1_07,
-        p.P0_13,
-        p.P0_14,
+        [p.P0_13.into(), p.P0_14.into(), p.P0_15.into()],
+        p.P0_11,
         p.P0_06,
     );
     #[cfg(feature = "nrf52832")]
-    let (relax, others, valid, valid_led, armband_led, uart_tx) = (
+    let (relax, others, valid, leds, button, uart_tx) = (
         p.P0_11,
         [
             p.P0_12.into(),
@@ -67,12 +71,14 @@ pub fn wire(p: Peripherals) -> Wiring {
             p.P0_25.into(),
         ],
         p.P0_26,
-        p.P0_17,
-        p.P0_18,
+        [p.P0_17.into(), p.P0_18.into(), p.P0_19.into()],
+        p.P0_13,
         p.P0_06,
     );
 
-    let led = |pin: Peri<'static, AnyPin>| Output::new(pin, LED_OFF, OutputDrive::Standard);
+    let leds: [Peri<'static, AnyPin>; 3] = leds;
+    let [valid_led, armband_led, alignment_led] =
+        leds.map(|pin| Output::new(pin, LED_OFF, OutputDrive::Standard));
     let [open, close, wave_in, wave_out, pinch]: [Peri<'static, AnyPin>; MAX_CLASSES - 1] = others;
     Wiring {
         intents: [
@@ -93,8 +99,10 @@ pub fn wire(p: Peripherals) -> Wiring {
                 p.PPI_CH3.into(),
             ],
         },
-        valid_led: led(valid_led.into()),
-        armband_led: led(armband_led.into()),
+        valid_led,
+        armband_led,
+        alignment_led,
+        button: Input::new(button, Pull::Up),
         uart_tx: uart_tx.into(),
         uart: p.UARTE0,
         #[cfg(feature = "radio-softdevice")]

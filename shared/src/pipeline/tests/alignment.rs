@@ -231,3 +231,22 @@ proptest! {
         prop_assert_eq!(after(&found), after(&expected));
     }
 }
+
+#[test]
+fn the_phase_is_that_of_the_newest_alignment_that_succeeded() {
+    let mut pipeline = real();
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
+    pipeline.begin_alignment();
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Waiting);
+    pipeline.cancel_alignment();
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
+    pipeline.begin_alignment();
+    // In place: nothing is turned, and yet it is known now.
+    run(&mut pipeline, &stream(Alignment::NONE, 1600), 0);
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Aligned);
+    pipeline.begin_alignment();
+    pipeline.cancel_alignment();
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Aligned);
+    pipeline.disconnected(Millis(9000));
+    assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
+}

@@ -13,8 +13,10 @@ mod gesture;
 mod placement;
 mod profile;
 mod template;
+mod trigger;
 
 pub use aligner::{Aligner, GESTURES, Outcome, Poor, Progress, TIMEOUT_PATCHES};
 pub use placement::Alignment;
 pub use profile::{OCTAVE, Profile};
 pub use template::{Fit, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};
+pub use trigger::{DEBOUNCE_MS, Trigger};

@@ -11,6 +11,8 @@
 extern crate alloc;
 
 #[cfg(target_os = "none")]
+mod alignment;
+#[cfg(target_os = "none")]
 mod pipeline;
 #[cfg(target_os = "none")]
 mod spans;
@@ -25,7 +27,8 @@ mod image {
     use shared::model::file::Model;
     use shared::units::{CHANNELS, Sample};
 
-    use crate::pipeline;
+    use crate::alignment;
+    use crate::pipeline::{self, Apart};
 
     /// The model that the project ships, aligned as in flash: at a multiple of four.
     static MODEL: &Aligned<[u8]> =
@@ -53,20 +56,24 @@ mod image {
 
         timer::start();
         // Wider models than a device holds are counted with the host's capacity.
-        let (counts, state) = match DeviceEncoder::new(&model) {
+        let (counts, alignment, state) = match DeviceEncoder::new(&model) {
             Ok(encoder) => (
                 pipeline::count(encoder, &model, &samples),
+                alignment::count(Apart(encoder), &model),
                 size_of::<DeviceState>(),
             ),
             Err(_) => {
                 let encoder = HostEncoder::new(&model).expect("room for every model");
-                let counts = pipeline::count(encoder, &model, &samples);
-                (counts, size_of_val(&encoder.fresh()))
+                (
+                    pipeline::count(encoder, &model, &samples),
+                    alignment::count(Apart(encoder), &model),
+                    size_of_val(&encoder.fresh()),
+                )
             }
         };
         println!("patches {}", counts.total.count());
         println!("state {state}");
-        for (part, spans) in counts.named() {
+        for (part, spans) in counts.named().into_iter().chain(alignment.named()) {
             println!("{part} {} {}", spans.mean(), spans.largest());
         }
     }

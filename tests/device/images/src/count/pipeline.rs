@@ -64,7 +64,7 @@ impl Counts {
 
 /// The encoder behind a call, so that it is compiled once for the pipeline and for the parts.
 #[derive(Clone, Copy, Debug)]
-struct Apart<'m, const WIDTH: usize, const SLOTS: usize>(Encoder<'m, WIDTH, SLOTS>);
+pub struct Apart<'m, const WIDTH: usize, const SLOTS: usize>(pub Encoder<'m, WIDTH, SLOTS>);
 
 impl<const WIDTH: usize, const SLOTS: usize> Encode for Apart<'_, WIDTH, SLOTS> {
     type State = EncoderState<WIDTH, SLOTS>;
@@ -102,6 +102,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let mut pipeline =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
     pipeline.normalize(model.header.normalized);
+    pipeline.set_template(model.header.template);
 
     let mut preprocessor = Preprocessor::new();
     let mut ring = SampleRing::new();

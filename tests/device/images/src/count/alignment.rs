@@ -1,0 +1,137 @@
+//! Instructions of an alignment: while gestures are waited for, at its end, and while the encoder takes the window again.
+
+use core::hint::black_box;
+
+use shared::model::Encode;
+use shared::model::file::Model;
+use shared::pipeline::{AlignmentPhase, Pipeline};
+use shared::stream::alignment::{Alignment, PRECISION_ONE, Profile, Template};
+use shared::stream::safe_state::Start;
+use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, Sample};
+
+use crate::spans::{Clock, Spans};
+
+/// Amplitude of a gesture round the arm, in counts; a ratio of about 1.37 from one electrode to the next.
+const GESTURE: [i32; CHANNELS] = [118, 86, 62, 44, 32, 24, 16, 12];
+/// Amplitude of rest.
+const REST: i32 = 4;
+/// What the wearer does, in samples: rest until the window is full, then two gestures of a second.
+const GESTURES: [core::ops::Range<usize>; 2] = [1000..1200, 1400..1600];
+/// The sample before which the alignment begins; with it a patch begins, as the median lags one sample.
+const BEGINS: usize = 801;
+const SAMPLES: usize = 2000;
+/// Samples after the end in each of which the encoder takes a patch: 60 that were there, and those that come meanwhile.
+const AGAIN: usize = 66;
+
+/// Instructions of an alignment.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts {
+    /// The whole pipeline for a patch while gestures are waited for.
+    waiting: Spans,
+    /// The whole pipeline for the sample with which the alignment ends.
+    end: Spans,
+    /// The whole pipeline for each sample after it, until the encoder has taken the window.
+    again: Spans,
+    /// The fit of 16 placements alone.
+    fit: Spans,
+    /// Another order of the window's electrodes alone, and the encoder's memory cleared.
+    turn: Spans,
+}
+
+impl Counts {
+    /// With their names.
+    pub fn named(&self) -> [(&'static str, Spans); 5] {
+        [
+            ("align-patch", self.waiting),
+            ("align-end", self.end),
+            ("align-again", self.again),
+            ("align-fit", self.fit),
+            ("align-turn", self.turn),
+        ]
+    }
+}
+
+/// A template that falls round the arm as the gesture does, 2 nats per square octave in every direction.
+fn ramp() -> Template {
+    let mut precision = [0; CHANNELS * (CHANNELS + 1) / 2];
+    let mut diagonal = 0;
+    for row in 0..CHANNELS {
+        precision[diagonal] = 2 * PRECISION_ONE;
+        diagonal += CHANNELS - row;
+    }
+    let mean = core::array::from_fn(|electrode| 400 - 115 * electrode as i16);
+    Template::new(mean, precision).expect("means below 8 octaves, a positive diagonal")
+}
+
+/// The stream of an armband that is turned by three places.
+fn samples() -> impl Iterator<Item = Sample> {
+    let worn = Alignment::new(3, false).inverse();
+    let mut state = 1_u64;
+    let mut noise = move |amplitude: i32| {
+        // Knuth's linear congruential generator; its high bits are the random ones.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % (2 * amplitude as u64 + 1)) as i32 - amplitude
+    };
+    (0..SAMPLES).map(move |index| {
+        let is_gesture = GESTURES.iter().any(|gesture| gesture.contains(&index));
+        let sample = GESTURE.map(|most| noise(if is_gesture { most } else { REST }) as i8);
+        worn.apply(sample)
+    })
+}
+
+/// Counts one alignment.
+///
+/// # Panics
+/// If the placement is not found: then something else was counted.
+pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
+    let settings = model.header.smoother.in_patches();
+    let mut memory = encoder.fresh();
+    let mut pipeline =
+        Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
+    pipeline.normalize(model.header.normalized);
+    pipeline.set_template(Some(ramp()));
+    let clock = Clock::new();
+    let mut counts = Counts::default();
+    let mut patch = 0;
+    let mut ended = None;
+    let mut now = Millis(0);
+    for (index, sample) in samples().enumerate() {
+        if index == BEGINS {
+            pipeline.begin_alignment();
+        }
+        let before = pipeline.alignment_phase();
+        now = now.plus(SAMPLE_PERIOD_MS);
+        let sample = black_box(sample);
+        let (_, instructions) = clock.span(|| black_box(pipeline.sample(now, sample)));
+        let after = pipeline.alignment_phase();
+        match (before, after, ended) {
+            (AlignmentPhase::Waiting, AlignmentPhase::Waiting, _) => {
+                patch += instructions;
+                if (index - BEGINS) % PATCH == PATCH - 1 {
+                    counts.waiting.push(patch);
+                    patch = 0;
+                }
+            }
+            (AlignmentPhase::Waiting, AlignmentPhase::Aligned, _) => {
+                counts.end.push(instructions);
+                ended = Some(index);
+            }
+            (_, _, Some(end)) if index <= end + AGAIN - 1 => counts.again.push(instructions),
+            _ => {}
+        }
+    }
+    assert!(
+        pipeline.alignment() == Alignment::new(3, false),
+        "not found"
+    );
+    // As after the gestures, and back.
+    let means = black_box(GESTURE.map(|most| 32 * most as u32));
+    let template = black_box(ramp());
+    let (_, fit) = clock.span(|| template.fit(Profile::new(means)));
+    counts.fit.push(fit);
+    let ((), turn) = clock.span(|| pipeline.set_alignment(Alignment::NONE));
+    counts.turn.push(turn);
+    counts
+}

@@ -1,0 +1,216 @@
+//! A turned armband: after a press of the button and two openings of the hand the device has turned its electrodes.
+//!
+//! The lines are compared with those of the shared pipeline, in which the alignment begins at the sample at which it began
+//! on the device: when the button is looked at depends on the emulator's clock.
+
+use myointent::cli::replay::one_recording;
+use myointent::dataset::{Recording, runs};
+use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, expected_lines};
+use serde_json::json;
+use shared::intent::{Intent, Vocabulary};
+use shared::model::dimensions::Dimensions;
+use shared::model::file::random::random_model;
+use shared::model::noise::Noise;
+use shared::stream::alignment::Alignment;
+use shared::stream::safe_state::Cause;
+use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::units::Sample;
+
+/// Half the usual: while the encoder takes the window again, it has a patch with each sample.
+const PACE: f64 = 1.5;
+
+/// A model whose template is a ramp round the arm.
+fn model() -> Vec<u8> {
+    let dimensions = Dimensions {
+        width: 48,
+        layers: 2,
+        span: 27,
+        vocabulary: Vocabulary::Three,
+    };
+    random_model(dimensions, 3)
+        .to_bytes()
+        .expect("a writable model")
+}
+
+/// Noise whose amplitude falls round the arm as the template does: gestures of a second at 4 s and at 6 s, rest besides.
+fn two_openings() -> Vec<Sample> {
+    let mut noise = Noise(9);
+    let open = [118, 86, 62, 44, 32, 24, 16, 12];
+    (0..2400)
+        .map(|index| {
+            let is_active = matches!(index, 800..1000 | 1200..1400 | 1900..2200);
+            open.map(|most: i32| {
+                let most = if is_active { most } else { 4 };
+                (noise.signed() * most as f32) as i8
+            })
+        })
+        .collect()
+}
+
+/// What an armband placed like this sends.
+fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
+    let inverse = placement.inverse();
+    samples
+        .iter()
+        .map(|&sample| inverse.apply(sample))
+        .collect()
+}
+
+/// Streams with the button held down for the first of it; compares all lines, and gives those of the alignment.
+fn align(
+    bench: &Bench,
+    model: &[u8],
+    samples: &[Sample],
+) -> anyhow::Result<(Run, Vec<AlignmentReport>)> {
+    let mut run = bench.start(&Scenario {
+        model,
+        samples,
+        time_scale: super::TIME_SCALE,
+        pace: PACE,
+        fault: None,
+        script: json!([]),
+        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
+    })?;
+    run.set_button(true)?;
+    run.wait_for("an alignment to begin", |run| {
+        run.alignments().is_ok_and(|news| !news.is_empty())
+    })?;
+    run.set_button(false)?;
+    run.wait_for("the end of the stream", |run| {
+        let reports = run.reports().unwrap_or_default();
+        let last = reports.last().and_then(|report| report.status.cause());
+        last == Some(Cause::Disconnected)
+    })?;
+    run.wait_for("the last line of the alignment", |run| {
+        let news = run.alignments().unwrap_or_default();
+        news.last()
+            .is_some_and(|news| news.state == AlignmentState::Disconnected)
+    })?;
+    let news = run.alignments()?;
+    let begun = news[0].emitted.0 as usize + 1;
+    // 30 ms of the guest's clock are some 50 samples.
+    assert!(begun.is_multiple_of(2) && begun < 400, "begun at {begun}");
+    let (before, after) = samples.split_at(begun);
+    let expected = expected_lines(
+        model,
+        &[
+            Input::Samples(before),
+            Input::Align,
+            Input::Samples(after),
+            Input::Disconnected,
+        ],
+    )?;
+    assert_eq!(run.lines(), expected, "{}", run.tails());
+    run.check()?;
+    Ok((run, news))
+}
+
+/// The first two openings of the hand in a recording, with rest before, between and after them, then its first seconds.
+fn two_openings_of(recording: &Recording, seconds: usize) -> Vec<Sample> {
+    let all = runs(&recording.labels);
+    let labelled = |wanted| all.iter().filter(move |run| run.label == Some(wanted));
+    let rest = labelled(Intent::Relax).find(|run| run.samples() >= 200);
+    let rest = rest.expect("a second of rest").start;
+    let rest = &recording.samples[rest..rest + 200];
+    let mut stream = rest.to_vec();
+    for run in labelled(Intent::Open).take(2) {
+        // People are earlier and later than their labels.
+        stream.extend(&recording.samples[run.start.saturating_sub(100)..run.end + 100]);
+        stream.extend(rest);
+    }
+    stream.extend(&recording.samples[..seconds * 200]);
+    stream.truncate(stream.len() / 2 * 2);
+    stream
+}
+
+/// An alignment of the synthetic openings: its lines, and its LED.
+fn finds(test: &str, placement: Alignment) -> anyhow::Result<()> {
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let (run, news) = align(&bench, &model(), &worn(&two_openings(), placement))?;
+    let states: Vec<_> = news
+        .iter()
+        .map(|news| (news.state, news.gestures))
+        .collect();
+    let expected = [
+        (AlignmentState::Waiting, 0),
+        (AlignmentState::Waiting, 1),
+        (AlignmentState::Aligned, 2),
+        (AlignmentState::Disconnected, 0),
+    ];
+    assert_eq!(states, expected, "{}", run.tails());
+    assert_eq!(news[2].alignment, placement, "{}", run.tails());
+    // Nothing comes between the last label before the change and those after it for 0.4 s at most.
+    let reports = run.reports()?;
+    let valid = reports.iter().filter(|report| report.status.valid());
+    let after: Vec<_> = valid
+        .filter(|report| report.emitted >= news[2].emitted)
+        .collect();
+    assert!(after.len() > 20, "{} labels after it", after.len());
+    assert!(
+        after[0].emitted.since(news[2].emitted) <= 80,
+        "{}",
+        after[0]
+    );
+
+    // Dark; on and off while gestures are waited for; lit until the armband has gone.
+    let mut led: Vec<_> = run.pins().iter().map(|pins| pins.alignment_led).collect();
+    led.dedup();
+    assert!(
+        led.len() >= 5 && !led[0] && led.len() % 2 == 1,
+        "{led:?}\n{}",
+        run.tails()
+    );
+    let valid = run.pins().into_iter().rfind(|pins| pins.valid);
+    assert!(
+        valid.is_some_and(|pins| pins.alignment_led),
+        "{}",
+        run.tails()
+    );
+    Ok(())
+}
+
+#[test]
+fn an_armband_turned_by_three_places_is_aligned_and_the_lines_equal_the_pipelines()
+-> anyhow::Result<()> {
+    let test = "an_armband_turned_by_three_places_is_aligned_and_the_lines_equal_the_pipelines";
+    finds(test, Alignment::new(3, false))
+}
+
+#[test]
+fn an_armband_on_the_other_arm_is_aligned_and_the_lines_equal_the_pipelines() -> anyhow::Result<()>
+{
+    let test = "an_armband_on_the_other_arm_is_aligned_and_the_lines_equal_the_pipelines";
+    finds(test, Alignment::new(6, true))
+}
+
+#[test]
+fn a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines()
+-> anyhow::Result<()> {
+    let test = "a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipelines";
+    let Some(path) = super::recording(test, "roshambo/data/subject02_session01_emg.npy") else {
+        return Ok(());
+    };
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let recording = one_recording(&path, None)?;
+    let placement = Alignment::new(3, false);
+    let samples = worn(&two_openings_of(&recording, 5), placement);
+    let (run, news) = align(&bench, &super::model(), &samples)?;
+    let aligned: Vec<_> = news
+        .iter()
+        .filter(|news| news.state == AlignmentState::Aligned)
+        .collect();
+    assert_eq!(aligned.len(), 1, "{}", run.tails());
+    // One place beside it is as good: people differ by that much.
+    let places = aligned[0].alignment.places_from(placement);
+    assert!(places.is_some_and(|places| places <= 1), "{}", aligned[0]);
+    let open = run
+        .reports()?
+        .into_iter()
+        .any(|report| report.emitted > aligned[0].emitted && report.status.label() == Intent::Open);
+    assert!(open, "no open hand after it\n{}", run.tails());
+    Ok(())
+}
