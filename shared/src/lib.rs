@@ -8,11 +8,12 @@
 //! | [`pipeline`] | the composition of everything below, sample by sample: start reading here |
 //! | [`uart_line`] | format of the UART line |
 //! | [`myo`] | the session with a Myo armband, without I/O |
-//! | [`model`] | the student: file format, integer encoder, kernels |
+//! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
+//! | `kernels`, `arithmetic` | what takes the time, in plain Rust and with a Cortex-M4's DSP instructions; float functions |
 //! | [`intent`], [`units`] | intents and classes; samples, patches, time |
 //!
-//! Imports go downwards in this table; `model` imports `stream`.
+//! Imports go downwards in this table.
 #![no_std]
 #![deny(missing_docs)]
 #![cfg_attr(not(cortex_m4), forbid(unsafe_code))]
@@ -32,7 +33,9 @@ extern crate alloc;
 #[cfg(all(test, target_os = "none"))]
 test::entry!(run_tests);
 
+mod arithmetic;
 pub mod intent;
+mod kernels;
 pub mod model;
 pub mod myo;
 pub mod pipeline;

@@ -29,6 +29,37 @@ const _: () = assert!(LOOK_AHEAD.is_multiple_of(PATCH) && HOLD.is_multiple_of(PA
 /// One instant of raw EMG as the armband sends it: channel 1 first, -128..=127.
 pub type Sample = [i8; CHANNELS];
 
+/// A sample as two words, the first channel in the low byte of the first.
+///
+/// Byte by byte: `map` over an array is a loop through memory on a Cortex-M4.
+pub(crate) const fn words(sample: Sample) -> [u32; 2] {
+    const fn word(a: i8, b: i8, c: i8, d: i8) -> u32 {
+        u32::from_le_bytes([
+            a.cast_unsigned(),
+            b.cast_unsigned(),
+            c.cast_unsigned(),
+            d.cast_unsigned(),
+        ])
+    }
+    let [a, b, c, d, e, f, g, h] = sample;
+    [word(a, b, c, d), word(e, f, g, h)]
+}
+
+/// The sample of [`words`].
+pub(crate) const fn sample_of(words: [u32; 2]) -> Sample {
+    const fn bytes(word: u32) -> [i8; 4] {
+        let [a, b, c, d] = word.to_le_bytes();
+        [
+            a.cast_signed(),
+            b.cast_signed(),
+            c.cast_signed(),
+            d.cast_signed(),
+        ]
+    }
+    let [[a, b, c, d], [e, f, g, h]] = [bytes(words[0]), bytes(words[1])];
+    [a, b, c, d, e, f, g, h]
+}
+
 /// One instant after median and rectification, 0..=128; the model's input is this over 128.
 pub type CleanSample = [u8; CHANNELS];
 

@@ -1,7 +1,7 @@
 //! The numbers that fix a model's tensor shapes, and their limits.
 
-use super::kernels;
 use crate::intent::Vocabulary;
+use crate::kernels;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
 /// Attention heads of every model.

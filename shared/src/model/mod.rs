@@ -1,15 +1,13 @@
-//! The student: its file format, the integer encoder that runs it, and the kernels.
+//! The student: its file format and the integer encoder that runs it.
 //!
-//! Imports go downwards only: `encoder` -> `file` -> `dimensions` -> `kernels` -> `arithmetic`.
+//! Imports go downwards only: `encoder` -> `file` -> `dimensions`.
 
-mod arithmetic;
 pub mod dimensions;
 mod encode;
 pub mod encoder;
 pub mod file;
-mod kernels;
 #[cfg(any(test, feature = "write"))]
 pub mod noise;
 
+pub use crate::kernels::Aligned;
 pub use encode::{Encode, LookBackLogits};
-pub use kernels::Aligned;

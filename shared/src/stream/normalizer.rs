@@ -11,7 +11,10 @@
 //! A level is the mean of |x| over 0.2 s. A sample is normalized with what was known before its 0.2 s began. Electrodes are
 //! treated alike, so rotating the armband rotates the result. Integers alone: the same on every target.
 
-use crate::units::{CHANNELS, Sample};
+mod packed;
+
+use self::packed::{Magnitudes, Size, Sums};
+use crate::units::{CHANNELS, Sample, sample_of, words};
 
 /// Samples of which a level is the mean: 0.2 s.
 const BLOCK: u8 = 40;
@@ -37,26 +40,30 @@ const REST_RISES_CONTRACTED: u32 = 11;
 const STRENGTH_RISES: u32 = 4;
 /// Weight of a contraction below it: 1/512.
 const STRENGTH_FALLS: u32 = 9;
-/// Fraction bits of [`Normalizer::rest_now`].
+/// Fraction bits of a rest as it is subtracted.
 const SAMPLE_FRACTION: u32 = 8;
-/// Fraction bits of [`Normalizer::scale`].
+/// Fraction bits of a factor.
 const SCALE_FRACTION: u32 = 12;
+/// Fraction bits of their product.
+const PRODUCT_FRACTION: u32 = SAMPLE_FRACTION + SCALE_FRACTION;
+/// Half a count as such a product.
+const HALF: i32 = 1 << (PRODUCT_FRACTION - 1);
 
 /// What is known about a wearer, and the normalization by it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Normalizer {
-    /// Sums of |x| over the block so far.
-    sums: [u32; CHANNELS],
+    /// Sums of |x| over the block so far, of the first four electrodes and the last four.
+    sums: [Sums; 2],
     /// Samples of the block so far.
     count: u8,
     /// Rest of each electrode.
     rest: [u32; CHANNELS],
     /// Strength of contractions.
     strength: u32,
-    /// The rest as it is subtracted, in 1/256 counts.
-    rest_now: [i32; CHANNELS],
-    /// Factor of what is above rest.
-    scale: i32,
+    /// Factor of |x|.
+    factor: i32,
+    /// What is added to it, for rounding and for the rest of each electrode.
+    offsets: [i32; CHANNELS],
 }
 
 impl Default for Normalizer {
@@ -70,48 +77,41 @@ impl Normalizer {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            sums: [0; CHANNELS],
+            sums: [Sums::ZERO; 2],
             count: 0,
             rest: [UNKNOWN; CHANNELS],
             strength: COMMON_STRENGTH,
-            rest_now: [0; CHANNELS],
-            scale: 1 << SCALE_FRACTION,
+            factor: 1 << PRODUCT_FRACTION,
+            offsets: [HALF; CHANNELS],
         }
     }
 
     /// Takes a sample; returns it normalized, as long and with the signs that it had.
     pub fn push(&mut self, sample: Sample) -> Sample {
-        const HALF: i32 = 1 << (SAMPLE_FRACTION + SCALE_FRACTION - 1);
-        let mut normalized = sample;
-        let scale = self.scale;
-        for ((x, sum), rest) in normalized
-            .iter_mut()
-            .zip(&mut self.sums)
-            .zip(&self.rest_now)
-        {
-            let signed = i32::from(*x);
-            let magnitude = signed.abs();
-            *sum += magnitude as u32;
-            let above = (magnitude << SAMPLE_FRACTION) - rest;
-            // Most samples are at rest: nothing is left of them.
-            if above <= 0 {
-                *x = 0;
-                continue;
-            }
-            // At most 127, so that both signs can be had.
-            let scaled = ((above * scale + HALF) >> (SAMPLE_FRACTION + SCALE_FRACTION)).min(127);
-            *x = (if signed < 0 { -scaled } else { scaled }) as i8;
-        }
+        let [first, last] = words(sample).map(Magnitudes::of);
+        self.sums[0].add(first);
+        self.sums[1].add(last);
+        let normalized = |electrode: usize, size: u8| {
+            let scaled = i32::from(size) * self.factor + self.offsets[electrode];
+            Size::nearest(scaled >> PRODUCT_FRACTION)
+        };
+        let first = first.with_sizes(normalized);
+        let last = last.with_sizes(|electrode, size| normalized(4 + electrode, size));
         self.count += 1;
         if self.count == BLOCK {
             self.end_block();
         }
-        normalized
+        sample_of([first, last])
     }
 
-    /// Takes the level of the block.
+    /// Takes the level of the block. Apart from what every sample takes, whose registers it would use up.
+    #[cold]
+    #[inline(never)]
     fn end_block(&mut self) {
-        let levels = self.sums.map(|sum| (sum << FRACTION) / u32::from(BLOCK));
+        let sums = self.sums.map(Sums::of_each);
+        let levels = core::array::from_fn(|electrode| {
+            (sums.as_flattened()[electrode] << FRACTION) / u32::from(BLOCK)
+        });
         for (rest, level) in self.rest.iter_mut().zip(levels) {
             if *rest == UNKNOWN {
                 *rest = level;
@@ -138,12 +138,14 @@ impl Normalizer {
                 self.strength -= (self.strength - above) >> STRENGTH_FALLS;
             }
         }
-        self.rest_now = self
-            .rest
-            .map(|rest| (rest >> (FRACTION - SAMPLE_FRACTION)) as i32);
         let strength = self.strength.max(MIN_STRENGTH) >> 4;
-        self.scale = ((COMMON_STRENGTH << (SCALE_FRACTION - 4)) / strength) as i32;
-        self.sums = [0; CHANNELS];
+        let scale = ((COMMON_STRENGTH << (SCALE_FRACTION - 4)) / strength) as i32;
+        self.factor = scale << SAMPLE_FRACTION;
+        self.offsets = self.rest.map(|rest| {
+            let rest = (rest >> (FRACTION - SAMPLE_FRACTION)) as i32;
+            HALF - rest * scale
+        });
+        self.sums = [Sums::ZERO; 2];
         self.count = 0;
     }
 

@@ -6,6 +6,7 @@
 //! its numbers.
 
 use super::alignment::Alignment;
+use crate::kernels::{Active, Kernels};
 use crate::units::{CHANNELS, CleanSample, Sample};
 
 /// Samples under the median.
@@ -33,7 +34,7 @@ impl Preprocessor {
     /// Takes the next sample; returns the one before it, preprocessed. The first sample returns nothing.
     pub fn push(&mut self, sample: Sample) -> Option<CleanSample> {
         let pending = self.pending.replace(sample)?;
-        let clean = rectified_median(self.before, pending, sample);
+        let clean = Active::rectified_median(self.before, pending, sample);
         self.before = pending;
         Some(clean)
     }
@@ -48,7 +49,11 @@ impl Preprocessor {
     pub fn finish(&mut self) -> Option<CleanSample> {
         let ended = core::mem::take(self);
         let pending = ended.pending?;
-        Some(rectified_median(ended.before, pending, [0; CHANNELS]))
+        Some(Active::rectified_median(
+            ended.before,
+            pending,
+            [0; CHANNELS],
+        ))
     }
 }
 
@@ -63,16 +68,6 @@ pub fn clean<I: IntoIterator<Item = Sample>>(recording: I) -> impl Iterator<Item
             Some(sample) => preprocessor.push(sample),
             None => preprocessor.finish(),
         })
-}
-
-fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample {
-    core::array::from_fn(|channel| {
-        let (low, high) = (
-            before[channel].min(after[channel]),
-            before[channel].max(after[channel]),
-        );
-        here[channel].clamp(low, high).unsigned_abs()
-    })
 }
 
 #[cfg(test)]

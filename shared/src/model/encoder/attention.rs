@@ -6,10 +6,10 @@ use super::{
     norm::layer_norm,
     token::{HeadScratch, Token},
 };
-use crate::model::arithmetic::exp;
+use crate::arithmetic::exp;
+use crate::kernels::{Active, KEY_LIMIT, Kernels, QUERY_LIMIT};
 use crate::model::dimensions::{Dimensions, HEADS};
 use crate::model::file::LayerWeights;
-use crate::model::kernels::{Active, KEY_LIMIT, Kernels, QUERY_LIMIT};
 
 /// The attention half of one layer.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Quantized keys and values of the newest patches: a ring of `span` slots per layer.
 
+use crate::kernels::Aligned;
 use crate::model::dimensions::{Dimensions, HEADS};
-use crate::model::kernels::Aligned;
 
 /// Keys and values of all layers, with room for `SLOTS` patches of width `WIDTH`.
 ///

@@ -5,7 +5,7 @@ use super::{
     norm::layer_norm,
     token::Token,
 };
-use crate::model::arithmetic::gelu;
+use crate::arithmetic::gelu;
 use crate::model::file::LayerWeights;
 
 /// `h += W_2 gelu(W_1 norm2(h) + b_1) + b_2`, with twice the width between the two maps.

@@ -1,8 +1,8 @@
 //! Linear maps of quantized tokens.
 
 use super::token::Codes;
+use crate::kernels::{Active, Kernels, TOKEN_LIMIT};
 use crate::model::file::LinearWeights;
-use crate::model::kernels::{Active, Kernels, TOKEN_LIMIT};
 
 /// The input of a linear map: a token as `codes * scale`.
 #[derive(Clone, Copy, Debug)]

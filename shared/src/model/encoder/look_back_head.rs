@@ -6,10 +6,10 @@ use super::{
     token::Token,
 };
 use crate::intent::MAX_CLASSES;
+use crate::kernels::TILE_ROWS;
 use crate::model::LookBackLogits;
 use crate::model::dimensions::Dimensions;
 use crate::model::file::{LinearWeights, NormWeights};
-use crate::model::kernels::TILE_ROWS;
 use crate::units::LOOK_BACK;
 
 /// `W_h norm(h) + b_h`: outputs `j classes .. (j + 1) classes` are row `j`.

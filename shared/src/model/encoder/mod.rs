@@ -28,7 +28,7 @@ pub mod recompute;
 mod token;
 
 use super::{Encode, LookBackLogits};
-use crate::model::arithmetic::inverse_square_root;
+use crate::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS, MAX_SLOTS, MAX_WIDTH};
 use crate::model::file::{Model, ModelError, Weights};
 use crate::units::Patch;

@@ -1,6 +1,6 @@
 //! Layer norm.
 
-use crate::model::arithmetic::inverse_square_root;
+use crate::arithmetic::inverse_square_root;
 use crate::model::file::NormWeights;
 
 /// Added to the variance, as in training.

@@ -1,7 +1,7 @@
 //! Scratch memory for the computation of one patch.
 
+use crate::kernels::Aligned;
 use crate::model::dimensions::MAX_SPAN;
-use crate::model::kernels::Aligned;
 use crate::units::{CHANNELS, PATCH};
 
 /// The residual stream of a patch and the scratch memory of its computation. Nothing is kept from

@@ -5,7 +5,7 @@ use crate::model::dimensions::MAX_LAYERS;
 /// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] x[c] + bias[r]`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LinearWeights<'m> {
-    /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::model::kernels::Kernels::multiply), each
+    /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::kernels::Kernels::multiply), each
     /// -127..=127.
     pub weights: &'m [i8],
     /// One per output.

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts, SmootherDefaults};
-use crate::model::arithmetic::inverse_square_root;
+use crate::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
 use crate::stream::alignment::{PRECISION_ONE, TEMPLATE_BYTES, Template};

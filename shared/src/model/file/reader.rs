@@ -8,8 +8,8 @@ use super::{
     names::TensorName,
     wire_header::WireHeader,
 };
+use crate::kernels::TILE_ROWS;
 use crate::model::dimensions::HEADS;
-use crate::model::kernels::TILE_ROWS;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
 /// A model that borrows its bytes.

@@ -11,8 +11,8 @@ use super::{
     *,
 };
 use crate::intent::Vocabulary;
+use crate::kernels::packing::packed;
 use crate::model::dimensions::Dimensions;
-use crate::model::kernels::packing::packed;
 use crate::stream::alignment::{TEMPLATE_BYTES, TemplateError};
 
 const SMALL: Dimensions = Dimensions {

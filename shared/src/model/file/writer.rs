@@ -8,8 +8,8 @@ use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
     header::SmootherDefaults, reader::Model, wire_header::WireHeader,
 };
+use crate::kernels::packing::packed;
 use crate::model::dimensions::{Companding, Dimensions};
-use crate::model::kernels::packing::packed;
 use crate::stream::alignment::Template;
 
 /// A linear map with quantized rows.
@@ -210,7 +210,7 @@ pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec
     let mut integers = Vec::with_capacity(matrix.len());
     let mut scales = vec![0.0; rows];
     for (row, scale) in matrix.chunks(columns.max(1)).zip(&mut scales) {
-        let largest = crate::model::arithmetic::absmax(row);
+        let largest = crate::arithmetic::absmax(row);
         *scale = largest / 127.0;
         // f64: the quotient of a tiny row must be finite.
         let inverse = if largest > 0.0 {
@@ -219,8 +219,7 @@ pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec
             0.0
         };
         integers.extend(row.iter().map(|&weight| {
-            crate::model::arithmetic::round((f64::from(weight) * inverse) as f32).clamp(-127, 127)
-                as i8
+            crate::arithmetic::round((f64::from(weight) * inverse) as f32).clamp(-127, 127) as i8
         }));
     }
     (integers, scales)

@@ -1,7 +1,8 @@
 //! The kernels in plain Rust: the reference that every other implementation equals bit for bit.
 
 use super::{GROUP, GROUP_ORDER, Kernels, TILE_ROWS};
-use crate::model::arithmetic::{absmax, round_to_even};
+use crate::arithmetic::{absmax, round_to_even};
+use crate::units::{CleanSample, Sample};
 
 /// Below this a token counts as zero, so that `limit / absmax` is finite.
 const SMALLEST: f32 = 1e-30;
@@ -58,6 +59,15 @@ impl Kernels for Portable {
             *code = round_to_even(value * factors.to_codes) as i16;
         }
         factors.to_values
+    }
+
+    #[inline]
+    fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample {
+        core::array::from_fn(|channel| {
+            let (before, after) = (before[channel], after[channel]);
+            let (low, high) = (before.min(after), before.max(after));
+            here[channel].clamp(low, high).unsigned_abs()
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! The integer kernels of the encoder, and the choice between their implementations.
+//! The integer kernels of preprocessing and encoder, and the choice between their implementations.
 //!
 //! [`portable`] is the reference; an implementation for a processor gives the same results faster;
 //! [`checks`] tests any of them. Callers keep the bounds stated here: accumulators are 32 bits wide, and
@@ -11,6 +11,8 @@ mod cortex_m4;
 #[cfg(any(test, feature = "write"))]
 pub(crate) mod packing;
 mod portable;
+
+use crate::units::{CleanSample, Sample};
 
 /// The implementation for this target.
 #[cfg(not(cortex_m4))]
@@ -77,4 +79,7 @@ pub(crate) trait Kernels {
     /// The scale is `absmax / limit`, each code `value * (limit / absmax)` rounded to the nearest,
     /// halves to even. If the largest magnitude is below 1e-30 or not finite, all codes and the scale are 0.
     fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32;
+
+    /// `|median of before[c], here[c], after[c]|` of each channel, 0 to 128.
+    fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample;
 }

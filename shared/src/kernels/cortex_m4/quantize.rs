@@ -2,7 +2,7 @@
 
 use core::arch::naked_asm;
 
-use crate::model::arithmetic::ROUNDING;
+use crate::arithmetic::ROUNDING;
 
 /// Four values for [`absmax_bits`].
 macro_rules! four_magnitudes {
@@ -77,7 +77,7 @@ macro_rules! four_codes {
 
 /// `codes[i] = values[i] * factor`, rounded to the nearest, halves to even.
 ///
-/// By adding 1.5 x 2^23, as [`round_to_even`](crate::model::arithmetic::round_to_even) does: the code is
+/// By adding 1.5 x 2^23, as [`round_to_even`](crate::arithmetic::round_to_even) does: the code is
 /// the low half of the sum, and two codes make a word.
 ///
 /// # Safety

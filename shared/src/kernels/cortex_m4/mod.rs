@@ -6,17 +6,20 @@
 #![allow(unsafe_code, reason = "the kernels are the one place for it")]
 
 mod attention;
+mod median;
 mod multiply_one;
 mod multiply_two;
 mod quantize;
 
 use attention::{COLUMNS, ROWS, eight_columns, four_rows};
+use median::four_rectified_medians;
 use multiply_one::multiply_one;
 use multiply_two::multiply_two;
 use quantize::{absmax_bits, round_to_codes};
 
 use super::portable::{Portable, factors};
 use super::{GROUP, Kernels, TILE_ROWS};
+use crate::units::{CleanSample, Sample, words};
 
 /// The kernels of a Cortex-M4.
 #[derive(Clone, Copy, Debug)]
@@ -153,6 +156,16 @@ impl Kernels for CortexM4 {
             );
         }
         factors.to_values
+    }
+
+    #[inline]
+    fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample {
+        let [before, here, after] = [before, here, after].map(words);
+        let medians: [[u8; 4]; 2] = core::array::from_fn(|word| {
+            four_rectified_medians(before[word], here[word], after[word]).to_le_bytes()
+        });
+        let [[a, b, c, d], [e, f, g, h]] = medians;
+        [a, b, c, d, e, f, g, h]
     }
 }
 

@@ -9,6 +9,7 @@ use super::{
     Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT, packing::packed,
     portable::Portable,
 };
+use crate::units::{CleanSample, Sample};
 
 /// A kernel differs from its reference.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -88,12 +89,13 @@ const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
 /// Kernel calls in one [`check`].
-const CASES: usize = 4 * DRAWS
+const CASES: usize = 5 * DRAWS
     + SPECIAL.len()
     + FILLS.len()
         * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
             + 2 * TERMS.len() * LAYOUTS.len()
-            + LENGTHS.len());
+            + LENGTHS.len()
+            + 1);
 
 /// Runs all checks on an implementation and returns their number.
 ///
@@ -120,6 +122,7 @@ fn check<K: Kernels>() -> Result<usize, Mismatch> {
         for length in LENGTHS {
             checked += quantize::<K>(length, fill, &mut noise)?;
         }
+        checked += rectified_median::<K>(fill, &mut noise)?;
     }
     for values in SPECIAL {
         checked += quantize_special::<K>(values)?;
@@ -135,6 +138,7 @@ fn check<K: Kernels>() -> Result<usize, Mismatch> {
         checked += row_products::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
         checked += weighted_rows::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
         checked += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
+        checked += rectified_median::<K>(Fill::Noise, &mut noise)?;
     }
     Ok(checked)
 }
@@ -341,6 +345,28 @@ fn quantize_as_portable<K: Kernels>(
     Ok(scales[1])
 }
 
+fn rectified_median<K: Kernels>(fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
+    let [before, here, after] = [0, 1, 2].map(|first: usize| {
+        core::array::from_fn(|channel| {
+            noise.value(fill, first + channel, [-128, 127], [-128, 127]) as i8
+        })
+    });
+    let found = K::rectified_median(before, here, after);
+    for (channel, found) in found.into_iter().enumerate() {
+        let mut three = [before, here, after].map(|sample: Sample| i64::from(sample[channel]));
+        three.sort_unstable();
+        agree(Mismatch {
+            kernel: "rectified_median",
+            length: 3,
+            fill,
+            row: channel,
+            expected: three[1].abs(),
+            found: i64::from(found),
+        })?;
+    }
+    Ok(1)
+}
+
 fn agree(pair: Mismatch) -> Result<(), Mismatch> {
     if pair.expected == pair.found {
         Ok(())
@@ -393,6 +419,9 @@ impl Kernels for DropsTheTail {
     }
     fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
         Portable::quantize(values, limit, codes)
+    }
+    fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample {
+        Portable::rectified_median(before, here, after)
     }
 }
 
