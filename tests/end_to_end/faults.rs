@@ -287,6 +287,7 @@ fn a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute() -> anyh
         script: json!([]),
         arguments: Vec::new(),
     })?;
+    run.wait_for("the fault", |run| !run.faults_us().is_empty())?;
     run.wait_for("a restart", |run| {
         run.comments()
             .iter()
