@@ -20,6 +20,7 @@ pub mod splice;
 pub mod split;
 pub mod synthetic;
 
+pub use labels::movement::{Movement, MovementKind};
 pub use labels::runs::{Run, runs};
 pub use library::{Ignored, Library, LoadOptions, Repeat, load};
 pub use readers::error::{Fault, LoadError, Place};

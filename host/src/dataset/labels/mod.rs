@@ -5,5 +5,6 @@ pub(crate) mod activity;
 mod envelope;
 pub mod lag;
 pub(crate) mod motion;
+pub mod movement;
 pub(crate) mod runs;
 pub(crate) mod vocabulary;

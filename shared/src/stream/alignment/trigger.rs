@@ -118,8 +118,7 @@ mod tests {
     fn the_first_full_window_of_each_connection_begins_one_where_that_is_wanted() {
         for automatic in [false, true] {
             let mut trigger = Trigger::new(automatic);
-            let mut full =
-                |trigger: &mut Trigger, is_full| trigger.begins(Millis(0), false, is_full);
+            let full = |trigger: &mut Trigger, is_full| trigger.begins(Millis(0), false, is_full);
             assert!(!full(&mut trigger, false));
             assert_eq!(full(&mut trigger, true), automatic);
             // After a gap the window is full again.
