@@ -7,7 +7,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
-use super::labels::movement::Movement;
+use super::movement::Movement;
 
 /// A published set of recordings, or a kind of file.
 #[derive(

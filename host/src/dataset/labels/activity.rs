@@ -208,8 +208,8 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::dataset::labels::movement::MovementKind;
     use crate::dataset::labels::runs::runs;
+    use crate::dataset::movement::MovementKind;
 
     const REST: i8 = 3;
 

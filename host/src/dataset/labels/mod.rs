@@ -5,6 +5,5 @@ pub(crate) mod activity;
 mod envelope;
 pub mod lag;
 pub(crate) mod motion;
-pub mod movement;
 pub(crate) mod runs;
 pub(crate) mod vocabulary;

@@ -2,7 +2,7 @@
 
 use shared::intent::Intent;
 
-use super::movement::{Movement, MovementKind};
+use crate::dataset::movement::{Movement, MovementKind};
 
 /// What is done at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -2,8 +2,8 @@
 
 use shared::intent::{Intent, Vocabulary};
 
-use super::movement::{Movement, MovementKind};
 use super::runs::runs;
+use crate::dataset::movement::{Movement, MovementKind};
 use crate::dataset::recording::{DataSet, Recording};
 
 impl Recording {
@@ -97,11 +97,9 @@ mod tests {
         let wave_in = Movement::new(MovementKind::Intent(Intent::WaveIn), 1..2);
         let point = Movement::new(MovementKind::Point, 6..8);
         recording.other_movement = vec![point.clone()];
-        assert_eq!(recording.movement_outside(Vocabulary::Six), [point.clone()]);
-        assert_eq!(
-            recording.movement_outside(Vocabulary::Three),
-            [wave_in, point]
-        );
+        let outside = |vocabulary| recording.movement_outside(vocabulary);
+        assert_eq!(outside(Vocabulary::Six), recording.other_movement);
+        assert_eq!(outside(Vocabulary::Three), [wave_in, point]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use crate::dataset::labels::lag;
-use crate::dataset::labels::movement::Movement;
+use crate::dataset::movement::Movement;
 use crate::dataset::recording::Recording;
 
 /// A recording with the labels that the pieces carry.

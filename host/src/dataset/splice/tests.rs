@@ -7,8 +7,8 @@ use shared::intent::Intent;
 
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
-use crate::dataset::labels::movement::{Movement, MovementKind};
 use crate::dataset::labels::runs::{Run, runs};
+use crate::dataset::movement::{Movement, MovementKind};
 use crate::dataset::recording::{DataSet, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);

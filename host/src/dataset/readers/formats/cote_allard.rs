@@ -9,7 +9,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
 use crate::dataset::recording::{DataSet, Recording};
@@ -98,7 +98,7 @@ const fn motion(class: usize) -> Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::labels::movement::Movement;
+    use crate::dataset::movement::Movement;
 
     const PATH: &str = "/d/EvaluationDataset/Male3/Test0/classe_13.dat";
 

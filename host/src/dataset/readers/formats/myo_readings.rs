@@ -11,7 +11,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, is_number, stem};
 use crate::dataset::readers::table;
@@ -155,7 +155,7 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::labels::movement::Movement;
+    use crate::dataset::movement::Movement;
     use crate::dataset::readers::error::Place;
 
     #[test]

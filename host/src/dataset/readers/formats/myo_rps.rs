@@ -8,7 +8,7 @@ use shared::intent::Intent;
 
 use crate::dataset::labels::activity::labelled;
 use crate::dataset::labels::motion::Motion;
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::stem;
 use crate::dataset::readers::table;

@@ -10,7 +10,7 @@ use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::mat::Matrix;
 use crate::dataset::readers::npy::{self, Array, Values};

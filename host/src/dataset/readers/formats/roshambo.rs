@@ -10,7 +10,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::npy::{self, Array, Values};
 use crate::dataset::readers::path::stem;
@@ -108,7 +108,7 @@ fn notes(person: &str, session: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::labels::movement::Movement;
+    use crate::dataset::movement::Movement;
 
     /// Four samples, each channel the number of the sample, with these annotations.
     fn read_with(annotations: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {

@@ -9,7 +9,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{numbered, stem};
 use crate::dataset::readers::table;
@@ -89,7 +89,7 @@ fn truth(motion: usize, samples: usize) -> Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::labels::movement::Movement;
+    use crate::dataset::movement::Movement;
 
     fn text(rows: usize) -> String {
         "-0.015625,0.9921875,-1,0,0,0,0,0.0546875\n".repeat(rows)

@@ -10,7 +10,7 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
 use crate::dataset::readers::table;

@@ -10,7 +10,7 @@ use shared::units::Sample;
 
 use crate::dataset::labels::activity::labelled;
 use crate::dataset::labels::motion::Motion;
-use crate::dataset::labels::movement::MovementKind;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::mat::Matrix;
 use crate::dataset::readers::npy::Array;

@@ -13,7 +13,7 @@ pub mod summary;
 use shared::intent::Intent;
 
 use super::MetricError;
-use crate::dataset::labels::movement::{Movement, MovementKind, mask};
+use crate::dataset::movement::{Movement, MovementKind, mask};
 use activation::Rate;
 use gesture::{Gesture, Verdict};
 
