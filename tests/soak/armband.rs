@@ -111,10 +111,10 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         self.now_us / 1000
     }
 
-    /// Waits for the stream, and lets so many notifications pass.
+    /// Waits for the stream and for the inference, and lets so many notifications pass.
     pub fn stream(&mut self, notifications: u32) {
         let patience = self.elapsed_ms() + PATIENCE_MS;
-        while !self.device.is_streaming() {
+        while !self.device.is_streaming() || self.now_us < self.busy_until_us {
             assert!(self.elapsed_ms() < patience, "no stream within two minutes");
             self.millisecond();
         }
