@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! start           from reset to running tasks, from a panic to reset
-//! tasks           radio, inference, output, watchdog
+//! tasks           radio, inference, output, control, watchdog
 //! board           pins, UART, watchdog, Bluetooth controller: nRF52 or emulator
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
 //! messages        what the tasks send each other

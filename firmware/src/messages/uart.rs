@@ -1,10 +1,17 @@
-//! Messages on their way to the UART. Reports are for machines; the others begin with `#` and are for people.
+//! Lines on their way to the UART. Reports and answers are for machines; the others begin with `#` and are for people.
+//!
+//! Messages come first. An answer waits for them, and the next command waits for its answer: however many commands
+//! come, they push no label out of its queue.
 
 use core::fmt::{self, Write as _};
 
-use shared::myo::{Address, Counters, FirmwareVersion};
+use embassy_futures::select::{Either, select};
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
+use shared::myo::{Counters, FirmwareVersion};
+use shared::uart_line::answer::{Answer, Identity};
 use shared::uart_line::{Report, alignment::AlignmentReport};
 
+use super::armband::Armband;
 use super::queue::Queue;
 use crate::model_region::ModelRefused;
 use crate::reset_reason::ResetReason;
@@ -30,16 +37,8 @@ pub enum UartMessage {
     PacketsDropped(u32),
 }
 
-/// What is known of an armband.
-#[derive(Clone, Copy)]
-pub struct Armband {
-    /// Its Bluetooth address.
-    pub address: Option<Address>,
-    /// Its firmware.
-    pub firmware: Option<FirmwareVersion>,
-    /// Its battery, percent.
-    pub battery: Option<u8>,
-}
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+const REVISION: &str = env!("MYOINTENT_REVISION");
 
 /// The image, by the name that `cargo xtask images` gives it.
 const IMAGE: &str = match (
@@ -54,24 +53,51 @@ const IMAGE: &str = match (
     (_, false, false) => "nrf52840-s140",
 };
 
-/// Bytes of the longest comment: all counters of a stream.
+/// Bytes of the longest line: all counters of a stream.
 const MAX_BYTES: usize = 256;
 
 static MESSAGES: Queue<UartMessage, 16> = Queue::new();
+static ANSWERS: Channel<CriticalSectionRawMutex, Answer<'static>, 1> = Channel::new();
 
 /// Queues a message; where the queue is full, the oldest is dropped.
 pub fn enqueue(message: UartMessage) {
     MESSAGES.push(message);
 }
 
-/// Whether no message waits.
-pub fn is_idle() -> bool {
-    MESSAGES.is_empty()
+/// Hands over an answer, once the one before was taken.
+pub async fn answer(answer: Answer<'static>) {
+    ANSWERS.send(answer).await;
 }
 
-/// Waits for the oldest message.
-pub async fn receive() -> UartMessage {
-    MESSAGES.receive().await
+/// Messages dropped since the start; wraps.
+pub fn dropped() -> u32 {
+    MESSAGES.dropped()
+}
+
+/// Whether no line waits.
+pub fn is_idle() -> bool {
+    MESSAGES.is_empty() && ANSWERS.is_empty()
+}
+
+/// Waits for the next line: the oldest message, or an answer while there is none.
+pub async fn receive() -> Line {
+    match select(MESSAGES.receive(), ANSWERS.receive()).await {
+        Either::First(message) => message.line(),
+        Either::Second(answer) => line(|line| write!(line, "{answer}")),
+    }
+}
+
+/// What runs here, and on which armband's data.
+pub fn identity(model: Option<u32>, armband: Armband) -> Identity<'static> {
+    Identity {
+        version: VERSION,
+        revision: REVISION,
+        image: IMAGE,
+        model,
+        armband: armband.address,
+        firmware: armband.firmware,
+        battery: armband.battery,
+    }
 }
 
 /// The text of a message.
@@ -80,13 +106,7 @@ pub type Line = heapless::String<MAX_BYTES>;
 impl UartMessage {
     /// The line, CR LF included.
     pub fn line(self) -> Line {
-        let mut line = Line::new();
-        if self.write(&mut line).is_err() {
-            // Truncated, but still a line.
-            line.truncate(MAX_BYTES - 2);
-            let _ = line.push_str("\r\n");
-        }
-        line
+        line(|line| self.write(line))
     }
 
     fn write(self, line: &mut Line) -> fmt::Result {
@@ -94,10 +114,9 @@ impl UartMessage {
             Self::Report(report) => write!(line, "{report}"),
             Self::Alignment(report) => write!(line, "{report}"),
             Self::Started(reason, model) => {
-                let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("MYOINTENT_REVISION"));
                 write!(
                     line,
-                    "# myointent {version} {revision}, image {IMAGE}, model "
+                    "# myointent {VERSION} {REVISION}, image {IMAGE}, model "
                 )?;
                 match model {
                     Some(checksum) => write!(line, "{checksum:08x}")?,
@@ -114,6 +133,16 @@ impl UartMessage {
             }
         }
     }
+}
+
+fn line(write: impl FnOnce(&mut Line) -> fmt::Result) -> Line {
+    let mut line = Line::new();
+    if write(&mut line).is_err() {
+        // Truncated, but still a line.
+        line.truncate(MAX_BYTES - 2);
+        let _ = line.push_str("\r\n");
+    }
+    line
 }
 
 fn write_counters(line: &mut Line, counters: Counters) -> fmt::Result {

@@ -22,8 +22,8 @@ async fn write_messages(port: &mut LabelPort) {
     loop {
         // Evidence: the UART took a line, or there is none for it.
         match with_timeout(heartbeat::PERIOD, uart::receive()).await {
-            Ok(message) => {
-                port.send(message.line().as_bytes()).await;
+            Ok(line) => {
+                port.send(line.as_bytes()).await;
                 heartbeat::OUTPUT.beat();
             }
             Err(_) if uart::is_idle() => heartbeat::OUTPUT.beat(),

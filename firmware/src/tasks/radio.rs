@@ -7,9 +7,10 @@ use shared::myo::{MyoSession, Phase};
 
 use crate::board::{self, RadioParts};
 use crate::messages::{
+    armband,
     packets::PACKETS,
     pin_state,
-    uart::{self, Armband, UartMessage},
+    uart::{self, UartMessage},
 };
 use crate::radio::driver::SessionDriver;
 use crate::settings;
@@ -34,6 +35,7 @@ struct Reporter {
 
 impl Reporter {
     fn report(&self, session: &MyoSession) {
+        armband::set(session);
         let phase = session.phase();
         let before = self.phase.replace(Some(phase));
         if before != Some(phase) {
@@ -42,11 +44,7 @@ impl Reporter {
                 uart::enqueue(UartMessage::StreamEnded(session.counters()));
             }
             if phase == Phase::Streaming {
-                uart::enqueue(UartMessage::Armband(Armband {
-                    address: session.armband(),
-                    firmware: session.firmware(),
-                    battery: session.battery(),
-                }));
+                uart::enqueue(UartMessage::Armband(armband::current()));
             }
         }
         let low = session.battery().filter(|_| session.battery_is_low());

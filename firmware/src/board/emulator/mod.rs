@@ -1,10 +1,11 @@
 //! QEMU's `mps2-an386`: a Cortex-M4F with UARTs and without a radio.
 //!
-//! UART0 carries the labels, UART1 HCI, UART2 the pin levels, those of the outputs out and that of the button in. Everything above this module is the
+//! UART0 carries the labels out and the commands in, UART1 HCI, UART2 the pin levels, those of the outputs out and that of the button in. Everything above this module is the
 //! program of the board, unchanged.
 
 mod button;
 mod clock;
+mod command_port;
 mod dead_man;
 mod fault;
 mod hci;
@@ -31,6 +32,7 @@ use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
 pub use button::Button;
+pub use command_port::CommandPort;
 pub use dead_man::DeadMan;
 use uart::Uart;
 pub use watchdog::Watchdog;
@@ -47,7 +49,6 @@ pub struct RadioParts {
 /// Takes the peripherals; the pin levels are safe from here on.
 pub fn start() -> Board {
     clock::start();
-    Uart::LABELS.start(0);
     let button = Button::start();
     let reset_reason = match previous_end() {
         End::Running => ResetReason::Watchdog,
@@ -56,9 +57,11 @@ pub fn start() -> Board {
         End::Unknown => ResetReason::Power,
     };
     irq::start();
+    let commands = CommandPort::start();
     let (from, to) = hci::start();
     Board {
         labels: LabelPort(()),
+        commands,
         pins: Pins(()),
         button,
         radio: RadioParts { from, to },
