@@ -9,6 +9,7 @@ use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
 use alloc::vec::Vec;
 
+mod binding;
 mod properties;
 
 pub(super) const NEAR: Address = address(1);
