@@ -10,6 +10,7 @@
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
 //! messages        what the tasks send each other
 //! model_region    the model in flash
+//! binding_region  the bound armband in flash
 //! stack_guard     memory below the stack that nothing may access
 //! settings, clock, reset_reason
 //! ```
@@ -19,6 +20,8 @@
 #![deny(unsafe_code)]
 #![deny(clippy::undocumented_unsafe_blocks)]
 
+#[cfg(target_os = "none")]
+mod binding_region;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]

@@ -72,6 +72,8 @@ pub struct Scenario<'s> {
     pub model: &'s [u8],
     /// What the armband streams.
     pub samples: &'s [Sample],
+    /// What the page of the bound armband holds from its start; a reset restores it. Without it the page is empty at first.
+    pub page: Option<Vec<u8>>,
     /// How many times slower than real time the guest's clock runs.
     pub time_scale: u32,
     /// How many times faster than 200 Hz of real time the armband streams.
@@ -149,6 +151,14 @@ impl Board {
     /// # Errors
     /// When it does not start.
     pub fn start_without_armband(&self, model: &[u8]) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, model)
+        Run::start_without_armband(self, model, None)
+    }
+
+    /// The same with this in the page of the bound armband.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn start_with_page(&self, model: &[u8], page: &[u8]) -> anyhow::Result<Run> {
+        Run::start_without_armband(self, model, Some(page))
     }
 }

@@ -11,6 +11,8 @@ use super::{Pins, Run, machine};
 
 /// Lines of each file in the message of a failure.
 const TAIL: usize = 12;
+/// Starts of the lines that are numbered together.
+const NUMBERED: [&str; 3] = ["$LABEL,", "$STATE,", "$ALIGN,"];
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
 
@@ -63,10 +65,32 @@ impl Run {
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let lines = self.file(machine::LABELS);
-        let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('$'));
+        let numbered = |line: &&str| NUMBERED.iter().any(|start| line.starts_with(start));
+        let lines = lines.split_inclusive('\n').filter(numbered);
         lines
             .filter(|l| l.ends_with('\n'))
             .map(str::to_owned)
+            .collect()
+    }
+
+    /// Bodies of the complete answers on UART0, each without `$`, checksum and line end.
+    ///
+    /// # Panics
+    /// If a checksum is wrong.
+    #[must_use]
+    pub fn answers(&self) -> Vec<String> {
+        let lines = self.file(machine::LABELS);
+        let lines = lines.split_inclusive("\r\n");
+        let answers = lines.filter(|l| l.starts_with("$OK,") || l.starts_with("$ERR,"));
+        let complete = answers.filter(|l| l.ends_with("\r\n"));
+        let body = |line: &str| {
+            let framed = line.trim_end().split_once('$');
+            let (body, found) = framed.and_then(|(_, rest)| rest.rsplit_once('*'))?;
+            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            (format!("{sum:02X}") == found).then(|| body.to_owned())
+        };
+        complete
+            .map(|line| body(line).unwrap_or_else(|| panic!("{line}")))
             .collect()
     }
 
@@ -113,14 +137,14 @@ impl Run {
     /// The lines for programs after each start of the program, the newest start last.
     ///
     /// # Errors
-    /// When a line is of no known kind, or comes before the first start.
+    /// When a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
         let text = self.file(machine::LABELS);
         for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
-            } else if !line.starts_with('#') {
+            } else if NUMBERED.iter().any(|start| line.starts_with(start)) {
                 let lines = starts.last_mut();
                 let lines = lines.with_context(|| format!("before the start: {line}"))?;
                 lines.push(Line::parse(line)?);

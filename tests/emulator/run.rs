@@ -62,18 +62,30 @@ impl Run {
             time_scale: scenario.time_scale,
             fault: scenario.fault,
         };
-        let machine = Machine::start(folder, &run.image, scenario.model, straps, Some(&socket))?;
+        let page = scenario.page.as_deref();
+        let machine = Machine::start(
+            folder,
+            &run.image,
+            scenario.model,
+            page,
+            straps,
+            Some(&socket),
+        )?;
         run.machine = Some(machine);
         Ok(run)
     }
 
-    pub(super) fn start_without_armband(board: &Board, model: &[u8]) -> anyhow::Result<Self> {
+    pub(super) fn start_without_armband(
+        board: &Board,
+        model: &[u8],
+        page: Option<&[u8]>,
+    ) -> anyhow::Result<Self> {
         let mut run = Self::new(board, false)?;
         let straps = Straps {
             time_scale: 1,
             fault: None,
         };
-        let machine = Machine::start(run.folder.path(), &run.image, model, straps, None)?;
+        let machine = Machine::start(run.folder.path(), &run.image, model, page, straps, None)?;
         run.machine = Some(machine);
         Ok(run)
     }
@@ -85,6 +97,28 @@ impl Run {
     pub fn set_button(&mut self, is_down: bool) -> anyhow::Result<()> {
         let machine = self.machine.as_mut().context("no machine")?;
         machine.set_button(is_down)
+    }
+
+    /// Sends bytes to the UART that takes commands.
+    ///
+    /// # Errors
+    /// When the machine does not run.
+    pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
+        let machine = self.machine.as_mut().context("no machine")?;
+        machine.send(bytes.as_ref())
+    }
+
+    /// Sends a command and gives its answer's body. The answers to all commands before must have come.
+    ///
+    /// # Errors
+    /// When none comes.
+    pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
+        let before = self.answers().len();
+        self.send(line)?;
+        self.wait_for(&format!("an answer to {line}"), |run| {
+            run.answers().len() > before
+        })?;
+        Ok(self.answers().swap_remove(before))
     }
 
     /// From here on [`Run::check`] accepts that the board restarts.

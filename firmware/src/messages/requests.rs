@@ -4,11 +4,14 @@ use embassy_sync::{
     blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel, signal::Signal,
 };
 use embassy_time::{Duration, with_timeout};
-use shared::uart_line::answer::Refusal;
-use shared::uart_line::command::AlignCommand;
+use shared::uart_line::answer::{Binding, Refusal};
+use shared::uart_line::command::{AlignCommand, BindCommand};
 
 /// To the inference.
 pub static ALIGN: Requests<AlignCommand> = Requests::new();
+
+/// To the radio.
+pub static BIND: Requests<BindCommand, Binding> = Requests::new();
 
 /// A task that does not answer for so long is busy, or does not run.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -7,8 +7,9 @@ use core::fmt::{self, Write as _};
 
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
-use shared::myo::{Counters, FirmwareVersion};
+use shared::myo::{Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
+use shared::uart_line::command::{BindCommand, Command};
 use shared::uart_line::{Report, alignment::AlignmentReport};
 
 use super::armband::Armband;
@@ -27,6 +28,12 @@ pub enum UartMessage {
     Started(ResetReason, Option<u32>),
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
+    /// Which armband is followed from now on.
+    Following(Following),
+    /// No armband was heard in a pairing.
+    PairingFailed,
+    /// The bound armband, or that there is none, was not kept: a restart forgets it.
+    NotKept,
     /// An armband streams.
     Armband(Armband),
     /// A stream ended; counts of all streams since the start.
@@ -79,11 +86,29 @@ pub fn is_idle() -> bool {
     MESSAGES.is_empty() && ANSWERS.is_empty()
 }
 
+/// What the next line is made of.
+pub enum Next {
+    /// A message.
+    Message(UartMessage),
+    /// An answer.
+    Answer(Answer<'static>),
+}
+
+impl Next {
+    /// The line, CR LF included.
+    pub fn line(self) -> Line {
+        match self {
+            Self::Message(message) => line(|line| message.write(line)),
+            Self::Answer(answer) => line(|line| write!(line, "{answer}")),
+        }
+    }
+}
+
 /// Waits for the next line: the oldest message, or an answer while there is none.
-pub async fn receive() -> Line {
+pub async fn receive() -> Next {
     match select(MESSAGES.receive(), ANSWERS.receive()).await {
-        Either::First(message) => message.line(),
-        Either::Second(answer) => line(|line| write!(line, "{answer}")),
+        Either::First(message) => Next::Message(message),
+        Either::Second(answer) => Next::Answer(answer),
     }
 }
 
@@ -104,11 +129,6 @@ pub fn identity(model: Option<u32>, armband: Armband) -> Identity<'static> {
 pub type Line = heapless::String<MAX_BYTES>;
 
 impl UartMessage {
-    /// The line, CR LF included.
-    pub fn line(self) -> Line {
-        line(|line| self.write(line))
-    }
-
     fn write(self, line: &mut Line) -> fmt::Result {
         match self {
             Self::Report(report) => write!(line, "{report}"),
@@ -125,6 +145,11 @@ impl UartMessage {
                 write!(line, ", started by {}\r\n", reason.name())
             }
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
+            Self::Following(following) => write_following(line, following),
+            Self::PairingFailed => line.write_str("# pairing over: no armband was heard\r\n"),
+            Self::NotKept => {
+                line.write_str("# the flash page did not take the change: a restart undoes it\r\n")
+            }
             Self::Armband(armband) => write!(line, "# {armband}\r\n"),
             Self::StreamEnded(counters) => write_counters(line, counters),
             Self::LowBattery(percent) => write!(line, "# armband battery low: {percent} %\r\n"),
@@ -143,6 +168,28 @@ fn line(write: impl FnOnce(&mut Line) -> fmt::Result) -> Line {
         let _ = line.push_str("\r\n");
     }
     line
+}
+
+fn write_following(line: &mut Line, following: Following) -> fmt::Result {
+    match following {
+        Following::Pinned(address) => {
+            write!(line, "# follows {address}: given when the program was built\r\n")
+        }
+        Following::Bound(address) => write!(line, "# follows {address}: bound\r\n"),
+        Following::Strongest => line.write_str(
+            "# follows the strongest armband, whoever wears it: none is bound, and the program was built so\r\n",
+        ),
+        Following::Pairing => {
+            line.write_str("# pairing: in 30 s the armband with the strongest signal is bound\r\n")
+        }
+        Following::Nobody => {
+            let begin = Command::Bind(BindCommand::Begin);
+            write!(
+                line,
+                "# follows no armband: none is bound. Wear yours beside the board and hold button 1 for 3 s, or send {begin}"
+            )
+        }
+    }
 }
 
 fn write_counters(line: &mut Line, counters: Counters) -> fmt::Result {

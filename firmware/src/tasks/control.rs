@@ -6,8 +6,8 @@ use embassy_futures::{
 };
 use embassy_time::{Duration, Ticker};
 use shared::button::{self, Press};
-use shared::uart_line::answer::{Answer, Counts};
-use shared::uart_line::command::{AlignCommand, Command, CommandReader};
+use shared::uart_line::answer::{Answer, Counts, Refusal};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 
 use crate::board::{Button, CommandPort};
 use crate::clock::now;
@@ -31,7 +31,9 @@ pub async fn run(mut port: CommandPort, mut button: Button, model: Option<u32>) 
             Either::First(()) => match contact.look(now(), button.is_down()) {
                 // Refused without a stream: there is nothing to align.
                 Some(Press::Pressed) => drop(requests::ALIGN.ask(AlignCommand::Begin).await),
-                Some(Press::Held) | None => {}
+                // An address that was given at build time stays.
+                Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
+                None => {}
             },
             Either::Second(Ok(count)) => {
                 for &byte in bytes.iter().take(count) {
@@ -59,6 +61,13 @@ async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
             lines_dropped: uart::dropped(),
             emg_dropped: 0,
         }),
+        Command::Align(_) | Command::Bind(_) if model.is_none() => {
+            Answer::Refused(Refusal::NoModel)
+        }
+        Command::Bind(command) => match requests::BIND.ask(command).await {
+            Ok(binding) => Answer::Binding(binding),
+            Err(refusal) => Answer::Refused(refusal),
+        },
         Command::Align(command) => match requests::ALIGN.ask(command).await {
             Ok(()) => Answer::Align(command),
             Err(refusal) => Answer::Refused(refusal),

@@ -8,7 +8,7 @@ use crate::messages::{
     heartbeat,
     packets::PACKETS,
     pin_state,
-    uart::{self, UartMessage},
+    uart::{self, Next, UartMessage},
 };
 
 /// Runs forever.
@@ -22,8 +22,8 @@ async fn write_messages(port: &mut LabelPort) {
     loop {
         // Evidence: the UART took a line, or there is none for it.
         match with_timeout(heartbeat::PERIOD, uart::receive()).await {
-            Ok(line) => {
-                port.send(line.as_bytes()).await;
+            Ok(next) => {
+                port.send(next.line().as_bytes()).await;
                 heartbeat::OUTPUT.beat();
             }
             Err(_) if uart::is_idle() => heartbeat::OUTPUT.beat(),
@@ -31,7 +31,7 @@ async fn write_messages(port: &mut LabelPort) {
         }
         if PACKETS.dropped() != dropped {
             dropped = PACKETS.dropped();
-            let message = UartMessage::PacketsDropped(dropped);
+            let message = Next::Message(UartMessage::PacketsDropped(dropped));
             port.send(message.line().as_bytes()).await;
         }
     }

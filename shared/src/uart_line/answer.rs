@@ -5,6 +5,7 @@
 //! body     = "OK,IDENTIFY," version "," revision "," image "," model "," armband "," firmware "," battery
 //!          | "OK,COUNTERS," number { "," number }      16 of them: the fields of `Counts`, in order
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
+//!          | "OK,BIND," why-this "," address "," kept
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0
 //! revision = of its source
@@ -13,6 +14,13 @@
 //! armband  = address of the armband that is connected | "-"
 //! firmware = its firmware, such as 1.5.1970 | "-"
 //! battery  = its charge in percent | "-"
+//! why-this = "built-in"               the armband whose address was given when the program was built
+//!          | "bound"                  the armband that is bound
+//!          | "strongest"              none is bound, and the program was built to follow any
+//!          | "nobody"                 none is bound
+//!          | "pairing"                30 s are not over
+//! address  = of the armband that is followed | "-"
+//! kept     = "1" | "0"               whether the bound armband, or that there is none, will outlast a restart
 //! why      = "too-long"               more than 64 bytes without an end
 //!          | "frame"                  not `$...*HH` in ASCII
 //!          | "checksum," expected     the checksum that the line should have had
@@ -20,6 +28,7 @@
 //!          | "arguments"              the command has no such arguments
 //!          | "no-model"               the model was refused, so there is nothing to do this with
 //!          | "no-stream"              no armband streams
+//!          | "built-in"               the armband's address was given when the program was built
 //!          | "busy"                   not done within a second: ask again
 //! ```
 //!
@@ -35,7 +44,7 @@ use core::fmt;
 
 use super::command::AlignCommand;
 use super::write_framed;
-use crate::myo::{Address, Counters, FirmwareVersion};
+use crate::myo::{Address, Counters, FirmwareVersion, Following};
 
 /// Why a command is not carried out. `Display` is for people.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -61,6 +70,9 @@ pub enum Refusal {
     /// There is no stream.
     #[error("no armband streams: put it on and wait")]
     NoStream,
+    /// The armband cannot be changed.
+    #[error("the armband's address was given when the program was built: build it without")]
+    BuiltIn,
     /// It was not done in time.
     #[error("not done within a second: ask again")]
     Busy,
@@ -78,6 +90,7 @@ impl Refusal {
             Self::Arguments => "arguments",
             Self::NoModel => "no-model",
             Self::NoStream => "no-stream",
+            Self::BuiltIn => "built-in",
             Self::Busy => "busy",
         }
     }
@@ -155,6 +168,15 @@ impl Counts {
     }
 }
 
+/// Which armband is followed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Binding {
+    /// Which one, and why.
+    pub following: Following,
+    /// Whether the bound armband, or that there is none, will outlast a restart.
+    pub is_kept: bool,
+}
+
 /// Content of an answer. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer<'a> {
@@ -164,6 +186,8 @@ pub enum Answer<'a> {
     Counts(Counts),
     /// To `ALIGN`: accepted. `$ALIGN` lines say what comes of it.
     Align(AlignCommand),
+    /// To `BIND`, as it is from now on.
+    Binding(Binding),
     /// The command is not carried out.
     Refused(Refusal),
 }
@@ -180,6 +204,7 @@ impl fmt::Display for Answer<'_> {
             Self::Align(command) => {
                 write_framed(formatter, format_args!("OK,ALIGN,{}", command.name()))
             }
+            Self::Binding(binding) => write_framed(formatter, format_args!("OK,BIND,{binding}")),
             Self::Refused(Refusal::Checksum(expected)) => {
                 write_framed(formatter, format_args!("ERR,checksum,{expected:02X}"))
             }
@@ -219,6 +244,23 @@ impl fmt::Display for Identity<'_> {
         match self.battery {
             Some(percent) => write!(formatter, "{percent}"),
             None => formatter.write_str("-"),
+        }
+    }
+}
+
+impl fmt::Display for Binding {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = match self.following {
+            Following::Pinned(_) => "built-in",
+            Following::Bound(_) => "bound",
+            Following::Strongest => "strongest",
+            Following::Nobody => "nobody",
+            Following::Pairing => "pairing",
+        };
+        let is_kept = u8::from(self.is_kept);
+        match self.following.address() {
+            Some(address) => write!(formatter, "{name},{address},{is_kept}"),
+            None => write!(formatter, "{name},-,{is_kept}"),
         }
     }
 }
@@ -304,11 +346,22 @@ mod tests {
             (Answer::Align(AlignCommand::Begin), "OK,ALIGN,begin"),
             (Answer::Align(AlignCommand::Cancel), "OK,ALIGN,cancel"),
             (Answer::Align(set), "OK,ALIGN,set"),
+            (
+                binding(Following::Bound(IDENTITY.armband.unwrap()), true),
+                "OK,BIND,bound,FA:12:34:56:78:9A,1",
+            ),
+            (binding(Following::Nobody, false), "OK,BIND,nobody,-,0"),
+            (binding(Following::Pairing, true), "OK,BIND,pairing,-,1"),
+            (binding(Following::Strongest, true), "OK,BIND,strongest,-,1"),
             (Answer::Refused(Refusal::TooLong), "ERR,too-long"),
             (Answer::Refused(Refusal::NoModel), "ERR,no-model"),
         ] {
             assert_eq!(answer.to_string(), framed(body));
         }
+    }
+
+    fn binding(following: Following, is_kept: bool) -> Answer<'static> {
+        Answer::Binding(Binding { following, is_kept })
     }
 
     #[test]

@@ -6,6 +6,11 @@
 //!          | "COUNTERS"                          what was lost and dropped since the start
 //!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
 //!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
+//!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
+//!          | "BIND,set," address                 bind this armband
+//!          | "BIND,forget"                       bind none
+//!          | "BIND,state"                        change nothing
+//! address  = such as FA:12:34:56:78:9A
 //! turn     = "0" ... "7"                         places that the armband is turned by
 //! mirrored = "0" | "1"                           whether the electrodes run the other way round
 //! end      = CR | LF | CR LF
@@ -25,6 +30,7 @@ use core::fmt;
 
 use super::answer::Refusal;
 use super::{ParseError, number, unframed, write_framed};
+use crate::myo::Address;
 use crate::stream::alignment::Alignment;
 
 /// Most bytes of a command's line, without its end.
@@ -39,6 +45,21 @@ pub enum Command {
     Counters,
     /// Begin, cancel or set an alignment.
     Align(AlignCommand),
+    /// Begin a pairing, bind or forget an armband, or say which one is followed.
+    Bind(BindCommand),
+}
+
+/// A command about the armband that is bound.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum BindCommand {
+    /// Begin a pairing.
+    Begin,
+    /// Bind this one.
+    Set(Address),
+    /// Bind none.
+    Forget,
+    /// Change nothing.
+    State,
 }
 
 /// A command about the alignment.
@@ -83,7 +104,8 @@ impl Command {
             ("IDENTIFY", None) => Self::Identify,
             ("COUNTERS", None) => Self::Counters,
             ("ALIGN", Some(arguments)) => Self::Align(align(arguments)?),
-            ("IDENTIFY" | "COUNTERS" | "ALIGN", _) => return Err(Refusal::Arguments),
+            ("BIND", Some(arguments)) => Self::Bind(bind(arguments)?),
+            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "BIND", _) => return Err(Refusal::Arguments),
             _ => return Err(Refusal::Unknown),
         };
         Ok(Some(command))
@@ -111,6 +133,19 @@ fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
     Ok(AlignCommand::Set(Alignment::new(turn, mirrored)))
 }
 
+fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
+    match arguments {
+        "begin" => Ok(BindCommand::Begin),
+        "forget" => Ok(BindCommand::Forget),
+        "state" => Ok(BindCommand::State),
+        _ => {
+            let address = arguments.strip_prefix("set,").map(Address::parse);
+            let address = address.and_then(Result::ok).ok_or(Refusal::Arguments)?;
+            Ok(BindCommand::Set(address))
+        }
+    }
+}
+
 impl fmt::Display for Command {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -123,6 +158,12 @@ impl fmt::Display for Command {
             Self::Align(command) => {
                 write_framed(formatter, format_args!("ALIGN,{}", command.name()))
             }
+            Self::Bind(BindCommand::Set(address)) => {
+                write_framed(formatter, format_args!("BIND,set,{address}"))
+            }
+            Self::Bind(BindCommand::Begin) => write_framed(formatter, format_args!("BIND,begin")),
+            Self::Bind(BindCommand::Forget) => write_framed(formatter, format_args!("BIND,forget")),
+            Self::Bind(BindCommand::State) => write_framed(formatter, format_args!("BIND,state")),
         }
     }
 }
@@ -183,6 +224,7 @@ impl CommandReader {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::myo::AddressKind;
     use alloc::{format, string::ToString, vec::Vec};
     use proptest::prelude::*;
 
@@ -242,6 +284,11 @@ mod tests {
             ("ALIGN,set,03,0", Refusal::Arguments),
             ("ALIGN,set,3,2", Refusal::Arguments),
             ("ALIGN,set,3,0,0", Refusal::Arguments),
+            ("BIND", Refusal::Arguments),
+            ("BIND,set", Refusal::Arguments),
+            ("BIND,set,FA:12:34:56:78", Refusal::Arguments),
+            ("BIND,set,FA:12:34:56:78:9A,1", Refusal::Arguments),
+            ("BIND,forget,1", Refusal::Arguments),
         ] {
             assert_eq!(read(framed(body).as_bytes()), [Err(refusal)], "{body}");
         }
@@ -291,7 +338,15 @@ mod tests {
         let set = (0_u8..8, any::<bool>()).prop_map(|(turn, mirrored)| {
             Command::Align(AlignCommand::Set(Alignment::new(turn, mirrored)))
         });
+        let bind = any::<[u8; 6]>().prop_map(|bytes| {
+            let kind = AddressKind::Public;
+            Command::Bind(BindCommand::Set(Address { kind, bytes }))
+        });
         prop_oneof![
+            Just(Command::Bind(BindCommand::Begin)),
+            Just(Command::Bind(BindCommand::Forget)),
+            Just(Command::Bind(BindCommand::State)),
+            bind,
             Just(Command::Identify),
             Just(Command::Counters),
             Just(Command::Align(AlignCommand::Begin)),

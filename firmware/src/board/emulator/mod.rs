@@ -10,6 +10,7 @@ mod dead_man;
 mod fault;
 mod hci;
 mod irq;
+mod page;
 mod registers;
 mod stack;
 mod straps;
@@ -76,7 +77,7 @@ pub async fn run_radio(_: Spawner, mut parts: RadioParts, driver: &SessionDriver
     hci::synchronize(&mut parts.from, &mut parts.to).await;
     let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);
     let controller: ExternalController<_, 10> = ExternalController::new(transport);
-    trouble::run(controller, OWN_ADDRESS, driver).await;
+    trouble::run(controller, OWN_ADDRESS, driver, &mut page::MemoryPage).await;
 }
 
 /// UART0.

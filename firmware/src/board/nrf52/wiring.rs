@@ -132,6 +132,7 @@ pub fn wire(p: Peripherals) -> Wiring {
                 p.PPI_CH25, p.PPI_CH26, p.PPI_CH27, p.PPI_CH28, p.PPI_CH29,
             ),
             random: p.RNG,
+            flash: p.NVMC,
         },
         watchdog: p.WDT,
     }
