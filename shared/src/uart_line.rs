@@ -23,7 +23,8 @@
 //! 5 ms. Every line that parses is written back byte for byte.
 //!
 //! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
-//! commands, [`command`], and answers each, [`answer`]; who sends none sees neither.
+//! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Who sends none sees
+//! none of these.
 //!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
@@ -33,6 +34,7 @@
 pub mod alignment;
 pub mod answer;
 pub mod command;
+pub mod emg;
 
 use core::fmt::{self, Write};
 

@@ -178,7 +178,7 @@ impl Machine {
     }
 }
 
-fn named_pipe(path: &Path) -> anyhow::Result<File> {
+pub fn named_pipe(path: &Path) -> anyhow::Result<File> {
     let made = Command::new("mkfifo").arg(path).status()?;
     ensure!(made.success(), "no named pipe {}: {made}", path.display());
     // For reading too: opening waits for nobody, and the machine never reads its end.

@@ -16,6 +16,7 @@ mod oracle;
 mod output;
 mod pins;
 mod process;
+mod reader;
 mod run;
 
 pub use machine::{Fault, MODEL_REGION, Machine, Straps};
@@ -23,6 +24,7 @@ pub use model_damage::{Damage, damages};
 pub use oracle::{Input, expected_lines};
 pub use output::Line;
 pub use pins::Pins;
+pub use reader::Reader;
 pub use run::Run;
 
 use std::path::PathBuf;
@@ -136,6 +138,14 @@ fn or_skip<T>(name: &str, found: anyhow::Result<T>) -> Option<T> {
 }
 
 impl Bench {
+    /// Starts armband and machine, with a reader of the labels that can stop reading.
+    ///
+    /// # Errors
+    /// When one of them does not start.
+    pub fn start_with_reader(&self, scenario: &Scenario<'_>) -> anyhow::Result<(Run, Reader)> {
+        Run::start_with_reader(self, scenario)
+    }
+
     /// Starts armband and machine.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use anyhow::Context as _;
 use serde_json::Value;
-use shared::uart_line::{Report, alignment::AlignmentReport};
+use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 
 use super::run::ARMBAND_LOG;
 use super::{Pins, Run, machine};
@@ -64,7 +64,7 @@ impl Run {
     /// Complete lines of UART0 that are reports, line ends included.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let lines = self.file(machine::LABELS);
+        let lines = self.file(self.labels);
         let numbered = |line: &&str| NUMBERED.iter().any(|start| line.starts_with(start));
         let lines = lines.split_inclusive('\n').filter(numbered);
         lines
@@ -79,7 +79,7 @@ impl Run {
     /// If a checksum is wrong.
     #[must_use]
     pub fn answers(&self) -> Vec<String> {
-        let lines = self.file(machine::LABELS);
+        let lines = self.file(self.labels);
         let lines = lines.split_inclusive("\r\n");
         let answers = lines.filter(|l| l.starts_with("$OK,") || l.starts_with("$ERR,"));
         let complete = answers.filter(|l| l.ends_with("\r\n"));
@@ -94,10 +94,22 @@ impl Run {
             .collect()
     }
 
+    /// The raw stream, parsed.
+    ///
+    /// # Errors
+    /// When a line cannot be parsed.
+    pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
+        let lines = self.file(self.labels);
+        let lines = lines.split_inclusive('\n').filter(|l| l.ends_with('\n'));
+        let emg = lines.filter(|l| l.starts_with("$EMG,"));
+        emg.map(|line| EmgReport::parse(line.as_bytes()).with_context(|| line.to_owned()))
+            .collect()
+    }
+
     /// Complete lines of UART0 that are comments, without line end.
     #[must_use]
     pub fn comments(&self) -> Vec<String> {
-        let lines = self.file(machine::LABELS);
+        let lines = self.file(self.labels);
         let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('#'));
         lines
             .filter(|l| l.ends_with('\n'))
@@ -140,7 +152,7 @@ impl Run {
     /// When a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
-        let text = self.file(machine::LABELS);
+        let text = self.file(self.labels);
         for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
@@ -218,7 +230,7 @@ impl Run {
     pub fn tails(&self) -> String {
         let mut text = String::new();
         for name in [
-            machine::LABELS,
+            self.labels,
             machine::PINS,
             "machine.out",
             ARMBAND_LOG,

@@ -9,8 +9,9 @@ use bytemuck::cast_slice;
 use tempfile::TempDir;
 use xtask::emulator;
 
-use super::machine::{Machine, Straps};
+use super::machine::{self, Machine, Straps};
 use super::process::KillOnDrop;
+use super::reader::{self, Reader};
 use super::{Bench, Board, Scenario};
 
 /// The armband's log in a run's folder.
@@ -26,13 +27,30 @@ pub struct Run {
     armband: Option<KillOnDrop>,
     pub(super) folder: TempDir,
     pub(super) image: PathBuf,
+    /// The file that the lines of UART0 come to.
+    pub(super) labels: &'static str,
     /// Whether the board may restart: a fault is injected.
     pub(super) may_restart: bool,
 }
 
 impl Run {
     pub(super) fn start(bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
+        let run = Self::new(&bench.board, scenario.fault.is_some())?;
+        run.start_both(bench, scenario)
+    }
+
+    pub(super) fn start_with_reader(
+        bench: &Bench,
+        scenario: &Scenario<'_>,
+    ) -> anyhow::Result<(Self, Reader)> {
         let mut run = Self::new(&bench.board, scenario.fault.is_some())?;
+        let reader = Reader::start(run.folder.path())?;
+        run.labels = reader::COPY;
+        Ok((run.start_both(bench, scenario)?, reader))
+    }
+
+    fn start_both(self, bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
+        let mut run = self;
         let path = |name: &str| run.folder.path().join(name);
         let (recording, script) = (path("recording.i8"), path("script.json"));
         std::fs::write(&recording, cast_slice::<[i8; 8], u8>(scenario.samples))?;
@@ -133,6 +151,7 @@ impl Run {
             // Short: the path of a socket has at most 107 bytes.
             folder: tempfile::Builder::new().prefix("myo").tempdir()?,
             image: board.image.clone(),
+            labels: machine::LABELS,
             may_restart,
         })
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use myointent_tests::emulator::{Bench, Fault, Input, Run, Scenario, bench, expected_lines};
 use serde_json::json;
 use shared::myo::Address;
-use shared::uart_line::command::{BindCommand, Command};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Sample;
 
 use super::{ARMBAND, PACE, TIME_SCALE, bound};
@@ -126,6 +126,8 @@ fn an_unbound_board_follows_nobody_and_can_be_bound_and_made_to_forget() -> anyh
     let connected =
         |run: &Run| run.event_count("connected") + run.event_count("stranger-connected");
     assert_eq!(connected(&run), 0, "{}", run.tails());
+    let align = Command::Align(AlignCommand::Begin);
+    assert_eq!(run.ask(&align.to_string())?, "ERR,no-stream");
 
     let armband = Address::parse(ARMBAND)?;
     let answer = ask(&mut run, BindCommand::Set(armband))?;

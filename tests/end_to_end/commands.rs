@@ -4,6 +4,8 @@ use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, board, expec
 use serde_json::json;
 use shared::model::noise::Noise;
 use shared::stream::alignment::Alignment;
+use shared::stream::safe_state::Cause;
+use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentState;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Sample;
@@ -24,12 +26,16 @@ fn samples(count: usize) -> Vec<Sample> {
 }
 
 fn start(bench: &Bench, samples: &[Sample]) -> anyhow::Result<Run> {
+    start_at(bench, samples, PACE)
+}
+
+fn start_at(bench: &Bench, samples: &[Sample], pace: f64) -> anyhow::Result<Run> {
     let mut run = bench.start(&Scenario {
         model: &model(),
         page: Some(bound()),
         samples,
         time_scale: TIME_SCALE,
-        pace: PACE,
+        pace,
         fault: None,
         script: json!([]),
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
@@ -85,6 +91,7 @@ fn each_command_is_answered_and_wrong_lines_are_refused() -> anyhow::Result<()> 
         (&framed("REBOOT"), "ERR,unknown"),
         (&framed("ALIGN,set,9,0"), "ERR,arguments"),
         (&format!("${}", "x".repeat(70)), "ERR,too-long"),
+        (&framed("RAW,off"), "OK,RAW,off"),
         (&framed("ALIGN,begin"), "OK,ALIGN,begin"),
         (&framed("ALIGN,cancel"), "OK,ALIGN,cancel"),
     ] {
@@ -99,8 +106,8 @@ fn each_command_is_answered_and_wrong_lines_are_refused() -> anyhow::Result<()> 
 }
 
 #[test]
-fn without_a_model_or_a_stream_a_command_is_refused_with_the_reason() -> anyhow::Result<()> {
-    let test = "without_a_model_or_a_stream_a_command_is_refused_with_the_reason";
+fn without_a_model_a_command_is_refused_with_the_reason() -> anyhow::Result<()> {
+    let test = "without_a_model_a_command_is_refused_with_the_reason";
     let Some(board) = board(test) else {
         return Ok(());
     };
@@ -114,13 +121,6 @@ fn without_a_model_or_a_stream_a_command_is_refused_with_the_reason() -> anyhow:
     assert_eq!(run.ask(&align)?, "ERR,no-model");
     let state = Command::Bind(BindCommand::State).to_string();
     assert_eq!(run.ask(&state)?, "ERR,no-model");
-    drop(run);
-
-    let mut run = board.start_without_armband(&model())?;
-    run.wait_for("the start", |run| !run.comments().is_empty())?;
-    assert_eq!(run.ask(&align)?, "ERR,no-stream");
-    // Its Bluetooth stack waits for a controller.
-    assert_eq!(run.ask(&state)?, "ERR,busy");
     Ok(())
 }
 
@@ -195,4 +195,97 @@ fn an_alignment_set_by_a_command_gives_the_pipelines_lines() -> anyhow::Result<(
             Input::Disconnected,
         ],
     )
+}
+
+#[test]
+fn the_raw_stream_equals_the_samples_sent_and_changes_no_label() -> anyhow::Result<()> {
+    let test = "the_raw_stream_equals_the_samples_sent_and_changes_no_label";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let samples = samples(1400);
+    // Twice as fast as an armband to the guest: what the board has no time for it drops.
+    let mut run = start_at(&bench, &samples, 2.0 / f64::from(TIME_SCALE))?;
+    assert_eq!(run.ask(&Command::Raw(true).to_string())?, "OK,RAW,on");
+    run.wait_for("samples", |run| run.emg().is_ok_and(|emg| emg.len() > 400))?;
+    assert_eq!(run.ask(&Command::Raw(false).to_string())?, "OK,RAW,off");
+    compare(&mut run, &[Input::Samples(&samples), Input::Disconnected])?;
+    let emg = run.emg()?;
+    let first = emg[0].first.0 as usize;
+    assert!(
+        first < 600 && emg.len() < 700,
+        "{} from {first} on",
+        emg.len()
+    );
+    for (report, place) in emg.iter().zip((first..).step_by(2)) {
+        assert_eq!(report.first.0 as usize, place, "{}", run.tails());
+        assert_eq!(report.samples, samples[place..place + 2], "{report}");
+    }
+    let counters = run.ask(&Command::Counters.to_string())?;
+    assert!(counters.ends_with(",0,0,0"), "{counters}");
+    Ok(())
+}
+
+#[test]
+fn a_reader_that_stops_reading_changes_no_label() -> anyhow::Result<()> {
+    let test = "a_reader_that_stops_reading_changes_no_label";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let samples = samples(4800);
+    let (mut run, reader) = bench.start_with_reader(&Scenario {
+        model: &model(),
+        page: Some(bound()),
+        samples: &samples,
+        time_scale: TIME_SCALE,
+        pace: PACE,
+        fault: None,
+        script: json!([]),
+        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
+    })?;
+    run.wait_for("the stream", |run| {
+        run.pins().last().is_some_and(|pins| pins.armband)
+    })?;
+    assert_eq!(run.ask(&Command::Raw(true).to_string())?, "OK,RAW,on");
+    reader.pause(true);
+    // The pipe is full after 1200 notifications; then the board has nowhere to write to, for less than its watchdog bears.
+    run.wait_for("most of the stream", |run| run.event_count("sent") > 1600)?;
+    reader.pause(false);
+    run.wait_for("the end of the stream", |run| {
+        run.pins().last().is_some_and(|pins| !pins.armband)
+    })?;
+    run.wait_for("the last line", |run| {
+        let reports = run.reports().unwrap_or_default();
+        reports.last().and_then(|report| report.status.cause()) == Some(Cause::Disconnected)
+    })?;
+    let expected = expected_lines(&model(), &[Input::Samples(&samples), Input::Disconnected])?;
+
+    // Every line that came is one of those expected, in their order, and what is missing was counted.
+    let lines = run.lines();
+    let mut wanted = expected.iter();
+    for line in &lines {
+        assert!(wanted.any(|wanted| wanted == line), "{line}{}", run.tails());
+    }
+    let counters = run.ask(&Command::Counters.to_string())?;
+    let counts: Vec<usize> = counters.split(',').skip(2).flat_map(str::parse).collect();
+    let [.., packets, dropped, emg] = counts[..] else {
+        panic!("{counters}");
+    };
+    assert_eq!(packets, 0, "{counters}");
+    assert_eq!(lines.len() + dropped, expected.len(), "{counters}");
+    assert!(dropped > 0 && emg > 0, "never full: {counters}");
+    let starts = run.lines_by_start()?.len();
+    assert_eq!(starts, 1, "restarted\n{}", run.tails());
+
+    // The pins showed every label.
+    let reports = expected.iter().map(|line| Report::parse(line.as_bytes()));
+    let mut labels = reports
+        .map(|report| Ok(report?.status.label()))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    labels.dedup();
+    let mut shown: Vec<_> = run.pins().iter().map(|pins| pins.high.clone()).collect();
+    shown.dedup();
+    let labels: Vec<_> = labels.into_iter().map(|label| vec![label]).collect();
+    assert_eq!(shown, labels, "{}", run.tails());
+    Ok(())
 }

@@ -15,5 +15,6 @@ pub mod heartbeat;
 pub mod packets;
 pub mod pin_state;
 mod queue;
+pub mod raw;
 pub mod requests;
 pub mod uart;

@@ -1,19 +1,21 @@
 //! Lines on their way to the UART. Reports and answers are for machines; the others begin with `#` and are for people.
 //!
 //! Messages come first. An answer waits for them, and the next command waits for its answer: however many commands
-//! come, they push no label out of its queue.
+//! come, they push no label out of its queue. Raw samples come last.
 
 use core::fmt::{self, Write as _};
 
-use embassy_futures::select::{Either, select};
+use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
 use shared::myo::{Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
 use shared::uart_line::command::{BindCommand, Command};
+use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Report, alignment::AlignmentReport};
 
 use super::armband::Armband;
 use super::queue::Queue;
+use super::raw;
 use crate::model_region::ModelRefused;
 use crate::reset_reason::ResetReason;
 
@@ -83,7 +85,7 @@ pub fn dropped() -> u32 {
 
 /// Whether no line waits.
 pub fn is_idle() -> bool {
-    MESSAGES.is_empty() && ANSWERS.is_empty()
+    MESSAGES.is_empty() && ANSWERS.is_empty() && raw::is_idle()
 }
 
 /// What the next line is made of.
@@ -92,6 +94,8 @@ pub enum Next {
     Message(UartMessage),
     /// An answer.
     Answer(Answer<'static>),
+    /// Raw samples.
+    Emg(EmgReport),
 }
 
 impl Next {
@@ -100,15 +104,17 @@ impl Next {
         match self {
             Self::Message(message) => line(|line| message.write(line)),
             Self::Answer(answer) => line(|line| write!(line, "{answer}")),
+            Self::Emg(report) => line(|line| write!(line, "{report}")),
         }
     }
 }
 
-/// Waits for the next line: the oldest message, or an answer while there is none.
+/// Waits for the next line: the oldest message; an answer while there is none; samples while there is neither.
 pub async fn receive() -> Next {
-    match select(MESSAGES.receive(), ANSWERS.receive()).await {
-        Either::First(message) => Next::Message(message),
-        Either::Second(answer) => Next::Answer(answer),
+    match select3(MESSAGES.receive(), ANSWERS.receive(), raw::receive()).await {
+        Either3::First(message) => Next::Message(message),
+        Either3::Second(answer) => Next::Answer(answer),
+        Either3::Third(report) => Next::Emg(report),
     }
 }
 

@@ -11,7 +11,7 @@ use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandRead
 
 use crate::board::{Button, CommandPort};
 use crate::clock::now;
-use crate::messages::{armband, packets::PACKETS, requests, uart};
+use crate::messages::{armband, packets::PACKETS, raw, requests, uart};
 
 /// How often the button is looked at: at least twice while its contact is debounced.
 const LOOK: Duration = Duration::from_millis(15);
@@ -59,8 +59,12 @@ async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
             session: armband::current().counters,
             packets_dropped: PACKETS.dropped(),
             lines_dropped: uart::dropped(),
-            emg_dropped: 0,
+            emg_dropped: raw::dropped(),
         }),
+        Command::Raw(on) => {
+            raw::switch(on);
+            Answer::Raw(on)
+        }
         Command::Align(_) | Command::Bind(_) if model.is_none() => {
             Answer::Refused(Refusal::NoModel)
         }

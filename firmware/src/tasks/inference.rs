@@ -1,6 +1,9 @@
 //! From packets to labels.
 
-use embassy_futures::select::{Either3, select3};
+use embassy_futures::{
+    select::{Either3, select3},
+    yield_now,
+};
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::Model;
@@ -11,6 +14,7 @@ use shared::stream::safe_state::{Event, SafeState, Start};
 use shared::stream::smoother::Smoother;
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::command::AlignCommand;
+use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -20,7 +24,7 @@ use crate::clock::now;
 use crate::messages::{
     heartbeat,
     packets::PACKETS,
-    pin_state, requests,
+    pin_state, raw, requests,
     uart::{self, UartMessage},
 };
 use crate::model_region::{self, ModelRefused};
@@ -88,6 +92,7 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
         let silence = timer_until(pipeline.deadline());
         match select3(PACKETS.receive(), silence, requests::ALIGN.receive()).await {
             Either3::First(packet) => {
+                let first = packet.first;
                 let received = detector.receive(packet);
                 let now = now();
                 if received.disconnected {
@@ -102,6 +107,9 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                 for sample in received.samples.into_iter().flatten() {
                     let reports = pipeline.sample(now, sample);
                     enqueue(pipeline, reports);
+                }
+                if let Some(samples) = received.samples {
+                    raw::enqueue(EmgReport { first, samples });
                 }
                 streams = received.samples.is_some();
                 let is_full = pipeline.status().valid();
@@ -141,6 +149,8 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
             AlignmentPhase::Waiting => (now().0 / BLINK_MS).is_multiple_of(2),
             AlignmentPhase::Aligned => true,
         });
+        // However many packets wait: pins and lines follow each.
+        yield_now().await;
     }
 }
 

@@ -5,6 +5,7 @@
 //! body     = "OK,IDENTIFY," version "," revision "," image "," model "," armband "," firmware "," battery
 //!          | "OK,COUNTERS," number { "," number }      16 of them: the fields of `Counts`, in order
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
+//!          | "OK,RAW," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0
@@ -186,6 +187,8 @@ pub enum Answer<'a> {
     Counts(Counts),
     /// To `ALIGN`: accepted. `$ALIGN` lines say what comes of it.
     Align(AlignCommand),
+    /// To `RAW`, as it is from now on.
+    Raw(bool),
     /// To `BIND`, as it is from now on.
     Binding(Binding),
     /// The command is not carried out.
@@ -204,6 +207,8 @@ impl fmt::Display for Answer<'_> {
             Self::Align(command) => {
                 write_framed(formatter, format_args!("OK,ALIGN,{}", command.name()))
             }
+            Self::Raw(true) => write_framed(formatter, format_args!("OK,RAW,on")),
+            Self::Raw(false) => write_framed(formatter, format_args!("OK,RAW,off")),
             Self::Binding(binding) => write_framed(formatter, format_args!("OK,BIND,{binding}")),
             Self::Refused(Refusal::Checksum(expected)) => {
                 write_framed(formatter, format_args!("ERR,checksum,{expected:02X}"))
@@ -346,6 +351,8 @@ mod tests {
             (Answer::Align(AlignCommand::Begin), "OK,ALIGN,begin"),
             (Answer::Align(AlignCommand::Cancel), "OK,ALIGN,cancel"),
             (Answer::Align(set), "OK,ALIGN,set"),
+            (Answer::Raw(true), "OK,RAW,on"),
+            (Answer::Raw(false), "OK,RAW,off"),
             (
                 binding(Following::Bound(IDENTITY.armband.unwrap()), true),
                 "OK,BIND,bound,FA:12:34:56:78:9A,1",

@@ -6,6 +6,7 @@
 //!          | "COUNTERS"                          what was lost and dropped since the start
 //!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
 //!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
+//!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
 //!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
 //!          | "BIND,set," address                 bind this armband
 //!          | "BIND,forget"                       bind none
@@ -45,6 +46,8 @@ pub enum Command {
     Counters,
     /// Begin, cancel or set an alignment.
     Align(AlignCommand),
+    /// Write the samples too, or no longer.
+    Raw(bool),
     /// Begin a pairing, bind or forget an armband, or say which one is followed.
     Bind(BindCommand),
 }
@@ -104,8 +107,12 @@ impl Command {
             ("IDENTIFY", None) => Self::Identify,
             ("COUNTERS", None) => Self::Counters,
             ("ALIGN", Some(arguments)) => Self::Align(align(arguments)?),
+            ("RAW", Some("on")) => Self::Raw(true),
+            ("RAW", Some("off")) => Self::Raw(false),
             ("BIND", Some(arguments)) => Self::Bind(bind(arguments)?),
-            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "BIND", _) => return Err(Refusal::Arguments),
+            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND", _) => {
+                return Err(Refusal::Arguments);
+            }
             _ => return Err(Refusal::Unknown),
         };
         Ok(Some(command))
@@ -158,6 +165,8 @@ impl fmt::Display for Command {
             Self::Align(command) => {
                 write_framed(formatter, format_args!("ALIGN,{}", command.name()))
             }
+            Self::Raw(true) => write_framed(formatter, format_args!("RAW,on")),
+            Self::Raw(false) => write_framed(formatter, format_args!("RAW,off")),
             Self::Bind(BindCommand::Set(address)) => {
                 write_framed(formatter, format_args!("BIND,set,{address}"))
             }
@@ -284,6 +293,8 @@ mod tests {
             ("ALIGN,set,03,0", Refusal::Arguments),
             ("ALIGN,set,3,2", Refusal::Arguments),
             ("ALIGN,set,3,0,0", Refusal::Arguments),
+            ("RAW", Refusal::Arguments),
+            ("RAW,1", Refusal::Arguments),
             ("BIND", Refusal::Arguments),
             ("BIND,set", Refusal::Arguments),
             ("BIND,set,FA:12:34:56:78", Refusal::Arguments),
@@ -343,6 +354,7 @@ mod tests {
             Command::Bind(BindCommand::Set(Address { kind, bytes }))
         });
         prop_oneof![
+            any::<bool>().prop_map(Command::Raw),
             Just(Command::Bind(BindCommand::Begin)),
             Just(Command::Bind(BindCommand::Forget)),
             Just(Command::Bind(BindCommand::State)),

@@ -23,6 +23,7 @@ use core::fmt::{self, Write as _};
 use bt_hci::controller::ExternalController;
 use bt_hci_serial::SerialTransport;
 use embassy_executor::Spawner;
+use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_time::Instant;
 use shared::intent::Intent;
@@ -84,9 +85,14 @@ pub async fn run_radio(_: Spawner, mut parts: RadioParts, driver: &SessionDriver
 pub struct LabelPort(());
 
 impl LabelPort {
-    /// Sends a line.
+    /// Sends a line. Other tasks run while the reader outside takes none.
     pub async fn send(&mut self, line: &[u8]) {
-        Uart::LABELS.send(line);
+        for &byte in line {
+            while Uart::LABELS.is_full() {
+                yield_now().await;
+            }
+            Uart::LABELS.send(&[byte]);
+        }
         stack::report(Uart::PINS);
         fault::inject(line).await;
     }

@@ -52,10 +52,15 @@ impl Uart {
         is_full.then(|| self.data.read().to_le_bytes()[0])
     }
 
+    /// Whether there is no room for a byte to send.
+    pub fn is_full(self) -> bool {
+        self.state.read() & TX_FULL != 0
+    }
+
     /// Sends, waiting for room.
     pub fn send(self, bytes: &[u8]) {
         for &byte in bytes {
-            while self.state.read() & TX_FULL != 0 {}
+            while self.is_full() {}
             self.data.write(byte.into());
         }
     }
