@@ -14,11 +14,11 @@ pub struct Armband {
     pub firmware: Option<FirmwareVersion>,
     /// Its battery, percent.
     pub battery: Option<u8>,
-    /// Counts of all sessions since the start.
-    pub counters: Counters,
 }
 
-static ARMBAND: Mutex<CriticalSectionRawMutex, Cell<Option<Armband>>> = Mutex::new(Cell::new(None));
+/// The armband, and the counts of all sessions since the start; none before the first event.
+static KNOWN: Mutex<CriticalSectionRawMutex, Cell<Option<(Armband, Counters)>>> =
+    Mutex::new(Cell::new(None));
 
 /// Keeps what a session knows.
 pub fn set(session: &MyoSession) {
@@ -28,12 +28,16 @@ pub fn set(session: &MyoSession) {
         address: connected.and_then(MyoSession::armband),
         firmware: connected.and_then(MyoSession::firmware),
         battery: connected.and_then(MyoSession::battery),
-        counters: session.counters(),
     };
-    ARMBAND.lock(|cell| cell.set(Some(armband)));
+    KNOWN.lock(|cell| cell.set(Some((armband, session.counters()))));
 }
 
-/// What is known now.
+/// What is known of the armband now.
 pub fn current() -> Armband {
-    ARMBAND.lock(Cell::get).unwrap_or_default()
+    KNOWN.lock(Cell::get).unwrap_or_default().0
+}
+
+/// Counts of all sessions since the start.
+pub fn counters() -> Counters {
+    KNOWN.lock(Cell::get).unwrap_or_default().1
 }

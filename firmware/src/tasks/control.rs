@@ -56,7 +56,7 @@ async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
     match command {
         Command::Identify => Answer::Identity(uart::identity(model, armband::current())),
         Command::Counters => Answer::Counts(Counts {
-            session: armband::current().counters,
+            session: armband::counters(),
             packets_dropped: PACKETS.dropped(),
             lines_dropped: uart::dropped(),
             emg_dropped: raw::dropped(),
