@@ -29,7 +29,7 @@
 
 use core::fmt;
 
-use super::answer::Refusal;
+use super::refusal::Refusal;
 use super::{ParseError, number, unframed, write_framed};
 use crate::myo::Address;
 use crate::stream::alignment::Alignment;

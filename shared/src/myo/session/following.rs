@@ -121,15 +121,14 @@ impl MyoSession {
 
     /// Another armband is to be followed than before: ends the connection to that one, and scans.
     fn look_anew(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
-        let following = self.following();
         match &mut self.state {
             State::Idle => {}
             State::Unbound => self.start_scan(act),
-            State::Scanning(_) if following == Following::Nobody => {
-                self.state = State::Unbound;
+            // Begun anew even where it goes on: between two scans there is time to keep the new armband.
+            State::Scanning(_) => {
                 act(Action::StopScan);
+                self.start_scan(act);
             }
-            State::Scanning(scan) => *scan = Scan::new(following.address()),
             State::Disconnecting { delay, .. } => *delay = CHANGE_MS,
             State::BackingOff { since, delay } => (*since, *delay) = (now, CHANGE_MS),
             State::Connecting { .. } | State::SettingUp { .. } | State::Streaming(_) => {

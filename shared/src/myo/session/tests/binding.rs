@@ -94,7 +94,11 @@ fn a_pairing_without_an_armband_changes_nothing() {
             Following::Nobody,
             &[Action::StopScan][..],
         ),
-        (BOUND, Following::Bound(NEAR), &[]),
+        (
+            BOUND,
+            Following::Bound(NEAR),
+            &[Action::StopScan, Action::Scan],
+        ),
     ] {
         let mut driver = Driver::new(settings);
         driver.handle(0, Event::Tick);
@@ -167,6 +171,15 @@ fn binding_and_forgetting_end_the_connection_first() {
     assert_eq!(driver.advertise(1_000, NEAR, -10), []);
     let connect = [Action::StopScan, Action::Connect(FAR)];
     assert_eq!(driver.advertise(1_100, FAR, -90), connect);
+
+    // A scan that goes on is interrupted too: the armband is kept in between.
+    let mut driver = Driver::new(BOUND);
+    let anew = [Action::Keep(Some(FAR)), Action::StopScan, Action::Scan];
+    driver.run(&[
+        (0, Event::Tick, &[Action::Scan]),
+        (1, Event::Bind(Some(FAR)), &anew),
+    ]);
+    assert_eq!(driver.advertise(2, NEAR, -10), []);
 
     let mut driver = Driver::new(BOUND);
     driver.run(&[
