@@ -11,7 +11,7 @@ use shared::units::Sample;
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 3.0;
 /// End of the program's flash region.
-const FLASH_END: u32 = 0x5_8000;
+const FLASH_END: u32 = 0x5_7000;
 /// From a fault to safe pins, without any help of the program.
 const SAFE_WITHIN_US: u32 = 250_000;
 

@@ -138,8 +138,11 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                 }
             }
             Either3::Third(command) => {
-                requests::ALIGN.answer(align(pipeline, command, streams));
-                trigger.requested();
+                let done = align(pipeline, command, streams);
+                if done.is_ok() {
+                    trigger.requested();
+                }
+                requests::ALIGN.answer(done);
                 enqueue(pipeline, Reports::default());
             }
         }

@@ -24,7 +24,7 @@ impl Trigger {
         self.is_due = true;
     }
 
-    /// An alignment has begun on request.
+    /// An alignment was begun, ended or set on request.
     pub const fn requested(&mut self) {
         self.is_due = false;
     }
