@@ -24,6 +24,7 @@ fn model(path: &Path, seen: &[&str], vocabulary: Vocabulary) {
         layers: 1,
         span: 20,
         vocabulary,
+        other: false,
     };
     let mut parts = random_model(dimensions, 5);
     parts.provenance.subjects_seen = seen.iter().map(|&name| name.to_owned()).collect();

@@ -634,7 +634,7 @@ fn spliced_recordings_have_every_class_and_no_fixed_order() {
             samples: 24_000,
             count: 1,
             lag_samples,
-            other_movement_is_relax: false,
+            other: false,
             seed: 42,
         };
         let spliced = splice(&sources, &options);

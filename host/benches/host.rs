@@ -157,6 +157,7 @@ fn replay(criterion: &mut Criterion) {
         layers: 2,
         span: 27,
         vocabulary: Vocabulary::Three,
+        other: false,
     };
     let bytes = random_model(dimensions, 1)
         .to_bytes()

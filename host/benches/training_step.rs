@@ -4,27 +4,28 @@
 //! The arguments are a preset and the teacher's batch size. For each line of input it prints a line of
 //! JSON: for `step` the seconds of the teacher's training step (batch, forward, backward, AdamW) on two
 //! threads, for `student` those of the student's, for `window` those of one window's inference on one
-//! thread.
+//! thread. For `student-case` it prints a student's parameters, in the order of the module, an input and the logits.
 
 use std::io::BufRead as _;
 use std::time::Instant;
 
 use anyhow::{Context as _, anyhow, bail};
-use burn::module::Module as _;
-use burn::tensor::Device;
+use burn::module::{Module, ModuleVisitor, Param};
+use burn::tensor::{Device, Tensor};
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::run::preset::Preset;
 use myointent::student::learner::StudentLearner;
+use myointent::student::model::Student;
 use myointent::teacher::learner::TeacherLearner;
 use myointent::teacher::model::TeacherInput;
 use myointent::training::learner::Learner as _;
 use myointent::training::optimizer::{gradients, optimizer};
 use myointent::training::tensor::read_back;
-use rand::SeedableRng as _;
+use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Vocabulary;
-use shared::units::CHANNELS;
+use shared::units::{CHANNELS, PATCH};
 
 // As the program itself does (host/src/main.rs).
 #[global_allocator]
@@ -81,14 +82,19 @@ fn main() -> anyhow::Result<()> {
         &device,
     );
     let excerpts = student_learner.epoch(&mut rng).remove(0);
-    let mut student = preset.student.init(3, &device);
+    let mut student = preset.student.init(3, false, &device);
     let mut student_adam = optimizer(distillation.weight_decay);
     let emg = vec![0.5; shape.window * CHANNELS];
 
     for line in std::io::stdin().lock().lines() {
+        let line = line?;
+        if line.trim() == "student-case" {
+            println!("{}", student_case(&student, &device)?);
+            continue;
+        }
         let before = model.take().context("put back below")?;
         let (start, busy) = (Instant::now(), processor_seconds());
-        model = Some(match line?.trim() {
+        model = Some(match line.trim() {
             "step" => two.install(|| {
                 let shards = learner.shards(&item, &mut rng);
                 let (gradients, _) = gradients(&learner, &before, shards);
@@ -106,7 +112,7 @@ fn main() -> anyhow::Result<()> {
                 student = student_adam.step(1e-4, student.clone(), gradients);
                 before
             }),
-            other => bail!("step, student or window, not `{other}`"),
+            other => bail!("step, student, window or student-case, not `{other}`"),
         });
         let seconds = start.elapsed().as_secs_f64();
         let busy = processor_seconds() - busy;
@@ -116,6 +122,31 @@ fn main() -> anyhow::Result<()> {
         );
     }
     Ok(())
+}
+
+/// A student's parameters, an input of 60 patches and the logits of all outputs, as JSON.
+fn student_case(student: &Student, device: &Device) -> anyhow::Result<String> {
+    let mut parameters = Parameters(Vec::new());
+    student.visit(&mut parameters);
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let emg: Vec<f32> = (0..60 * PATCH * CHANNELS).map(|_| rng.random()).collect();
+    let input = Tensor::<1>::from_floats(emg.as_slice(), device);
+    let logits = student.forward(input.reshape([1, 60, PATCH * CHANNELS]));
+    let case = serde_json::json!({
+        "parameters": parameters.0,
+        "emg": emg,
+        "logits": read_back(logits),
+    });
+    Ok(serde_json::to_string(&case)?)
+}
+
+/// All parameters in the order in which the module visits them.
+struct Parameters(Vec<f32>);
+
+impl ModuleVisitor for Parameters {
+    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
+        self.0.extend(param.val().into_data().iter::<f32>());
+    }
 }
 
 /// Largest resident size so far; 0 on systems other than Linux.

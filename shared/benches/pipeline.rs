@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use shared::intent::{MAX_CLASSES, Vocabulary};
+use shared::intent::{MAX_LOGITS, Vocabulary};
 use shared::model::Encode as _;
 use shared::model::dimensions::{Dimensions, usual_span};
 use shared::model::encoder::{DeviceEncoder, Encoder, HostEncoder};
@@ -20,6 +20,7 @@ fn encoders(bench: &mut Criterion) {
             layers,
             span: usual_span(layers),
             vocabulary: Vocabulary::Three,
+            other: false,
         };
         let parts = random_model(dimensions, 1);
         let bytes = parts.to_bytes().expect("a random model is a model");
@@ -79,9 +80,9 @@ fn preprocessing(bench: &mut Criterion) {
 /// One patch's rows through the paper's look-ahead.
 fn smoother(bench: &mut Criterion) {
     let mut noise = Noise(4);
-    let mut rows = [[0.0; MAX_CLASSES]; LOOK_BACK];
+    let mut rows = [[0.0; MAX_LOGITS]; LOOK_BACK];
     rows.as_flattened_mut().fill_with(|| noise.signed());
-    let mut smoother = Smoother::<MAX_CLASSES, LOOK_BACK>::new(Settings::PAPER_IN_PATCHES, 3)
+    let mut smoother = Smoother::<MAX_LOGITS, LOOK_BACK>::new(Settings::PAPER_IN_PATCHES, 3)
         .expect("the defaults");
     let mut end = 0;
     bench.bench_function("smooth one patch", |bencher| {

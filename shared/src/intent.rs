@@ -3,6 +3,9 @@
 /// Most classes of a model.
 pub const MAX_CLASSES: usize = 6;
 
+/// Most logits of a model for one instant: the classes, and movement that is none of them.
+pub const MAX_LOGITS: usize = MAX_CLASSES + 1;
+
 /// One intent. The class numbers are those of the paper's data sets, the same in all vocabularies.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[repr(u8)]

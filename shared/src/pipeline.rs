@@ -19,7 +19,7 @@ mod reports;
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 pub use self::reports::Reports;
-use crate::intent::{Intent, MAX_CLASSES};
+use crate::intent::{Intent, MAX_LOGITS};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::Preprocessor;
@@ -48,7 +48,7 @@ pub struct Pipeline<'s, E: Encode> {
     encoder: E,
     /// Borrowed: it is too large to be moved over a device's stack.
     state: &'s mut E::State,
-    smoother: Smoother<MAX_CLASSES, LOOK_BACK>,
+    smoother: Smoother<MAX_LOGITS, LOOK_BACK>,
     safe_state: SafeState,
     counters: Counters,
     /// The newest sample of the ring's newest complete patch.
@@ -80,7 +80,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     pub fn with_smoother(
         encoder: E,
         state: &'s mut E::State,
-        smoother: Smoother<MAX_CLASSES, LOOK_BACK>,
+        smoother: Smoother<MAX_LOGITS, LOOK_BACK>,
         start: Start,
     ) -> Self {
         encoder.reset(state);

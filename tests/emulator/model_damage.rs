@@ -42,6 +42,7 @@ pub fn damages(good: &[u8]) -> Vec<Damage> {
         layers: 2,
         span: 27,
         vocabulary: Vocabulary::Three,
+        other: false,
     };
     let too_wide = random_model(shape, 1).to_bytes();
     vec![
@@ -86,6 +87,7 @@ mod tests {
             layers: 2,
             span: 27,
             vocabulary: Vocabulary::Three,
+            other: false,
         };
         let good = random_model(shape, 1).to_bytes().unwrap();
         let damages = damages(&good);

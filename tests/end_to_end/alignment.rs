@@ -26,6 +26,7 @@ fn model() -> Vec<u8> {
         layers: 2,
         span: 27,
         vocabulary: Vocabulary::Three,
+        other: false,
     };
     random_model(dimensions, 3)
         .to_bytes()

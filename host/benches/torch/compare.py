@@ -13,11 +13,16 @@ import os
 import statistics
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+
+import torch
+
+from network import CHANNELS, PATCH, Student
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-RUNS = [("paper", 8), ("cpu", 128)]
+RUNS = [("paper", 8, ("step", "window")), ("cpu", 128, ("step", "window", "student"))]
 
 
 def ours():
@@ -30,13 +35,28 @@ def ours():
             return message["executable"]
     sys.exit("cargo bench made no `training_step`: is it in host/Cargo.toml?")
 
+WHAT = {"step": "step of {}", "window": "one window", "student": "step of the student"}
+
+
+def check_student(program):
+    """Checks that PyTorch's student computes what ours computes with the same weights."""
+    run = subprocess.run([program, "cpu", "128"], input="student-case\n", text=True, check=True,
+                         stdout=subprocess.PIPE)
+    case = json.loads(run.stdout)
+    preset = tomllib.loads((ROOT / "host/presets/cpu.toml").read_text())
+    model = Student(preset)
+    model.load_parameters(case["parameters"])
+    with torch.no_grad():
+        logits = model(torch.tensor(case["emg"]).view(1, -1, CHANNELS * PATCH))
+    torch.testing.assert_close(logits.flatten(), torch.tensor(case["logits"]), atol=1e-5, rtol=0)
+
 
 class Side:
     """One of the programs: it prints a line with a measurement for each line of input."""
 
     def __init__(self, name, command):
         self.name, self.peak = name, 0.0
-        self.seconds, self.processor = {"step": [], "window": []}, {"step": [], "window": []}
+        self.seconds, self.processor = {}, {}
         threads = {"OMP_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"}
         self.process = subprocess.Popen(
             command, env=os.environ | threads, text=True,
@@ -50,8 +70,8 @@ class Side:
         busy = self.processor_seconds() - busy
         self.peak = result["peak_mib"]
         if not warm_up:
-            self.seconds[kind].append(result["seconds"])
-            self.processor[kind].append(busy)
+            self.seconds.setdefault(kind, []).append(result["seconds"])
+            self.processor.setdefault(kind, []).append(busy)
 
     def processor_seconds(self):
         """Processor time of the threads so far; 0 on systems other than Linux."""
@@ -74,7 +94,8 @@ def main():
     print("| what | side | median s | min s | processor s | ours / side: median, min, processor "
           "| peak MiB |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
-    for name, batch in RUNS:
+    check_student(program)
+    for name, batch, kinds in RUNS:
         of = [name, str(batch)]
         sides = [Side("ours", [program, *of]), Side("torch", [*torch, *of])]
         if name == "paper":
@@ -82,11 +103,11 @@ def main():
         if arguments.also:
             sides.append(Side("ours before", [arguments.also, *of]))
         for round in range(-2, arguments.rounds):
-            for kind in ("step", "window"):
+            for kind in kinds:
                 for side in sides:
                     side.measure(kind, warm_up=round < 0)
-        for kind in ("step", "window"):
-            what = f"{name}, {f'step of {batch}' if kind == 'step' else 'one window'}"
+        for kind in kinds:
+            what = f"{name}, {WHAT[kind].format(batch)}"
             rows = [
                 [statistics.median(side.seconds[kind]), min(side.seconds[kind]),
                  statistics.median(side.processor[kind])]

@@ -1,6 +1,6 @@
-"""The teacher's network in PyTorch, with the dimensions of a preset, for compare.py.
+"""The networks of teacher and student in PyTorch, with the dimensions of a preset, for compare.py.
 
-Attention goes through `scaled_dot_product_attention` without a mask, so that PyTorch may choose a
+The teacher's attention goes through `scaled_dot_product_attention` without a mask, so that PyTorch may choose a
 fused kernel.
 """
 
@@ -9,6 +9,7 @@ from torch import nn
 from torch.nn import functional as F
 
 WINDOW, CHANNELS = 600, 8
+PATCH, LOOK_BACK = 10, 6
 
 
 class Layer(nn.Module):
@@ -97,3 +98,76 @@ def reference_names(tensors):
             name = name.replace("self_attn.in_proj_", "qkv.").replace("self_attn.out_proj", "out")
             plain[name] = tensor
     return plain
+
+
+class StudentLayer(nn.Module):
+    """One pre-norm layer with causal local attention. Parameters in the order of ours."""
+
+    def __init__(self, d, heads, span):
+        super().__init__()
+        self.heads, self.span = heads, span
+        self.norm1 = nn.LayerNorm(d)
+        self.qkv = nn.Linear(d, 3 * d)
+        self.relative_bias = nn.Parameter(torch.zeros(heads, span))
+        self.out = nn.Linear(d, d)
+        self.norm2 = nn.LayerNorm(d)
+        self.ff1, self.ff2 = nn.Linear(d, 2 * d), nn.Linear(2 * d, d)
+
+    def forward(self, x, distance, outside):
+        batch, patches, d = x.shape
+        qkv = self.qkv(self.norm1(x)).view(batch, patches, 3, self.heads, d // self.heads)
+        query, key, value = qkv.permute(2, 0, 3, 1, 4)
+        band = self.relative_bias[:, distance] + outside
+        attended = F.scaled_dot_product_attention(query, key, value, attn_mask=band[None])
+        x = x + self.out(attended.transpose(1, 2).reshape(batch, patches, d))
+        hidden = self.ff1(self.norm2(x))
+        return x + self.ff2(hidden * torch.sigmoid(1.702 * hidden))
+
+
+class Student(nn.Module):
+    """The streaming student over whole sequences: patches in, six rows of logits out for each."""
+
+    def __init__(self, preset):
+        super().__init__()
+        student = preset["student"]
+        d, self.span = student["d_model"], student["span"]
+        self.square_root = student["companding"] == "square-root"
+        self.embed = nn.Linear(CHANNELS * PATCH, d)
+        self.layers = nn.ModuleList(
+            StudentLayer(d, student["heads"], self.span) for _ in range(student["layers"])
+        )
+        self.final_norm = nn.LayerNorm(d)
+        self.head = nn.Linear(d, LOOK_BACK * preset["classes"])
+
+    def load_parameters(self, values):
+        """Takes all parameters in a row, in the order of our module; our matrices are inputs by outputs."""
+        values, place = torch.tensor(values), 0
+
+        def take(parameter):
+            nonlocal place
+            own = values[place:place + parameter.numel()]
+            place += parameter.numel()
+            shape = parameter.shape[::-1] if parameter in matrices else parameter.shape
+            own = own.view(shape).T if parameter in matrices else own.view(shape)
+            parameter.data.copy_(own)
+
+        matrices = {part.weight for part in self.modules() if isinstance(part, nn.Linear)}
+        layers = [
+            (layer.norm1, layer.qkv, layer.relative_bias, layer.out, layer.norm2, layer.ff1, layer.ff2)
+            for layer in self.layers
+        ]
+        for part in [self.embed, *sum(layers, ()), self.final_norm, self.head]:
+            for parameter in [part] if isinstance(part, nn.Parameter) else [part.weight, part.bias]:
+                take(parameter)
+        assert place == len(values), f"{len(values)} parameters, {place} expected"
+
+    def forward(self, emg):
+        patches = torch.arange(emg.shape[1])
+        age = patches[:, None] - patches
+        inside = (age >= 0) & (age < self.span)
+        distance = age.where(inside, 0)
+        outside = torch.zeros(age.shape).masked_fill(~inside, -torch.inf)
+        x = self.embed(emg.sqrt() if self.square_root else emg)
+        for layer in self.layers:
+            x = layer(x, distance, outside)
+        return self.head(self.final_norm(x)).unflatten(-1, (LOOK_BACK, -1))

@@ -1,9 +1,9 @@
-"""Seconds of a training step and of a window's inference in PyTorch, for compare.py.
+"""Seconds of a training step of teacher and student and of a window's inference in PyTorch, for compare.py.
 
     python host/benches/torch/step.py paper 8
 
 Prints a line with a JSON object for each line of input: for `step` the seconds of a training step
-(forward, backward, AdamW) on two threads, for `window` those of one window's inference on one thread.
+(forward, backward, AdamW) on two threads, for `student` those of the student's, for `window` those of one window's inference on one thread.
 """
 
 import json
@@ -17,7 +17,7 @@ from pathlib import Path
 import torch
 from torch.nn import functional as F
 
-from network import CHANNELS, WINDOW, Teacher, reference_names
+from network import CHANNELS, LOOK_BACK, PATCH, WINDOW, Student, Teacher, reference_names
 
 HOST = Path(__file__).resolve().parents[2]
 GOLDEN = Path(os.environ.get("MYOINTENT_GOLDEN", HOST.parent / "tests/golden/data"))
@@ -85,6 +85,34 @@ class Bench:
             return time.perf_counter() - start
 
 
+class StudentBench:
+    """A student and a batch of random excerpts; every output after the first span has a label."""
+
+    def __init__(self, preset):
+        torch.manual_seed(preset["seed"])
+        settings, span = preset["distillation"], preset["student"]["span"]
+        shape = settings["batch"], settings["patches"]
+        self.emg = torch.rand(*shape, CHANNELS * PATCH)
+        self.target = torch.randint(preset["classes"], (*shape, LOOK_BACK))
+        self.mask = torch.ones(*shape, LOOK_BACK)
+        self.mask[:, :span] = 0
+        self.model = Student(preset)
+        self.adam = torch.optim.AdamW(
+            self.model.parameters(), lr=1e-4, weight_decay=settings["weight_decay"], fused=True
+        )
+
+    def student(self):
+        torch.set_num_threads(2)
+        start = time.perf_counter()
+        self.adam.zero_grad()
+        logits = self.model(self.emg)
+        entropies = F.cross_entropy(logits.movedim(-1, 1), self.target, reduction="none")
+        loss = (entropies * self.mask).sum() / self.mask.sum()
+        loss.backward()
+        self.adam.step()
+        return time.perf_counter() - start
+
+
 def main():
     name, batch = sys.argv[1], int(sys.argv[2])
     preset = tomllib.loads((HOST / f"presets/{name}.toml").read_text())
@@ -92,10 +120,12 @@ def main():
         check_against_the_reference(preset)
     if "--no-attention-dropout" in sys.argv:
         preset["teacher"]["attention_dropout"] = 0.0
-    bench = Bench(preset, batch)
+    benches = {"step": Bench(preset, batch), "student": StudentBench(preset)}
+    benches["window"] = benches["step"]
     for line in sys.stdin:
         busy = time.process_time()
-        seconds = getattr(bench, line.strip())()
+        kind = line.strip()
+        seconds = getattr(benches[kind], kind)()
         busy = time.process_time() - busy
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(json.dumps({"seconds": seconds, "processor": busy, "peak_mib": peak}), flush=True)

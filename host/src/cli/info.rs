@@ -66,6 +66,7 @@ fn json(model: &Model<'_>) -> serde_json::Value {
         "look_ahead": smoother.look_ahead,
         "hold": smoother.hold,
         "entry_margins": smoother.entry_margins[..dimensions.vocabulary.classes()],
+        "other_margin": smoother.other_margin,
         "data_sets": provenance.data_sets.iter().collect::<Vec<_>>(),
         "subjects_seen": provenance.subjects_seen.iter().collect::<Vec<_>>(),
         "subjects_left_out": provenance.subjects_left_out.iter().collect::<Vec<_>>(),
@@ -83,10 +84,15 @@ fn lines(model: &Model<'_>) -> String {
     let list = |texts: List<'_, &str>| texts.iter().map(printable).collect::<Vec<_>>().join(", ");
     let margins = smoother.entry_margins[..dimensions.vocabulary.classes()].iter();
     let margins: Vec<String> = margins.map(ToString::to_string).collect();
+    let other = match smoother.other_margin {
+        Some(margin) => format!("known, margin {margin}"),
+        None => "not known: it may be taken for an intent".to_owned(),
+    };
     let mut lines = format!(
         "intents       {}\n\
          encoder       width {}, {} layers, span {} patches, input {:?}\n\
          smoother      {}, look-ahead {} samples, hold {} samples, entry margins {}\n\
+         other moves   {other}\n\
          trained on    {} (seed {}, revision {})\n\
          seen          {} people in training or validation (--json names them)\n\
          held out      {}\n",
@@ -126,6 +132,7 @@ mod tests {
     fn hostile() -> Vec<u8> {
         let dimensions = Dimensions {
             vocabulary: Vocabulary::Three,
+            other: false,
             width: 32,
             layers: 1,
             span: 10,

@@ -3,6 +3,7 @@
 pub mod arguments;
 mod data;
 mod evaluate_models;
+mod gate;
 mod info;
 #[cfg(test)]
 mod killed;
@@ -78,6 +79,8 @@ enum Command {
     Info(info::Arguments),
     /// Make the alignment template of a model file anew, from the people whom the model has seen.
     Template(template::Arguments),
+    /// Move the operating point of a model file: the margins of its confidence gate.
+    Gate(gate::Arguments),
     /// List the built-in presets, or print one.
     Presets(presets::Arguments),
 }
@@ -100,6 +103,7 @@ impl Cli {
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
+            Command::Gate(arguments) => gate::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
         };
         match result {

@@ -192,6 +192,7 @@ mod tests {
             layers: 1,
             span: 5,
             vocabulary: Vocabulary::Three,
+            other: false,
         };
         let mut parts = random_model(dimensions, 1);
         let mut begun = |template| {

@@ -15,7 +15,7 @@ pub struct Stream {
     pub emg: Vec<CleanSample>,
     /// The intent at each sample, within the vocabulary; none where it is unknown.
     pub labels: Vec<Option<Intent>>,
-    /// Where the label is relax because of movement outside the vocabulary: ranges of samples, in order.
+    /// Movement outside the vocabulary, if it is a class: ranges of samples, in order.
     pub other_movement: Vec<Range<usize>>,
 }
 
@@ -50,6 +50,8 @@ impl Stream {
 pub struct Corpus {
     /// The classes that labels are taken from.
     pub vocabulary: Vocabulary,
+    /// Whether movement outside the vocabulary is a class of its own; otherwise it is unknown.
+    pub other: bool,
     /// The streams; order is part of a run's reproducibility.
     pub streams: Vec<Stream>,
 }

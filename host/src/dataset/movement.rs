@@ -51,6 +51,24 @@ impl MovementKind {
     }
 }
 
+/// What movement outside the vocabulary is in training: pointing, pronation, intents of a larger vocabulary.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OtherMovement {
+    /// Unknown: nothing is learnt from it.
+    #[default]
+    Unknown,
+    /// A class of its own, which the student's head has an output for and of which no label comes.
+    Class,
+}
+
+impl OtherMovement {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
+    pub(crate) fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
+    }
+}
+
 /// A movement in a recording.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Movement {

@@ -18,6 +18,8 @@ pub struct Candidate {
     pub logits: Vec<Vec<LookBackLogits>>,
     /// Its confidence gate ([`Settings::entry_margins`]).
     pub entry_margins: [f32; MAX_CLASSES],
+    /// Its margin over movement outside the vocabulary ([`Settings::other_margin`]); none if it does not know such movement.
+    pub other_margin: Option<f32>,
 }
 
 impl Candidate {
@@ -33,6 +35,7 @@ impl Candidate {
     pub(crate) fn settings(&self, look_ahead: LookAhead) -> Settings {
         Settings {
             entry_margins: self.entry_margins,
+            other_margin: self.other_margin,
             ..look_ahead.settings()
         }
     }
@@ -60,6 +63,7 @@ mod tests {
                 looks_back,
                 logits: Vec::new(),
                 entry_margins: [0.0; MAX_CLASSES],
+                other_margin: None,
             };
             candidate.conditions().collect::<Vec<_>>()
         };

@@ -156,6 +156,7 @@ fn candidate(name: &str, trials: &[Trial], label: impl Fn(f64) -> Intent) -> Can
         looks_back: false,
         logits: trials.iter().map(logits).collect(),
         entry_margins: [0.0; MAX_CLASSES],
+        other_margin: None,
     }
 }
 

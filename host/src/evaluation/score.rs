@@ -289,6 +289,7 @@ mod tests {
             looks_back: true,
             logits: vec![logits],
             entry_margins: [0.0; 6],
+            other_margin: None,
         };
         (trial, candidate)
     }

@@ -1,6 +1,6 @@
 //! From the logits of a recording to its labels, by the device's own smoother.
 
-use shared::intent::{Intent, MAX_CLASSES};
+use shared::intent::{Intent, MAX_LOGITS};
 use shared::model::LookBackLogits;
 use shared::stream::smoother::{Settings, SettingsError, Smoother};
 use shared::units::{LOOK_BACK, PATCH, SampleIndex};
@@ -33,7 +33,7 @@ pub(crate) fn smooth(
     classes: usize,
     settings: Settings,
 ) -> Result<SmoothedLabels, SettingsError> {
-    let mut smoother = Smoother::<MAX_CLASSES, LOOK_BACK>::new(settings, classes)?;
+    let mut smoother = Smoother::<MAX_LOGITS, LOOK_BACK>::new(settings, classes)?;
     let mut reference = vec![None; samples];
     let mut emitted = vec![None; samples];
     let mut held_until = 0;

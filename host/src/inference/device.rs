@@ -51,6 +51,7 @@ mod tests {
             layers,
             span,
             vocabulary,
+            other: false,
         };
         random_model(dimensions, 5).to_bytes().unwrap()
     }

@@ -35,21 +35,21 @@ pub(crate) fn student_logits(
             PATCH * CHANNELS,
         ]);
         let logits = model.forward(input).slice([0..1, WINDOW_PATCHES..length]);
-        let [_, _, _, classes] = logits.dims();
+        let [_, _, _, outputs] = logits.dims();
         all.extend(
             read_back(logits)
-                .chunks_exact(LOOK_BACK * classes)
-                .map(|flat| from_flat(flat, classes)),
+                .chunks_exact(LOOK_BACK * outputs)
+                .map(|flat| from_flat(flat, outputs)),
         );
     }
     all
 }
 
-/// Logits of one patch from `6 * classes` values, newest patch first.
-fn from_flat(flat: &[f32], classes: usize) -> LookBackLogits {
+/// Logits of one patch from six rows of outputs, newest patch first.
+fn from_flat(flat: &[f32], outputs: usize) -> LookBackLogits {
     let mut rows = LookBackLogits::default();
-    for (row, logits) in rows.iter_mut().zip(flat.chunks_exact(classes)) {
-        row[..classes].copy_from_slice(logits);
+    for (row, logits) in rows.iter_mut().zip(flat.chunks_exact(outputs)) {
+        row[..outputs].copy_from_slice(logits);
     }
     rows
 }

@@ -76,7 +76,7 @@ fn logits_of_the_float_student_do_not_change_with_later_samples() {
         companding: Companding::SquareRoot,
         board: true,
     };
-    let model = config.init(3, &device);
+    let model = config.init(3, false, &device);
     is_causal(|emg| student_logits(&model, emg, &device));
 }
 
@@ -87,6 +87,7 @@ fn logits_of_the_integer_student_do_not_change_with_later_samples() {
         layers: 2,
         span: usual_span(2),
         vocabulary: Vocabulary::Three,
+        other: false,
     };
     let bytes = random_model(dimensions, 5).to_bytes().unwrap();
     let model = Model::parse(&bytes).unwrap();

@@ -276,6 +276,7 @@ mod tests {
             looks_back: true,
             logits: vec![(0..200).map(rows).collect(); 2],
             entry_margins: [0.0; 6],
+            other_margin: None,
         };
         let detector = EnergyDetector::fit(&trials).unwrap();
         let candidates = [model, constant(&trials), detector.candidate(&trials)];

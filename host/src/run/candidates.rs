@@ -55,6 +55,7 @@ pub(super) fn integer_candidate(
         looks_back: true,
         logits,
         entry_margins: model.header.smoother.entry_margins,
+        other_margin: model.header.smoother.other_margin,
     })
 }
 
@@ -74,5 +75,6 @@ fn candidate(
         looks_back: true,
         logits,
         entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
+        other_margin: context.config.preset.other_margin(),
     })
 }

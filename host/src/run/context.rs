@@ -166,6 +166,10 @@ pub(crate) fn load_student(
     let preset = &config.preset;
     let made_from = config.student_lineage(name, folder)?;
     folder
-        .load_model(name, made_from, preset.student.init(preset.classes, device))
+        .load_model(
+            name,
+            made_from,
+            preset.student.init(preset.classes, preset.other(), device),
+        )
         .map(|model| model.valid())
 }

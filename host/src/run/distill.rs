@@ -56,7 +56,9 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     };
     let seed = context.config.student_seed(name);
     context.device.seed(seed);
-    let model = preset.student.init(preset.classes, &context.device);
+    let model = preset
+        .student
+        .init(preset.classes, preset.other(), &context.device);
     let learner = StudentLearner::new(
         name,
         preset.student.span,

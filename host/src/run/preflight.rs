@@ -16,12 +16,13 @@ use crate::student::quantization;
 /// # Errors
 /// [`StepError::Student`], [`StepError::Board`].
 pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), StepError> {
-    let student = preset.student.init(preset.classes, device);
+    let student = preset.student.init(preset.classes, preset.other(), device);
     let smoother = SmootherDefaults {
         aggregation: AggregationMode::AllRowsFrom,
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
         entry_margins: preset.smoother.entry_margins.of_classes(),
+        other_margin: preset.other_margin(),
     };
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());

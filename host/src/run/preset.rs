@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 
 use crate::dataset::DataSet;
+use crate::dataset::movement::OtherMovement;
 use crate::student::distillation::Distillation;
 use crate::student::model::StudentConfig;
 use crate::teacher::lora::LoraConfig;
@@ -54,6 +55,10 @@ pub struct Smoothing {
     /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)).
     #[serde(default)]
     pub entry_margins: EntryMargins,
+    /// Margin over movement outside the vocabulary, of a student that knows it
+    /// ([`Settings::other_margin`](shared::stream::smoother::Settings::other_margin)); 0 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_margin: Option<f32>,
 }
 
 /// The confidence gate of a preset.
@@ -166,24 +171,6 @@ pub enum LabelLag {
     None,
 }
 
-/// The label of movement outside the vocabulary in training: pointing, pronation, intents of a larger vocabulary.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum OtherMovement {
-    /// None: nothing is learnt from it.
-    #[default]
-    Unknown,
-    /// Relax: no intent of the vocabulary is meant.
-    Relax,
-}
-
-impl OtherMovement {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
-    fn is_unknown(&self) -> bool {
-        *self == Self::Unknown
-    }
-}
-
 impl Preset {
     /// The preset of a run that starts from a trained teacher.
     #[must_use]
@@ -201,6 +188,19 @@ impl Preset {
             ..self.teacher_training
         };
         self
+    }
+
+    /// Whether movement outside the vocabulary is a class of its own for the student.
+    #[must_use]
+    pub fn other(&self) -> bool {
+        self.data.other_movement == OtherMovement::Class
+    }
+
+    /// The student's margin over movement outside the vocabulary; none if it does not know it.
+    #[must_use]
+    pub fn other_margin(&self) -> Option<f32> {
+        let margin = self.smoother.other_margin.unwrap_or(0.0);
+        self.other().then_some(margin)
     }
 
     /// The classes that labels are taken from.

@@ -163,6 +163,7 @@ pub(super) fn model_bytes(
         look_ahead: LOOK_AHEAD,
         hold: HOLD,
         entry_margins: context.config.preset.smoother.entry_margins.of_classes(),
+        other_margin: context.config.preset.other_margin(),
     };
     quantization::quantize(
         student,

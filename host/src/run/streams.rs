@@ -6,7 +6,6 @@ use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::config::ResolvedConfig;
-use super::preset::OtherMovement;
 use crate::dataset::corpus::{Corpus, Stream};
 use crate::dataset::folds;
 use crate::dataset::labels::lag;
@@ -58,7 +57,7 @@ impl ResolvedConfig {
         &self,
         recordings: &[&Recording],
         seconds: f64,
-        other_movement: OtherMovement,
+        other: bool,
     ) -> Vec<Recording> {
         let vocabulary = self.preset.vocabulary();
         let Some(first) = recordings.first() else {
@@ -82,23 +81,22 @@ impl ResolvedConfig {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
             count: 1,
             lag_samples: self.lag(first.data_set),
-            other_movement_is_relax: other_movement == OtherMovement::Relax,
+            other,
             seed: self.preset.seed,
         };
         splice::splice(&own.iter().collect::<Vec<_>>(), &options)
     }
 
-    /// Lag-compensated labels of a recording, in the preset's vocabulary, and where they are relax because of movement
-    /// outside it.
+    /// Lag-compensated labels of a recording, in the preset's vocabulary, and where movement
+    /// outside it has a target.
     fn training_labels(&self, recording: &Recording) -> (Vec<Option<Intent>>, Vec<Range<usize>>) {
         let vocabulary = self.preset.vocabulary();
         let lag = self.lag(recording.data_set);
-        let mut labels = lag::compensated(&recording.labels_in(vocabulary), lag);
+        let labels = lag::compensated(&recording.labels_in(vocabulary), lag);
         let mut other_movement = Vec::new();
-        if self.preset.data.other_movement == OtherMovement::Relax {
+        if self.preset.other() {
             for movement in recording.movement_outside(vocabulary) {
                 let range = lag::compensated_range(&movement.samples, lag, labels.len());
-                labels[range.clone()].fill(Some(Intent::Relax));
                 other_movement.push(range);
             }
         }
@@ -125,7 +123,7 @@ impl ResolvedConfig {
             if data.spliced_seconds > 0.0 {
                 let ratio = most as f64 / subjects[data_set].len() as f64;
                 let seconds = data.spliced_seconds * ratio.powf(data.balance);
-                let spliced = self.spliced(recordings, seconds, data.other_movement);
+                let spliced = self.spliced(recordings, seconds, self.preset.other());
                 streams.extend(spliced.into_iter().map(|joined| {
                     Stream {
                         other_movement: joined
@@ -140,6 +138,7 @@ impl ResolvedConfig {
         }
         Corpus {
             vocabulary,
+            other: self.preset.other(),
             streams,
         }
     }

@@ -5,7 +5,6 @@ use shared::stream::preprocess::clean;
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
-use super::preset::OtherMovement;
 use crate::dataset::labels::lag;
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Movement, Recording, by_data_set};
@@ -32,7 +31,7 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
     const SECONDS: f64 = 60.0;
     by_data_set(config.labelled_recordings(library, Role::HeldOut))
         .values()
-        .flat_map(|recordings| config.spliced(recordings, SECONDS, OtherMovement::Unknown))
+        .flat_map(|recordings| config.spliced(recordings, SECONDS, false))
         .map(|recording| Trial {
             data_set: recording.data_set,
             subject: recording.subject,

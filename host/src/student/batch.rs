@@ -11,11 +11,11 @@ use super::sequence::{Excerpt, Sequence};
 pub struct Batch {
     /// `[b, patches, 80]`.
     pub(super) emg: Tensor<3>,
-    /// Class of the label, 0 where there is none, `[b, patches, 6, 1]`.
+    /// Output of the label, 0 where there is none, `[b, patches, 6, 1]`.
     pub(super) targets: Tensor<4, Int>,
-    /// Weight of the label, 0 where there is none, `[b, patches, 6]`.
+    /// 1 where there is a label, `[b, patches, 6]`.
     pub(super) label_mask: Tensor<3>,
-    /// Sum of the weights that the label loss is a mean over.
+    /// Number of outputs that the label loss is a mean over.
     pub(super) labelled: f64,
     /// The teacher's logits, if there is a teacher.
     pub(super) soft_targets: Option<SoftTargets>,
@@ -23,7 +23,7 @@ pub struct Batch {
 
 /// The teacher's logits as targets.
 pub(super) struct SoftTargets {
-    /// `[b, patches, 6, classes]`.
+    /// `[b, patches, 6, outputs of a row]`.
     pub(super) logits: Tensor<4>,
     /// Distillation mask: 1 where there are logits, `[b, patches, 6]`.
     pub(super) mask: Tensor<3>,
@@ -38,7 +38,8 @@ pub(super) struct BatchShape {
     pub(super) patches: usize,
     /// Patches at the start of an excerpt whose outputs have no target, for want of context.
     pub(super) context: usize,
-    pub(super) classes: usize,
+    /// Outputs of a row: the classes, and movement that is none of them.
+    pub(super) outputs: usize,
 }
 
 impl Batch {
@@ -52,13 +53,13 @@ impl Batch {
         let BatchShape {
             patches,
             context,
-            classes,
+            outputs: row_outputs,
         } = shape;
         let b = excerpts.len();
         let mut emg = Vec::with_capacity(b * patches * PATCH * CHANNELS);
         let mut targets = vec![0_i32; b * patches * LOOK_BACK];
         let mut label_mask = vec![0.0_f32; b * patches * LOOK_BACK];
-        let mut logits = vec![0.0_f32; b * patches * LOOK_BACK * classes];
+        let mut logits = vec![0.0_f32; b * patches * LOOK_BACK * row_outputs];
         let mut distillation_mask = vec![0.0_f32; b * patches * LOOK_BACK];
         let (mut labelled, mut distilled) = (0.0, 0.0);
         for (row, excerpt) in excerpts.iter().enumerate() {
@@ -78,17 +79,16 @@ impl Batch {
                         continue;
                     };
                     let output = (row * patches + patch - excerpt.start) * LOOK_BACK + back;
-                    if let Some(intent) = sequence.labels[estimated] {
-                        targets[output] = intent.class() as i32;
-                        let weight = sequence.weights[estimated];
-                        label_mask[output] = weight;
-                        labelled += f64::from(weight);
+                    if let Some(target) = sequence.targets[estimated] {
+                        targets[output] = target as i32;
+                        label_mask[output] = 1.0;
+                        labelled += 1.0;
                     }
                     if let Some(soft_targets) = &sequence.soft_targets {
                         distillation_mask[output] = 1.0;
                         distilled += 1.0;
-                        logits[output * classes..(output + 1) * classes].copy_from_slice(
-                            &soft_targets[patch - WINDOW_PATCHES][back][..classes],
+                        logits[output * row_outputs..(output + 1) * row_outputs].copy_from_slice(
+                            &soft_targets[patch - WINDOW_PATCHES][back][..row_outputs],
                         );
                     }
                 }
@@ -108,7 +108,7 @@ impl Batch {
             labelled,
             soft_targets: has_teacher.then(|| SoftTargets {
                 logits: Tensor::from_data(
-                    TensorData::new(logits, [b, patches, LOOK_BACK, classes]),
+                    TensorData::new(logits, [b, patches, LOOK_BACK, row_outputs]),
                     device,
                 ),
                 mask: Tensor::from_data(TensorData::new(distillation_mask, outputs), device),
@@ -132,7 +132,7 @@ mod tests {
     const SHAPE: BatchShape = BatchShape {
         patches: 70,
         context: 3,
-        classes: 3,
+        outputs: 3,
     };
 
     /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
@@ -140,6 +140,7 @@ mod tests {
         let samples = 20 * PATCH;
         let corpus = Corpus {
             vocabulary: Vocabulary::Three,
+            other: false,
             streams: vec![Stream::new(
                 vec![[1; CHANNELS]; samples],
                 vec![Some(Intent::Open); samples],
@@ -154,21 +155,35 @@ mod tests {
                 logits
             })
             .collect();
-        sequences(&corpus, 1.0, Some(vec![soft_targets]))
+        sequences(&corpus, Some(vec![soft_targets]))
     }
 
     #[test]
-    fn movement_outside_the_vocabulary_has_its_weight() {
-        let mut sequence = sequence();
-        let whole = Batch::new(&sequence, &[excerpt(60)], SHAPE, &Device::default());
-        for patch in 70..75 {
-            sequence[0].weights[patch] = 0.25;
-        }
-        let lighter = Batch::new(&sequence, &[excerpt(60)], SHAPE, &Device::default());
-        // Each of the five patches is estimated six times.
-        assert_eq!(lighter.labelled, whole.labelled - 0.75 * 30.0);
-        let sum: f32 = read_back(lighter.label_mask).iter().sum();
-        assert_eq!(f64::from(sum), lighter.labelled);
+    fn movement_outside_the_vocabulary_is_the_output_after_the_classes() {
+        let samples = 20 * PATCH;
+        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
+        stream.labels[..50].fill(Some(Intent::Open));
+        stream.other_movement = vec![100..150];
+        let corpus = |other| Corpus {
+            vocabulary: Vocabulary::Three,
+            other,
+            streams: vec![stream.clone()],
+        };
+        let found = |other| sequences(&corpus(other), None)[0].targets[WINDOW_PATCHES..].to_vec();
+        let mut expected = vec![None; 20];
+        expected[..5].fill(Some(1));
+        assert_eq!(found(false), expected);
+        expected[10..15].fill(Some(3));
+        assert_eq!(found(true), expected);
+        let shape = BatchShape {
+            outputs: 4,
+            ..SHAPE
+        };
+        let sequence = sequences(&corpus(true), None);
+        let batch = Batch::new(&sequence, &[excerpt(60)], shape, &Device::default());
+        let targets: Vec<i32> = batch.targets.into_data().iter::<i32>().collect();
+        // Each patch is estimated six times.
+        assert_eq!(targets.iter().filter(|&&target| target == 3).count(), 5 * 6);
     }
 
     fn excerpt(start: usize) -> Excerpt {

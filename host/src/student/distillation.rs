@@ -45,11 +45,6 @@ pub struct Distillation {
     pub ensemble: usize,
     /// Temperature of both distributions in the distillation loss.
     pub temperature: f64,
-    /// Weight of the label relax of movement outside the vocabulary ([`Stream::other_movement`]) in the loss.
-    ///
-    /// [`Stream::other_movement`]: crate::dataset::corpus::Stream::other_movement
-    #[serde(default = "one", skip_serializing_if = "is_one")]
-    pub other_movement_weight: f64,
     /// Augmentation of the student's input; the teacher's input is the EMG as recorded.
     pub augmentation: Option<Augmentation>,
 }
@@ -57,15 +52,6 @@ pub struct Distillation {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
 const fn is_zero(value: &usize) -> bool {
     *value == 0
-}
-
-const fn one() -> f64 {
-    1.0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
-fn is_one(value: &f64) -> bool {
-    *value == 1.0
 }
 
 impl Distillation {

@@ -17,7 +17,7 @@ impl Student {
     ///
     /// `emg` is cleaned EMG over 128, `[b, patches, 80]`, sample after sample.
     #[must_use]
-    pub(crate) fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
+    pub fn forward(&self, emg: Tensor<3>) -> Tensor<4> {
         #[cfg(feature = "flex")]
         if let Some(logits) = fused::forward(self, &emg) {
             return by_patch(logits);

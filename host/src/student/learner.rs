@@ -46,10 +46,10 @@ impl<'a> StudentLearner<'a> {
             shape: BatchShape {
                 patches: config.patches,
                 context: span,
-                classes: corpus.vocabulary.classes(),
+                outputs: corpus.vocabulary.classes() + usize::from(corpus.other),
             },
-            sequences: sequences(corpus, config.other_movement_weight as f32, soft_targets),
-            validation_sequences: sequences(validation, config.other_movement_weight as f32, None),
+            sequences: sequences(corpus, soft_targets),
+            validation_sequences: sequences(validation, None),
             device,
         }
     }

@@ -44,9 +44,9 @@ impl StudentConfig {
         self.layers * self.span.saturating_sub(1) + 1
     }
 
-    /// A model with random weights for `classes` intents.
+    /// A model with random weights for `classes` intents and, with `other`, movement that is none of them.
     #[must_use]
-    pub fn init(&self, classes: usize, device: &Device) -> Student {
+    pub fn init(&self, classes: usize, other: bool, device: &Device) -> Student {
         let d = self.d_model;
         let norm = || {
             LayerNormConfig::new(d)
@@ -68,7 +68,8 @@ impl StudentConfig {
             embed: LinearConfig::new(CHANNELS * PATCH, d).init(device),
             layers: (0..self.layers).map(|_| layer()).collect(),
             final_norm: norm(),
-            head: LinearConfig::new(d, LOOK_BACK * classes).init(device),
+            head: LinearConfig::new(d, LOOK_BACK * (classes + usize::from(other))).init(device),
+            other,
             square_root: self.companding == Companding::SquareRoot,
         }
     }
@@ -83,8 +84,10 @@ pub struct Student {
     pub(super) layers: Vec<StudentLayer>,
     /// Norm before the head.
     pub(super) final_norm: LayerNorm,
-    /// Look-back head: a token to `6 * classes` logits, newest patch first.
+    /// Look-back head: a token to the logits of six rows, newest patch first.
     pub(super) head: Linear,
+    /// Whether the last logit of a row is movement outside the vocabulary.
+    pub(crate) other: bool,
     pub(super) square_root: bool,
 }
 

@@ -39,6 +39,7 @@ pub(crate) fn quantize(
             layers,
             span,
             vocabulary,
+            other: student.other,
         },
         companding,
         normalized,

@@ -14,42 +14,41 @@ use crate::training::augmentation::Variation;
 /// A stream cut into patches, with a lead-in of one window in front.
 pub(super) struct Sequence {
     pub(super) emg: Vec<[u8; CHANNELS]>,
-    /// Label of every patch; none in the lead-in.
-    pub(super) labels: Vec<Option<Intent>>,
-    /// Weight of every patch's label in the loss.
-    pub(super) weights: Vec<f32>,
+    /// Output of a row that every patch's label asks for; none in the lead-in.
+    pub(super) targets: Vec<Option<usize>>,
     /// The teacher's logits at every patch after the lead-in.
     pub(super) soft_targets: Option<Vec<LookBackLogits>>,
 }
 
 impl Sequence {
     pub(super) fn patches(&self) -> usize {
-        self.labels.len()
+        self.targets.len()
     }
 }
 
-/// The sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream, `other_movement` is the weight
-/// of labels of movement outside the vocabulary.
+/// The sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream.
 pub(super) fn sequences(
     corpus: &Corpus,
-    other_movement: f32,
     soft_targets: Option<Vec<Vec<LookBackLogits>>>,
 ) -> Vec<Sequence> {
     let mut soft_targets = soft_targets.map(Vec::into_iter);
+    let class_of_other = corpus.other.then(|| corpus.vocabulary.classes());
     corpus
         .streams
         .iter()
         .map(|stream| {
             let own = patch_labels(&stream.labels);
+            let others = stream.other_movement_patches();
+            let target = |(label, &other): (Option<Intent>, &bool)| match class_of_other {
+                Some(class) if other => Some(class),
+                _ => label.map(Intent::class),
+            };
             let whole = own.len() * PATCH;
             let unknown = std::iter::repeat_n(None, WINDOW_PATCHES);
-            let weight = |other: bool| if other { other_movement } else { 1.0 };
-            let weights = stream.other_movement_patches().into_iter().map(weight);
             Sequence {
                 emg: padded(&stream.emg[..whole]),
-                labels: unknown.chain(own).collect(),
-                weights: std::iter::repeat_n(1.0, WINDOW_PATCHES)
-                    .chain(weights)
+                targets: unknown
+                    .chain(own.into_iter().zip(&others).map(target))
                     .collect(),
                 soft_targets: soft_targets
                     .as_mut()

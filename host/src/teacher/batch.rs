@@ -130,6 +130,7 @@ mod tests {
         let stream = |label| Stream::new(vec![[1; CHANNELS]; 700], vec![label; 700]);
         let corpus = Corpus {
             vocabulary: Vocabulary::Three,
+            other: false,
             streams: vec![stream(None), stream(Some(Intent::Open))],
         };
         let tasks = [Task::Intent, Task::SelfSupervised];

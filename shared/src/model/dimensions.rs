@@ -33,6 +33,17 @@ pub struct Dimensions {
     pub span: usize,
     /// The classes.
     pub vocabulary: Vocabulary,
+    /// Whether the look-back head has an output more for each row, after those of the classes: movement that is none of
+    /// the intents.
+    pub other: bool,
+}
+
+impl Dimensions {
+    /// Outputs of the look-back head for each row: the classes, and movement that is none of them.
+    #[must_use]
+    pub const fn row_outputs(&self) -> usize {
+        self.vocabulary.classes() + self.other as usize
+    }
 }
 
 /// How a preprocessed sample, 0..=128, becomes the encoder's input, 0..=1.

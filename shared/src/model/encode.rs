@@ -1,13 +1,14 @@
 //! What a pipeline asks of a model.
 
-use crate::intent::MAX_CLASSES;
+use crate::intent::MAX_LOGITS;
 use crate::units::{LOOK_BACK, Patch};
 
 /// Logits of the six newest patches, newest first, not normalised.
 ///
-/// Shape `[6][6]`: row `j` refers to the patch `j` before the newest. Only the first
-/// [`Encode::classes`] columns have a meaning.
-pub type LookBackLogits = [[f32; MAX_CLASSES]; LOOK_BACK];
+/// Shape `[6][7]`: row `j` refers to the patch `j` before the newest. The first columns are the classes; the next one is
+/// movement outside the vocabulary, for a model that knows it ([`Dimensions::other`](super::dimensions::Dimensions::other)).
+/// The others are 0.
+pub type LookBackLogits = [[f32; MAX_LOGITS]; LOOK_BACK];
 
 /// A streaming model: one patch in, one set of logits out. The weights never change; what changes
 /// from patch to patch is the state, which is kept apart.

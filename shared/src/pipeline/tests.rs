@@ -30,7 +30,7 @@ impl Encode for SumModel {
     fn step(&self, state: &mut Self::State, patch: &Patch) -> LookBackLogits {
         let sum: usize = patch.iter().map(|sample| usize::from(sample[0])).sum();
         state.push(sum % 3);
-        let mut rows = [[0.0; MAX_CLASSES]; LOOK_BACK];
+        let mut rows = [[0.0; MAX_LOGITS]; LOOK_BACK];
         for (row, class) in rows.iter_mut().zip(state.iter().rev()) {
             row[*class] = 1.0;
             row[5] = 100.0; // no class of this model
@@ -297,7 +297,7 @@ fn a_model_of_too_many_classes_is_refused() {
         fn fresh(&self) {}
         fn reset(&self, (): &mut ()) {}
         fn step(&self, (): &mut (), _: &Patch) -> LookBackLogits {
-            [[0.0; MAX_CLASSES]; LOOK_BACK]
+            [[0.0; MAX_LOGITS]; LOOK_BACK]
         }
     }
     let refused = Pipeline::new(Seven, &mut (), Settings::PAPER_IN_PATCHES, Start::Boot).err();

@@ -14,6 +14,9 @@
 //! and Englehart (IEEE Trans. Biomed. Eng. 60(6), 2013), who reject by confidence, class by class; the margin of two
 //! logits is the logarithm of the ratio of their probabilities.
 //!
+//! Rows may have one more column, movement outside the vocabulary ([`Settings::other_margin`]). No label comes of it: it
+//! only keeps a class from being entered. A label that holds is ended by relax or another class, not by this column.
+//!
 //! Source: ReactEMG (arXiv 2506.19815) and the live aggregator of its public code, which has both
 //! modes; `tests/golden` compares labels with it. Sums are f32, windows in time order, rows newest
 //! first: the order is part of the definition.
@@ -41,6 +44,8 @@ pub struct Decision {
 pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     settings: Settings,
     classes: usize,
+    /// The classes, and movement outside the vocabulary if the model knows it.
+    columns: usize,
     /// Sums of the newest `look_ahead + 1` instants, in a ring.
     sums: [[f32; CLASSES]; ROWS],
     /// Index of the newest instant's sum.
@@ -72,10 +77,11 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         if settings.hold == 0 {
             return Err(SettingsError::Hold);
         }
-        if classes == 0 || classes > CLASSES {
+        let columns = classes + usize::from(settings.other_margin.is_some());
+        if classes == 0 || columns > CLASSES {
             return Err(SettingsError::Classes {
                 most: CLASSES,
-                found: classes,
+                found: columns,
             });
         }
         if settings.row_samples == 0 {
@@ -84,6 +90,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         Ok(Self {
             settings,
             classes,
+            columns,
             sums: [[0.0; CLASSES]; ROWS],
             newest: 0,
             seen: 0,
@@ -103,7 +110,8 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     /// one is due: at every `hold`-th window, counted from the first, once `look_ahead + 1` have been
     /// taken.
     ///
-    /// Only the first `look_ahead + 1` rows and `classes` columns are read.
+    /// Only the first `look_ahead + 1` rows and the columns of the classes, and of other movement if the settings have
+    /// it, are read.
     pub fn push(
         &mut self,
         window_end: SampleIndex,
@@ -132,10 +140,13 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     fn gated(&self, instant: usize) -> usize {
         let sums = &self.sums[instant][..self.classes];
         let best = largest(sums);
-        if best == RELAX
-            || best == self.current
-            || sums[best] - second(sums, best) >= self.gate(best)
-        {
+        let enters = || {
+            let other = self.sums[instant][self.classes..self.columns].first();
+            let [from_classes, from_other] = self.gates(best);
+            sums[best] - second(sums, best) >= from_classes
+                && other.is_none_or(|other| sums[best] - other >= from_other)
+        };
+        if best == RELAX || best == self.current || enters() {
             best
         } else if self.current != RELAX && sums[self.current] > sums[RELAX] {
             self.current
@@ -144,15 +155,16 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         }
     }
 
-    /// The margin of a class's sum: that of its mean, times the number of rows in a sum.
-    fn gate(&self, class: usize) -> f32 {
+    /// The margins of a class's sum over those of the other classes and over that of movement outside the vocabulary:
+    /// those of its mean, times the number of rows in a sum.
+    fn gates(&self, class: usize) -> [f32; 2] {
         let depth = self.settings.look_ahead + 1;
         let rows = match self.settings.aggregation {
             AggregationMode::AllRowsFrom => depth * (depth + 1) / 2,
             AggregationMode::SameInstant => depth,
         };
-        let margin = self.settings.entry_margins.get(class);
-        margin.copied().unwrap_or(0.0) * rows as f32
+        let from_classes = self.settings.entry_margins.get(class).copied();
+        [from_classes, self.settings.other_margin].map(|margin| margin.unwrap_or(0.0) * rows as f32)
     }
 
     /// Adds one window's rows to the sums of the instants that still wait for their label. With rows
@@ -166,7 +178,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         let mut sum = [0.0; CLASSES];
         for (back, row) in rows.iter().enumerate().take(self.seen) {
             let waiting = &mut self.sums[(self.newest + depth - back) % depth];
-            for class in 0..self.classes {
+            for class in 0..self.columns {
                 sum[class] += row[class];
                 waiting[class] += match self.settings.aggregation {
                     AggregationMode::AllRowsFrom => sum[class],

@@ -168,5 +168,6 @@ pub(crate) fn candidate(
         looks_back: baseline.looks_back(),
         logits,
         entry_margins: [0.0; MAX_CLASSES],
+        other_margin: None,
     })
 }

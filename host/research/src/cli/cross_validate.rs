@@ -13,13 +13,12 @@ use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::write_whole;
 use myointent::run::resolve::ConfigError;
-use shared::units::MAX_ENTRY_MARGIN;
 
 use self::contenders::{contenders, presets};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
 use crate::cross_validation::{
-    Contender, CrossValidation, FoldScore, Job, Kind, Merged, differences, movements, people,
+    Contender, CrossValidation, FoldScore, Gate, Job, Kind, Merged, differences, movements, people,
     scores,
 };
 
@@ -57,9 +56,15 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..))]
     folds: u8,
     /// Also evaluate with these confidence gates, separated by commas: by how much the mean logit of open, close, ...
-    /// has to exceed all others for the label to become this class. Nothing is trained again.
-    #[arg(long, value_name = "MARGINS", value_delimiter = ',', value_parser = entry_margin)]
-    entry_margins: Vec<f32>,
+    /// has to exceed all others for the label to become this class; `1/0.5`: by 1, and movement outside the vocabulary by
+    /// 0.5. Nothing is trained again.
+    #[arg(
+        long,
+        value_name = "MARGINS",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    entry_margins: Vec<Gate>,
     /// Number of the only fold to run, 1 first; all if not given.
     #[arg(long)]
     fold: Option<u8>,
@@ -106,7 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let validation = CrossValidation {
         folder: &arguments.out,
         folds: of,
-        entry_margins: margins(arguments).collect(),
+        gates: gates(arguments).collect(),
         baselines: &settings,
         library,
         data: data.as_deref(),
@@ -161,15 +166,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn entry_margin(text: &str) -> Result<f32, String> {
-    let margin = text.parse().ok();
-    margin
-        .filter(|margin| (0.0..=MAX_ENTRY_MARGIN).contains(margin))
-        .ok_or_else(|| format!("expected 0 to {MAX_ENTRY_MARGIN}"))
-}
-
 /// The preset's own confidence gate, then those asked for.
-fn margins(arguments: &Arguments) -> impl Iterator<Item = Option<f32>> {
+fn gates(arguments: &Arguments) -> impl Iterator<Item = Option<Gate>> {
     let asked = arguments.entry_margins.iter().copied().map(Some);
     std::iter::once(None).chain(asked)
 }
@@ -211,7 +209,11 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) ->
     option("fold", fold.to_string());
     option("out", arguments.out.display().to_string());
     if !arguments.entry_margins.is_empty() {
-        let margins: Vec<String> = arguments.entry_margins.iter().map(f32::to_string).collect();
+        let margins: Vec<String> = arguments
+            .entry_margins
+            .iter()
+            .map(Gate::to_string)
+            .collect();
         option("entry-margins", margins.join(","));
     }
     if let Some(data) = arguments.data.folder() {
@@ -229,12 +231,12 @@ fn merged<'a>(
 ) -> Vec<Merged<'a>> {
     let mut merged = Vec::new();
     for (contender, own) in contenders.iter().zip(results) {
-        for margin in margins(arguments) {
+        for gate in gates(arguments) {
             for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant, LookAhead::None] {
                 let scores = own
                     .iter()
                     .flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)));
-                merged.push(Merged::new(contender.name(), look_ahead, margin, scores));
+                merged.push(Merged::new(contender.name(), look_ahead, gate, scores));
             }
         }
     }

@@ -25,6 +25,7 @@ use myointent::run::resolve::{FoldChoice, fold_people};
 use myointent::run::train::train;
 
 use super::contender::{Contender, Kind};
+use super::gate::Gate;
 use crate::baselines::inference::candidate;
 use crate::baselines::settings::BaselineSettings;
 use crate::baselines::training::train_all;
@@ -40,7 +41,7 @@ pub(crate) struct CrossValidation<'a> {
     /// Number of folds.
     pub(crate) folds: usize,
     /// Confidence gates to evaluate with; none is the contender's own.
-    pub(crate) entry_margins: Vec<Option<f32>>,
+    pub(crate) gates: Vec<Option<Gate>>,
     /// How baselines are trained.
     pub(crate) baselines: &'a BaselineSettings,
     /// The recordings.
@@ -64,8 +65,8 @@ struct FoldScores {
 /// A score over all of a fold's people.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FoldScore {
-    /// Confidence gate of all classes but relax; none: the contender's own.
-    pub(crate) entry_margin: Option<f32>,
+    /// Confidence gate; none: the contender's own.
+    pub(crate) gate: Option<Gate>,
     /// The score.
     pub(crate) score: Score,
 }
@@ -100,18 +101,18 @@ impl CrossValidation<'_> {
         let kept = folder.load_stamped::<FoldScores>(SCORES, self.made_from(job, config));
         let mut scores = kept.ok()?.content.scores;
         let wanted = self.gates(job);
-        let has = |margin: &Option<f32>| scores.iter().any(|own| own.entry_margin == *margin);
+        let has = |gate: &Option<Gate>| scores.iter().any(|own| own.gate == *gate);
         if !wanted.iter().all(has) {
             return None;
         }
-        scores.retain(|own| wanted.contains(&own.entry_margin));
+        scores.retain(|own| wanted.contains(&own.gate));
         Some(scores)
     }
 
     /// The confidence gates that a job is evaluated with.
-    fn gates(&self, job: &Job) -> &[Option<f32>] {
+    fn gates(&self, job: &Job) -> &[Option<Gate>] {
         if job.contender.is_trained() {
-            &self.entry_margins
+            &self.gates
         } else {
             &[None]
         }
@@ -192,11 +193,12 @@ impl CrossValidation<'_> {
         let people = people.into_iter().nth(job.fold - 1).unwrap_or_default();
         let trials = || trials_of(&self.library, preset.vocabulary(), &people);
         let (mut candidate, trials) = self.trained(job, context, &trials)?;
-        let own_margins = candidate.entry_margins;
+        let own = (candidate.entry_margins, candidate.other_margin);
         let mut scores = Vec::new();
-        for &entry_margin in self.gates(job) {
-            candidate.entry_margins = entry_margin.map_or(own_margins, |margin| {
-                EntryMargins::Same(margin).of_classes()
+        for &gate in self.gates(job) {
+            (candidate.entry_margins, candidate.other_margin) = gate.map_or(own, |gate| {
+                let entry = EntryMargins::Same(gate.entry).of_classes();
+                (entry, own.1.map(|margin| gate.other.unwrap_or(margin)))
             });
             let look_aheads: &[LookAhead] = if candidate.looks_back {
                 &[LookAhead::AllRows, LookAhead::SameInstant]
@@ -212,10 +214,7 @@ impl CrossValidation<'_> {
                     Truth::LagCompensated,
                 );
                 let rows = rows.map_err(StepError::from)?.into_iter();
-                scores.extend(rows.map(|score| FoldScore {
-                    entry_margin,
-                    score,
-                }));
+                scores.extend(rows.map(|score| FoldScore { gate, score }));
             }
         }
         let single = scores.iter().all(|own| own.score.data_set != ALL);

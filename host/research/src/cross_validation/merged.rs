@@ -6,6 +6,7 @@ use myointent::evaluation::metric::event::latency::{self, LatencySummary};
 use myointent::evaluation::metric::event::summary::Raised;
 use myointent::evaluation::{LookAhead, Measure, Score};
 
+use super::gate::Gate;
 use super::job::FoldScore;
 
 /// A contender's scores under one aggregation mode and confidence gate: those of every fold, by seed.
@@ -13,8 +14,8 @@ pub(crate) struct Merged<'a> {
     /// The contender.
     pub(crate) model: &'a str,
     pub(crate) look_ahead: LookAhead,
-    /// The gate of all classes but relax; none: the contender's own.
-    pub(crate) entry_margin: Option<f32>,
+    /// The gate; none: the contender's own.
+    pub(crate) gate: Option<Gate>,
     scores: Vec<(u64, &'a Score)>,
 }
 
@@ -23,16 +24,16 @@ impl<'a> Merged<'a> {
     pub(crate) fn new(
         model: &'a str,
         look_ahead: LookAhead,
-        entry_margin: Option<f32>,
+        gate: Option<Gate>,
         scores: impl IntoIterator<Item = (u64, &'a FoldScore)>,
     ) -> Self {
         let scores = scores.into_iter();
         Self {
             model,
             look_ahead,
-            entry_margin,
+            gate,
             scores: scores
-                .filter(|(_, own)| own.entry_margin == entry_margin)
+                .filter(|(_, own)| own.gate == gate)
                 .map(|(seed, own)| (seed, &own.score))
                 .filter(|(_, score)| score.look_ahead == look_ahead)
                 .collect(),
@@ -41,7 +42,7 @@ impl<'a> Merged<'a> {
 
     /// Name in tables.
     pub(crate) fn name(&self) -> String {
-        let gate = self.entry_margin.map(|margin| format!(", margin {margin}"));
+        let gate = self.gate.map(|gate| format!(", margin {gate}"));
         let gate = gate.unwrap_or_default();
         format!("{} ({}{gate})", self.model, self.look_ahead.name())
     }
@@ -143,10 +144,9 @@ mod tests {
             .iter()
             .any(|score| score.data_set == myointent::evaluation::ALL);
         scores.retain(|score| !several || score.data_set == myointent::evaluation::ALL);
-        let scores = scores.into_iter().map(|score| FoldScore {
-            entry_margin: None,
-            score,
-        });
+        let scores = scores
+            .into_iter()
+            .map(|score| FoldScore { gate: None, score });
         scores.collect()
     }
 
@@ -177,7 +177,11 @@ mod tests {
         let expected = latency::summary(&[60, 80, 80], 4);
         assert_eq!(merged.latency(Some("x")), expected);
         assert!(expected.is_some());
-        let none = Merged::new("p", LookAhead::AllRows, Some(1.0), scores());
+        let gate = Some(Gate {
+            entry: 1.0,
+            other: None,
+        });
+        let none = Merged::new("p", LookAhead::AllRows, gate, scores());
         assert_eq!(none.name(), "p (0.25 s, all rows, margin 1)");
         assert!(none.values(Measure::BalancedAccuracy, None).is_empty());
     }

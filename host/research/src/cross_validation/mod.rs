@@ -6,11 +6,13 @@
 //! differences are over people.
 
 mod contender;
+mod gate;
 mod job;
 mod merged;
 mod tables;
 
 pub(crate) use contender::{Contender, Kind};
+pub(crate) use gate::Gate;
 pub(crate) use job::{CrossValidation, FoldScore, Job};
 pub(crate) use merged::Merged;
 pub(crate) use tables::{differences, movements, people, scores};

@@ -155,8 +155,7 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
                 let names = [
                     own.model.to_owned(),
                     own.look_ahead.name().to_owned(),
-                    own.entry_margin
-                        .map_or_else(String::new, |margin| margin.to_string()),
+                    own.gate.map_or_else(String::new, |gate| gate.to_string()),
                     seed.to_string(),
                     person.subject.clone(),
                 ];

@@ -228,11 +228,13 @@ fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::MAX_LOGITS;
+
     use super::*;
 
     #[test]
     fn a_partial_last_patch_has_no_row() {
-        let rows = vec![[[0.5; Intent::ALL.len()]; LOOK_BACK]; 2];
+        let rows = vec![[[0.5; MAX_LOGITS]; LOOK_BACK]; 2];
         let labels = vec![None; 2 * PATCH + 3];
         let matrix = of_samples(&labels, &rows, 3);
         assert!(matrix.values.iter().all(|value| value.is_finite()));

@@ -34,8 +34,8 @@ pub struct SpliceOptions {
     pub count: usize,
     /// Label lag in samples: labels are compensated for it before cutting.
     pub lag_samples: usize,
-    /// Whether movement outside the vocabulary is labelled relax and steady holds of it are used; otherwise it has no label.
-    pub other_movement_is_relax: bool,
+    /// Whether movement outside the vocabulary is a class: it is marked, and steady holds of it are used.
+    pub other: bool,
     /// Seed of every draw; a subject's draws do not depend on the other subjects.
     pub seed: u64,
 }
@@ -50,8 +50,7 @@ pub struct SpliceOptions {
 pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recording> {
     let mut by_subject: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
     let is_used = |recording: &Recording| {
-        recording.has_labels()
-            || options.other_movement_is_relax && !recording.other_movement.is_empty()
+        recording.has_labels() || options.other && !recording.other_movement.is_empty()
     };
     for recording in recordings.iter().filter(|r| is_used(r)) {
         by_subject
@@ -63,7 +62,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
     for (subject, recordings) in by_subject {
         let sources: Vec<Source<'_>> = recordings
             .iter()
-            .map(|r| Source::new(r, options.lag_samples, options.other_movement_is_relax))
+            .map(|r| Source::new(r, options.lag_samples, options.other))
             .collect();
         let material = Material::of(&sources);
         for index in 0..options.count {
@@ -72,7 +71,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
             let Some(Joined {
                 samples,
                 labels,
-                relax,
+                other,
             }) = material.walk(options.samples, &mut random)
             else {
                 continue;
@@ -85,7 +84,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 samples,
                 labels,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
-                other_movement: relax,
+                other_movement: other,
                 wearer: Normalizer::new(),
             });
         }

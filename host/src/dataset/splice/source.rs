@@ -16,22 +16,18 @@ pub(super) struct Source<'a> {
     samples: &'a [Sample],
     /// None in movement outside the vocabulary, so that it is spliced like a gesture and not like rest.
     pub labels: Vec<Option<Intent>>,
-    /// Where the joined recording says relax instead of none, in order; empty if it shall not.
-    relax: Vec<Movement>,
+    /// Movement outside the vocabulary, in order; empty if it is no class.
+    other: Vec<Movement>,
 }
 
 impl<'a> Source<'a> {
-    pub fn new(
-        recording: &'a Recording,
-        lag_samples: usize,
-        other_movement_is_relax: bool,
-    ) -> Self {
+    pub fn new(recording: &'a Recording, lag_samples: usize, other_is_a_class: bool) -> Self {
         let labels = lag::compensated(&recording.labels, lag_samples);
         let other_movement = recording.other_movement.iter();
         Self {
             samples: &recording.samples,
-            relax: other_movement
-                .filter(|_| other_movement_is_relax)
+            other: other_movement
+                .filter(|_| other_is_a_class)
                 .map(|movement| Movement {
                     samples: lag::compensated_range(&movement.samples, lag_samples, labels.len()),
                     ..movement.clone()
@@ -41,9 +37,9 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether all of it is movement outside the vocabulary that shall become relax.
+    /// Whether all of it is movement outside the vocabulary that is a class.
     pub fn is_other_movement(&self) -> bool {
-        let covered: usize = self.relax.iter().map(|m| m.samples.len()).sum();
+        let covered: usize = self.other.iter().map(|m| m.samples.len()).sum();
         covered > 0 && covered >= self.labels.len()
     }
 
@@ -61,8 +57,8 @@ impl<'a> Source<'a> {
 pub(super) struct Joined {
     pub samples: Vec<Sample>,
     pub labels: Vec<Option<Intent>>,
-    /// Movement outside the vocabulary that is labelled relax.
-    pub relax: Vec<Movement>,
+    /// Movement outside the vocabulary that is a class.
+    pub other: Vec<Movement>,
 }
 
 impl Joined {
@@ -74,17 +70,16 @@ impl Joined {
         let joined = self.labels.len();
         self.labels
             .extend_from_slice(&source.labels[cut.start..end]);
-        for Movement { kind, samples } in &source.relax {
+        for Movement { kind, samples } in &source.other {
             let [from, to] =
                 [samples.start, samples.end].map(|at| at.clamp(cut.start, end) - cut.start);
             let samples = joined + from..joined + to;
-            self.labels[samples.clone()].fill(Some(Intent::Relax));
-            match self.relax.last_mut() {
+            match self.other.last_mut() {
                 _ if samples.is_empty() => {}
                 Some(last) if last.kind == *kind && last.samples.end == samples.start => {
                     last.samples.end = samples.end;
                 }
-                _ => self.relax.push(Movement::new(*kind, samples)),
+                _ => self.other.push(Movement::new(*kind, samples)),
             }
         }
     }

@@ -8,7 +8,7 @@ use shared::intent::Intent;
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
 use crate::dataset::labels::runs::{Run, runs};
-use crate::dataset::movement::{Movement, MovementKind};
+use crate::dataset::movement::{Movement, MovementKind, mask};
 use crate::dataset::recording::{DataSet, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);
@@ -42,7 +42,7 @@ const OPTIONS: SpliceOptions = SpliceOptions {
     samples: 4321,
     count: 2,
     lag_samples: 0,
-    other_movement_is_relax: false,
+    other: false,
     seed: 42,
 };
 
@@ -181,32 +181,35 @@ fn subjects_are_not_mixed_and_unlabelled_ones_left_out() {
 }
 
 #[test]
-fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_labelled_relax() {
+fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_marked() {
     let mut cued = recording("a", &[(R, 300), (C, 300), (R, 300), (None, 300), (R, 300)]);
     cued.other_movement = vec![Movement::new(MovementKind::Point, 900..1200)];
     let mut steady = recording("a", &[(None, 1000)]);
     steady.samples.fill([55; 8]);
     steady.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
-    let splice_all = |other_movement_is_relax| {
+    let splice_all = |other| {
         let options = SpliceOptions {
             samples: 40_000,
-            other_movement_is_relax,
+            other,
             ..OPTIONS
         };
         splice(&[&cued, &steady], &options).swap_remove(0)
     };
-    let relaxed = splice_all(true);
-    let labels_of = |mark: i8| -> BTreeSet<_> {
-        let marked = relaxed.samples.iter().zip(&relaxed.labels);
-        let marked = marked.filter(|(sample, _)| sample[0] == mark);
-        marked.map(|(_, &label)| label).collect()
+    let marked = splice_all(true);
+    let others = mask(&marked.other_movement, marked.labels.len());
+    let found = |mark: i8| -> BTreeSet<_> {
+        let samples = marked.samples.iter().zip(&marked.labels).zip(&others);
+        let samples = samples.filter(|((sample, _), _)| sample[0] == mark);
+        samples
+            .map(|((_, &label), &other)| (label, other))
+            .collect()
     };
-    // The movement is there, in transitions and in holds, always as relax; the gesture keeps its label.
-    assert_eq!(labels_of(mark(None)), BTreeSet::from([R]));
-    assert_eq!(labels_of(55), BTreeSet::from([R]));
-    assert_eq!(labels_of(mark(C)), BTreeSet::from([C]));
+    // The movement is there, in transitions and in holds, always marked; the gesture keeps its label.
+    assert_eq!(found(mark(None)), BTreeSet::from([(None, true)]));
+    assert_eq!(found(55), BTreeSet::from([(None, true)]));
+    assert_eq!(found(mark(C)), BTreeSet::from([(C, false)]));
     let unknown = splice_all(false);
-    assert!(unknown.labels.contains(&None));
+    assert!(unknown.labels.contains(&None) && unknown.other_movement.is_empty());
     assert!(unknown.samples.iter().all(|sample| sample[0] != 55));
 }
 
@@ -221,12 +224,13 @@ fn a_person_of_steady_holds_alone_has_other_movement_between_them() {
     ];
     let options = SpliceOptions {
         samples: 20_000,
-        other_movement_is_relax: true,
+        other: true,
         ..OPTIONS
     };
     let spliced = &splice(&holds.iter().collect::<Vec<_>>(), &options)[0];
-    let of_other = spliced.samples.iter().zip(&spliced.labels);
+    let others = mask(&spliced.other_movement, spliced.labels.len());
+    let of_other = spliced.samples.iter().zip(&others);
     let of_other = of_other.filter(|(sample, _)| sample[0] == mark(None));
     assert!(of_other.clone().count() > 2000);
-    assert!(of_other.map(|(_, label)| label).all(|&label| label == R));
+    assert!(of_other.into_iter().all(|(_, &other)| other));
 }

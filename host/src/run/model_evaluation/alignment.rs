@@ -194,5 +194,6 @@ pub(super) fn aligned_candidate(
         looks_back: true,
         logits,
         entry_margins: model.header.smoother.entry_margins,
+        other_margin: model.header.smoother.other_margin,
     })
 }

@@ -156,12 +156,6 @@ impl Preset {
                 "patches above the span; batch, steps and epochs of 1 or more",
             ),
             require(
-                (0.0..=1.0).contains(&distillation.other_movement_weight),
-                "distillation.other_movement_weight",
-                distillation.other_movement_weight,
-                "0 to 1",
-            ),
-            require(
                 distillation.ensemble <= MEMBERS.len(),
                 "distillation.ensemble",
                 distillation.ensemble,
@@ -172,6 +166,12 @@ impl Preset {
                 "distillation.teacher_share",
                 distillation.teacher_share,
                 "0 to 1",
+            ),
+            require(
+                !self.other() || distillation.teacher_share == 0.0,
+                "distillation.teacher_share",
+                distillation.teacher_share,
+                "0 with data.other_movement = \"class\", which no teacher knows",
             ),
             require(
                 distillation.temperature.is_finite() && distillation.temperature > 0.0,
@@ -204,6 +204,16 @@ impl Preset {
             margins,
             "a margin of 0 to 50, or one for each class at most",
         )
+        .or_else(|| {
+            let margin = self.smoother.other_margin;
+            let range = -MAX_ENTRY_MARGIN..=MAX_ENTRY_MARGIN;
+            require(
+                margin.is_none_or(|margin| self.other() && range.contains(&margin)),
+                "smoother.other_margin",
+                margin.unwrap_or(0.0),
+                "-50 to 50, with data.other_movement = \"class\"",
+            )
+        })
     }
 
     fn invalid_augmentation(&self) -> Option<Invalid> {

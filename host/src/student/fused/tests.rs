@@ -28,7 +28,7 @@ fn student(config: &StudentConfig) -> Student {
     let rng = ChaCha8Rng::seed_from_u64(3);
     let device = Device::flex().autodiff();
     config
-        .init(CLASSES, &device)
+        .init(CLASSES, false, &device)
         .valid()
         .map(&mut RandomParameters(rng))
 }

@@ -5,14 +5,14 @@ use super::{
     norm::layer_norm,
     token::Token,
 };
-use crate::intent::MAX_CLASSES;
+use crate::intent::MAX_LOGITS;
 use crate::kernels::TILE_ROWS;
 use crate::model::LookBackLogits;
 use crate::model::dimensions::Dimensions;
 use crate::model::file::{LinearWeights, NormWeights};
 use crate::units::LOOK_BACK;
 
-/// `W_h norm(h) + b_h`: outputs `j classes .. (j + 1) classes` are row `j`.
+/// `W_h norm(h) + b_h`: outputs `j n .. (j + 1) n` are row `j`, `n` being the [row's outputs](Dimensions::row_outputs).
 #[inline]
 #[must_use]
 pub(super) fn logits<const T: usize, const WIDTH: usize>(
@@ -21,9 +21,9 @@ pub(super) fn logits<const T: usize, const WIDTH: usize>(
     dimensions: &Dimensions,
     tokens: &mut [Token<WIDTH>; T],
 ) -> [LookBackLogits; T] {
-    let (width, classes) = (dimensions.width, dimensions.vocabulary.classes());
-    let mut outputs = [[0.0; (LOOK_BACK * MAX_CLASSES).next_multiple_of(TILE_ROWS)]; T];
-    let rows = (LOOK_BACK * classes).next_multiple_of(TILE_ROWS);
+    let (width, row_outputs) = (dimensions.width, dimensions.row_outputs());
+    let mut outputs = [[0.0; (LOOK_BACK * MAX_LOGITS).next_multiple_of(TILE_ROWS)]; T];
+    let rows = (LOOK_BACK * row_outputs).next_multiple_of(TILE_ROWS);
     let mut places = outputs.iter_mut();
     let tokens = tokens.each_mut().map(|token| {
         let normalised = &mut token.normalised[..width];
@@ -36,8 +36,8 @@ pub(super) fn logits<const T: usize, const WIDTH: usize>(
     linear::map(head, tokens, identity);
     outputs.map(|outputs| {
         let mut logits = LookBackLogits::default();
-        for (row, outputs) in logits.iter_mut().zip(outputs.chunks_exact(classes)) {
-            row[..classes].copy_from_slice(outputs);
+        for (row, outputs) in logits.iter_mut().zip(outputs.chunks_exact(row_outputs)) {
+            row[..row_outputs].copy_from_slice(outputs);
         }
         logits
     })

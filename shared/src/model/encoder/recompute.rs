@@ -123,6 +123,7 @@ mod tests {
             layers: 2,
             span: 27,
             vocabulary: Vocabulary::Three,
+            other: false,
         };
         random_model(dimensions, 3).to_bytes().unwrap()
     }

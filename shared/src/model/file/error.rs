@@ -190,6 +190,19 @@ pub enum ModelError {
         /// The file's margin.
         found: f32,
     },
+    /// A margin over movement outside the vocabulary out of range.
+    #[error(
+        "margin over other movement {found}, expected -{MAX_ENTRY_MARGIN} to {MAX_ENTRY_MARGIN}: export with one"
+    )]
+    OtherMargin {
+        /// The file's margin.
+        found: f32,
+    },
+    /// A margin over movement outside the vocabulary for a model without such an output.
+    #[error(
+        "this model does not know movement outside the vocabulary: it has no margin over it; train one with data.other_movement = \"class\""
+    )]
+    NoOther,
     /// A metric that is infinite or NaN.
     #[error("a metric is {found}, expected a finite number: evaluate and export the model again")]
     Metric {

@@ -23,6 +23,9 @@ pub struct SmootherDefaults {
     /// Confidence gate by class, 0 to [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN); see
     /// [`Settings::entry_margins`].
     pub entry_margins: [f32; MAX_CLASSES],
+    /// Margin over movement outside the vocabulary, at most [`MAX_ENTRY_MARGIN`](crate::units::MAX_ENTRY_MARGIN) either
+    /// way; none if the model does not know such movement. See [`Settings::other_margin`].
+    pub other_margin: Option<f32>,
 }
 
 impl SmootherDefaults {
@@ -34,6 +37,7 @@ impl SmootherDefaults {
             look_ahead: self.look_ahead / PATCH,
             hold: self.hold / PATCH,
             entry_margins: self.entry_margins,
+            other_margin: self.other_margin,
             ..Settings::PAPER_IN_PATCHES
         }
     }

@@ -51,6 +51,6 @@ pub(crate) struct Weights<'m> {
     pub layers: [LayerWeights<'m>; MAX_LAYERS],
     /// Norm before the head.
     pub final_norm: NormWeights<'m>,
-    /// d -> 6 x classes: the newest patch's classes first.
+    /// d -> 6 x row outputs: those of the newest patch first.
     pub head: LinearWeights<'m>,
 }

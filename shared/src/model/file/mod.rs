@@ -28,7 +28,7 @@ pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts
 /// First bytes of every model file.
 const MAGIC: [u8; 8] = *b"myointnt";
 /// The format version that this crate reads and writes.
-const FORMAT_VERSION: u8 = 5;
+const FORMAT_VERSION: u8 = 6;
 /// Largest magnitude of a number in a tensor. A trained model's are below 10; up to this bound no sum, product or square
 /// on the way to the logits leaves the range of f32, whatever the input: a layer norm gives at most
 /// 100 x sqrt(128) + 100 < 2e3, a linear map of 256 inputs 100 x 127 x 256 x 2e3 < 1e10, the map after attention or the

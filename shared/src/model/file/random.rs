@@ -60,7 +60,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
         width,
         layers,
         span,
-        vocabulary,
+        ..
     } = dimensions;
     ModelParts {
         dimensions,
@@ -71,6 +71,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
             look_ahead: 50,
             hold: 20,
             entry_margins: [0.0, 0.5, 0.5, 0.5, 0.5, 0.5],
+            other_margin: dimensions.other.then_some(0.25),
         },
         template: Some(ramp()),
         provenance: ProvenanceParts {
@@ -94,6 +95,6 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
             })
             .collect(),
         final_norm: noise.norm(width),
-        head: noise.linear(LOOK_BACK * vocabulary.classes(), width),
+        head: noise.linear(LOOK_BACK * dimensions.row_outputs(), width),
     }
 }

@@ -125,7 +125,7 @@ impl<'m> Tensors<'m> {
         }
         self.layer = None;
         weights.final_norm = self.norm("final_norm", width)?;
-        weights.head = self.linear("head", LOOK_BACK * dimensions.vocabulary.classes(), width)?;
+        weights.head = self.linear("head", LOOK_BACK * dimensions.row_outputs(), width)?;
         Ok(weights)
     }
 

@@ -20,6 +20,7 @@ const SMALL: Dimensions = Dimensions {
     layers: 1,
     span: 5,
     vocabulary: Vocabulary::Three,
+    other: false,
 };
 
 fn small() -> ModelParts {
@@ -163,6 +164,36 @@ fn a_template_can_be_exchanged_without_touching_anything_else() {
         assert_eq!(Model::with_template(&added, None).unwrap(), without);
     }
     assert!(Model::with_template(&with[1..], None).is_err());
+}
+
+#[test]
+fn a_gate_can_be_exchanged_without_touching_anything_else() {
+    let dimensions = Dimensions {
+        other: true,
+        ..SMALL
+    };
+    let mut parts = random_model(dimensions, 11);
+    let bytes = parts.to_bytes().unwrap();
+    parts.smoother.entry_margins[1..].fill(1.5);
+    let entry = Model::with_gate(&bytes, Some(1.5), None).unwrap();
+    assert_eq!(entry, parts.to_bytes().unwrap());
+    parts.smoother.other_margin = Some(-2.0);
+    let both = Model::with_gate(&entry, None, Some(-2.0)).unwrap();
+    assert_eq!(both, parts.to_bytes().unwrap());
+    let refused = |entry, other| Model::with_gate(&bytes, entry, other).unwrap_err();
+    assert_eq!(
+        refused(Some(-1.0), None),
+        ModelError::EntryMargin { found: -1.0 }
+    );
+    assert_eq!(
+        refused(None, Some(51.0)),
+        ModelError::OtherMargin { found: 51.0 }
+    );
+    let small = small().to_bytes().unwrap();
+    assert_eq!(
+        Model::with_gate(&small, None, Some(1.0)).unwrap_err(),
+        ModelError::NoOther
+    );
 }
 
 #[test]
@@ -361,6 +392,12 @@ fn every_other_header_field_has_its_refusal() {
         header_refusal(|header| header.entry_margins[2] = 50.5),
         ModelError::EntryMargin { found: 50.5 }
     );
+    for found in [-50.5, 50.5, f32::INFINITY] {
+        assert_eq!(
+            header_refusal(|header| header.other_margin = Some(found)),
+            ModelError::OtherMargin { found }
+        );
+    }
     for look_ahead in [45, 60] {
         assert_eq!(
             header_refusal(|header| header.look_ahead = look_ahead),

@@ -37,6 +37,7 @@ pub(super) struct WireHeader<'m> {
     pub look_ahead: u16,
     pub hold: u16,
     pub entry_margins: [f32; MAX_CLASSES],
+    pub other_margin: Option<f32>,
     pub template: &'m [u8],
     pub data_sets: &'m [u8],
     pub subjects_seen: &'m [u8],
@@ -85,6 +86,7 @@ impl<'m> WireHeader<'m> {
             look_ahead: short(smoother.look_ahead),
             hold: short(smoother.hold),
             entry_margins: smoother.entry_margins,
+            other_margin: smoother.other_margin,
             template,
             data_sets,
             subjects_seen,
@@ -190,6 +192,7 @@ impl<'m> WireHeader<'m> {
             layers,
             span,
             vocabulary,
+            other: self.other_margin.is_some(),
         })
     }
 
@@ -231,11 +234,16 @@ impl<'m> WireHeader<'m> {
         if let Some(found) = margins.find(|margin| !(0.0..=MAX_ENTRY_MARGIN).contains(margin)) {
             return Err(ModelError::EntryMargin { found });
         }
+        let wild = |margin: &f32| !(-MAX_ENTRY_MARGIN..=MAX_ENTRY_MARGIN).contains(margin);
+        if let Some(found) = self.other_margin.filter(wild) {
+            return Err(ModelError::OtherMargin { found });
+        }
         Ok(SmootherDefaults {
             aggregation,
             look_ahead,
             hold,
             entry_margins: self.entry_margins,
+            other_margin: self.other_margin,
         })
     }
 }

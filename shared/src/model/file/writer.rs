@@ -8,6 +8,7 @@ use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
     header::SmootherDefaults, reader::Model, wire_header::WireHeader,
 };
+use crate::intent::Intent;
 use crate::kernels::packing::packed;
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
@@ -103,7 +104,7 @@ pub struct ModelParts {
     pub layers: Vec<LayerParts>,
     /// Norm before the head.
     pub final_norm: NormParts,
-    /// d -> 6 x classes.
+    /// d -> 6 x [row outputs](Dimensions::row_outputs).
     pub head: LinearParts,
 }
 
@@ -169,12 +170,41 @@ impl Model<'_> {
     ///
     /// As [`Model::parse`].
     pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
+        let template = bytes_of(template.copied());
+        Self::with_header(file, |header| header.template = &template)
+    }
+
+    /// The file with another confidence gate: the margin of every class but relax, and that over movement outside the
+    /// vocabulary, which only a model that knows such movement has. What is none stays as it was.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::parse`], and [`ModelError::NoOther`].
+    pub fn with_gate(
+        file: &[u8],
+        entry: Option<f32>,
+        other: Option<f32>,
+    ) -> Result<Vec<u8>, ModelError> {
+        if other.is_some() && !Model::parse(file)?.header.dimensions.other {
+            return Err(ModelError::NoOther);
+        }
+        Self::with_header(file, |header| {
+            if let Some(entry) = entry {
+                header.entry_margins[Intent::Relax.class() + 1..].fill(entry);
+            }
+            header.other_margin = other.or(header.other_margin);
+        })
+    }
+
+    fn with_header<'h>(
+        file: &'h [u8],
+        change: impl FnOnce(&mut WireHeader<'h>),
+    ) -> Result<Vec<u8>, ModelError> {
         let model = Model::parse(file)?;
         let body = &file[PREFIX_BYTES..model.length - CHECKSUM_BYTES];
         let (mut header, mut rest) = postcard::take_from_bytes::<WireHeader<'_>>(body)
             .map_err(|_| ModelError::Header { field: "header" })?;
-        let template = bytes_of(template.copied());
-        header.template = &template;
+        change(&mut header);
         let mut out = prefix();
         append(&mut out, &header);
         while !rest.is_empty() {

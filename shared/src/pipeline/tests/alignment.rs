@@ -25,6 +25,7 @@ fn real() -> SmallPipeline {
         layers: 2,
         span: 27,
         vocabulary: Vocabulary::Three,
+        other: false,
     };
     let bytes: &'static [u8] = random_model(dimensions, 3).to_bytes().unwrap().leak();
     let model = Model::parse(bytes).unwrap();

@@ -26,6 +26,9 @@ pub struct Settings {
     /// Confidence gate: by how much the mean logit of a class has to exceed that of every other class for the label to
     /// become this class; to keep the label, and to become relax, the largest is enough. By class; 0: no gate.
     pub entry_margins: [f32; MAX_CLASSES],
+    /// By how much the mean logit of a class has to exceed that of movement outside the vocabulary for the label to become
+    /// this class; such movement ends no label. None: rows have no such column, after those of the classes.
+    pub other_margin: Option<f32>,
 }
 
 impl Settings {
@@ -36,6 +39,7 @@ impl Settings {
         hold: HOLD / PATCH,
         row_samples: PATCH as u32,
         entry_margins: [0.0; MAX_CLASSES],
+        other_margin: None,
     };
 }
 
@@ -53,7 +57,7 @@ pub enum SettingsError {
     /// A hold of nothing.
     #[error("hold of 0 rows, at least 1 expected: use 1 for a label per window")]
     Hold,
-    /// No classes, or too many.
+    /// No classes, or too many; movement outside the vocabulary counts as one.
     #[error("{found} classes, 1 to {most} expected: check the model")]
     Classes {
         /// Most classes.

@@ -199,6 +199,48 @@ fn a_margin_is_one_of_means_whatever_the_number_of_rows() {
     }
 }
 
+/// Labels of a smoother of three classes whose last column is movement outside the vocabulary.
+fn gated_from_other(margin: f32, rows: &[[f32; CLASSES]]) -> Vec<usize> {
+    let settings = Settings {
+        look_ahead: 0,
+        entry_margins: [1.0; 6],
+        other_margin: Some(margin),
+        ..PLAIN
+    };
+    let labels = classes(settings, CLASSES - 1, rows);
+    labels.into_iter().flatten().collect()
+}
+
+#[test]
+fn movement_outside_the_vocabulary_lets_no_class_in_and_ends_none() {
+    let [clear, near, below] = [0.0, 2.8, 9.0].map(|other| [0.0, 3.0, 0.0, other]);
+    let rest = [0.1, 0.0, 0.0, 9.0];
+    assert_eq!(gated_from_other(0.5, &[near, below]), [0, 0]);
+    assert_eq!(
+        gated_from_other(0.5, &[clear, near, below, rest, near]),
+        [1, 1, 1, 0, 0]
+    );
+    // The other class has too little over the third column: the label stays.
+    let another = [0.0, 1.0, 3.0, 2.8];
+    assert_eq!(gated_from_other(0.5, &[clear, another]), [1, 1]);
+    assert_eq!(gated_from_other(0.1, &[near]), [1]);
+    assert_eq!(gated_from_other(-7.0, &[below]), [1]);
+}
+
+#[test]
+fn the_margin_over_other_movement_is_one_of_means() {
+    let enters = |logit: f32| {
+        let settings = Settings {
+            other_margin: Some(2.0),
+            ..PLAIN
+        };
+        let row = [-9.0, logit, -9.0, 0.0];
+        let labels = classes(settings, CLASSES - 1, &[row; ROWS]);
+        labels.into_iter().flatten().last() == Some(1)
+    };
+    assert!(enters(2.0) && !enters(1.9));
+}
+
 #[test]
 fn a_restart_forgets_the_label() {
     let settings = Settings {
@@ -241,6 +283,15 @@ fn impossible_settings_are_refused_each_with_its_reason() {
             Some(SettingsError::Classes { most: 4, found })
         );
     }
+    let other = Settings {
+        other_margin: Some(0.0),
+        ..PLAIN
+    };
+    assert!(refused(other, 3).is_none());
+    assert_eq!(
+        refused(other, 4),
+        Some(SettingsError::Classes { most: 4, found: 5 })
+    );
     let row_samples = Settings {
         row_samples: 0,
         ..PLAIN

@@ -30,6 +30,7 @@ fn corpus(seed: u64) -> Corpus {
     }
     Corpus {
         vocabulary: Vocabulary::Three,
+        other: false,
         streams: vec![Stream::new(raw, labels)],
     }
 }

@@ -126,6 +126,7 @@ mod tests {
         labels[200..260].fill(None);
         Corpus {
             vocabulary: Vocabulary::Three,
+            other: false,
             streams: vec![Stream::new(raw, labels)],
         }
     }

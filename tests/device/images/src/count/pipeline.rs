@@ -6,7 +6,7 @@
 
 use core::hint::black_box;
 
-use shared::intent::MAX_CLASSES;
+use shared::intent::MAX_LOGITS;
 use shared::model::encoder::{
     Encoder, EncoderState,
     recompute::{Recompute, TILE},
@@ -107,7 +107,7 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let mut preprocessor = Preprocessor::new();
     let mut ring = SampleRing::new();
     let [mut state, mut probed_state] = [encoder.fresh(), encoder.fresh()];
-    let mut smoother: Smoother<MAX_CLASSES, LOOK_BACK> =
+    let mut smoother: Smoother<MAX_LOGITS, LOOK_BACK> =
         Smoother::new(settings, encoder.classes()).expect("good settings");
 
     let clock = Clock::new();

@@ -1,0 +1,63 @@
+//! A confidence gate that a contender is also evaluated with.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use shared::units::MAX_ENTRY_MARGIN;
+
+/// A gate of all classes but relax.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Gate {
+    /// Margin over the other classes.
+    pub(crate) entry: f32,
+    /// Margin over movement outside the vocabulary, for models that know it; none: the contender's own.
+    pub(crate) other: Option<f32>,
+}
+
+impl FromStr for Gate {
+    type Err = String;
+
+    /// `1` or `1/0.5`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let margin = |text: &str, least: f32| {
+            let margin = text.parse().ok();
+            margin
+                .filter(|margin| (least..=MAX_ENTRY_MARGIN).contains(margin))
+                .ok_or_else(|| format!("`{text}`: expected {least} to {MAX_ENTRY_MARGIN}"))
+        };
+        let (entry, other) = match text.split_once('/') {
+            Some((entry, other)) => (entry, Some(margin(other, -MAX_ENTRY_MARGIN)?)),
+            None => (text, None),
+        };
+        Ok(Self {
+            entry: margin(entry, 0.0)?,
+            other,
+        })
+    }
+}
+
+impl fmt::Display for Gate {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { entry, other } = self;
+        match other {
+            Some(other) => write!(formatter, "{entry}/{other}"),
+            None => write!(formatter, "{entry}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gate_is_written_as_it_is_read() {
+        for text in ["0", "1.5", "1/0.5", "0/-2"] {
+            assert_eq!(text.parse::<Gate>().unwrap().to_string(), text);
+        }
+        for text in ["", "-1", "1/", "1/51", "nan", "1/nan", "1/2/3"] {
+            assert!(text.parse::<Gate>().is_err(), "{text}");
+        }
+    }
+}

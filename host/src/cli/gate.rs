@@ -1,0 +1,48 @@
+//! `myointent gate`: the confidence gate of a model file.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use clap::Args;
+use shared::model::file::Model;
+
+use crate::execution::bounded_read;
+use crate::execution::run_folder::write_whole;
+
+/// Arguments of `gate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A higher margin gives fewer false activations and, at some point, fewer gestures; docs/results.md has the curve.\n\n\
+    Example:\n  myointent gate models/three-class.intent --other 1 --out strict.intent"
+)]
+pub struct Arguments {
+    /// Model file.
+    #[arg(value_name = "FILE.intent")]
+    model: PathBuf,
+    /// By how much the mean logit of open, close, ... has to exceed that of every other intent, 0 to 50.
+    #[arg(long, value_name = "MARGIN", required_unless_present = "other")]
+    entry: Option<f32>,
+    /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50.
+    #[arg(long, value_name = "MARGIN", allow_negative_numbers = true)]
+    other: Option<f32>,
+    /// File to write; the model file itself if not given.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Writes the model file with its new gate.
+///
+/// # Errors
+/// When the model or a margin is refused, or the file cannot be written.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let path = &arguments.model;
+    let bytes = bounded_read::read(path, bounded_read::MODEL)
+        .with_context(|| path.display().to_string())?;
+    let file = Model::with_gate(&bytes, arguments.entry, arguments.other)
+        .with_context(|| path.display().to_string())?;
+    let out = arguments.out.as_ref().unwrap_or(path);
+    write_whole(out, &file)?;
+    writeln!(std::io::stdout(), "{}", out.display())?;
+    Ok(())
+}
