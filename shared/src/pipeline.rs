@@ -19,7 +19,7 @@ mod reports;
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 pub use self::reports::Reports;
-use crate::intent::{Intent, MAX_LOGITS};
+use crate::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::Preprocessor;
@@ -71,7 +71,15 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         settings: Settings,
         start: Start,
     ) -> Result<Self, SettingsError> {
-        let smoother = Smoother::new(settings, encoder.classes())?;
+        let classes = encoder.classes();
+        // The last column of the logits is no class.
+        if classes > MAX_CLASSES {
+            return Err(SettingsError::Classes {
+                most: MAX_CLASSES,
+                found: classes,
+            });
+        }
+        let smoother = Smoother::new(settings, classes)?;
         Ok(Self::with_smoother(encoder, state, smoother, start))
     }
 

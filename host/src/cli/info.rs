@@ -152,7 +152,7 @@ mod tests {
         let lines = lines(&Model::parse(&bytes).unwrap());
         let raw = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
         assert!(!lines.contains(raw), "{lines:?}");
-        assert_eq!(lines.lines().count(), 7, "{lines}");
+        assert_eq!(lines.lines().count(), 8, "{lines}");
         assert!(lines.contains(r"\u{1b}[2Jroshambo"), "{lines}");
     }
 

@@ -218,7 +218,7 @@ mod tests {
         let constant = constant(&trials);
         assert!(!constant.looks_back);
         assert_eq!(constant.logits[0].len(), 40);
-        let relax = |rows: &LookBackLogits| rows[0][0] == 1.0 && rows[0][1..] == [0.0; 5];
+        let relax = |rows: &LookBackLogits| rows[0][0] == 1.0 && rows[0][1..] == [0.0; 6];
         assert!(constant.logits[0].iter().all(relax));
     }
 

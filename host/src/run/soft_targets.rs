@@ -158,7 +158,7 @@ mod tests {
             for (logit, expected) in row.iter().zip([0.5, 0.2, 0.3]) {
                 assert!((logit.exp() - expected).abs() < 1e-5, "{row:?}");
             }
-            assert_eq!(row[3..], [0.0; 3]);
+            assert_eq!(row[3..], [0.0; 4]);
         }
         // A class that no member believes in has no infinite logit.
         let mut sure = LookBackLogits::default();

@@ -288,7 +288,7 @@ fn another_format_is_named() {
     assert_eq!(refused, ModelError::Version { found: 4 });
     assert_eq!(
         refused.to_string(),
-        "model format 4, this build reads 5: export the model again"
+        "model format 4, this build reads 6: export the model again"
     );
 }
 
