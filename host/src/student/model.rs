@@ -14,6 +14,9 @@ pub(super) const NORM_EPSILON: f64 = 1e-5;
 /// Scale of the sigmoid that approximates GELU.
 pub(super) const GELU_SCALE: f32 = 1.702;
 
+/// Attention heads of every model file.
+pub(super) const HEADS: usize = 4;
+
 /// Dimensions of a student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -86,6 +89,13 @@ pub struct Student {
     /// Look-back head: a token to `6 * classes` logits, newest patch first.
     pub(super) head: Linear,
     pub(super) square_root: bool,
+}
+
+impl Student {
+    /// Number of weights of the look-back head, which are the last ones of the module.
+    pub(crate) fn head_weights(&self) -> usize {
+        self.head.num_params()
+    }
 }
 
 /// One pre-norm layer with local causal attention.
