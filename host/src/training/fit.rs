@@ -110,7 +110,14 @@ pub fn fit<L: Learner>(
             model
         };
         let model = checkpoint.model;
-        let done = steps.take(learner, model, &mut checkpoint.optimizer, step, &mut rng, after)?;
+        let done = steps.take(
+            learner,
+            model,
+            &mut checkpoint.optimizer,
+            step,
+            &mut rng,
+            after,
+        )?;
         let Some(trained) = done else {
             return Err(run.interrupted());
         };

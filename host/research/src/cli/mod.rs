@@ -56,7 +56,9 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let advice = match &self.command {
             Command::Baselines(_) => "to continue, give the same command and --resume",
-            Command::Study(_) | Command::CrossValidate(_) | Command::Personalization(_) => "to continue, give the same command",
+            Command::Study(_) | Command::CrossValidate(_) | Command::Personalization(_) => {
+                "to continue, give the same command"
+            }
             _ => "to try again, give the same command",
         };
         let result = match self.command {

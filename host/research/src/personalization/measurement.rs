@@ -11,7 +11,7 @@ use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::personalize::{
-    Part, PersonalizeError, Person, TuningSettings, judge, not_worse, tune,
+    Part, Person, PersonalizeError, TuningSettings, judge, not_worse, tune,
 };
 
 /// Measures that are kept, in this order.
@@ -112,9 +112,8 @@ impl Measurement<'_> {
     fn measure(&self, model: &[u8], person: &Person) -> Result<Measured, PersonalizeError> {
         let (pool, judged) = person.whole().divided()?;
         let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
-        let tuned = |part: &Part<'_>| {
-            tune(model, part, self.settings, &self.device, self.interrupt)
-        };
+        let tuned =
+            |part: &Part<'_>| tune(model, part, self.settings, &self.device, self.interrupt);
         let before = values(model)?;
         let mut amounts = Vec::new();
         for &seconds in self.amounts {
@@ -172,7 +171,13 @@ impl Measurement<'_> {
             })
             .collect();
         let model = Fingerprint::of_bytes(model);
-        Fingerprint::of(&(model, recordings, self.amounts, self.settings, self.with_rule))
+        Fingerprint::of(&(
+            model,
+            recordings,
+            self.amounts,
+            self.settings,
+            self.with_rule,
+        ))
     }
 }
 

@@ -11,8 +11,12 @@ const SHOWN: usize = 4;
 /// The gain of tuning on each amount, paired over people: by data set, and over all.
 pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "Tuned less shipped, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell";
-    let names = MEASURES[..SHOWN].iter().map(|measure| measure.name().to_owned());
-    let header = ["recordings", "seconds", "n"].map(str::to_owned).into_iter();
+    let names = MEASURES[..SHOWN]
+        .iter()
+        .map(|measure| measure.name().to_owned());
+    let header = ["recordings", "seconds", "n"]
+        .map(str::to_owned)
+        .into_iter();
     let worse = ["balanced worse", "TA worse"].map(str::to_owned);
     let mut table = Table::new(caption, header.chain(names).chain(worse));
     for set in sets(people) {
@@ -31,8 +35,12 @@ pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
 /// The same for what `personalize` writes: the old model where it keeps or refuses.
 pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "What personalize leaves less shipped, on a part that it has not seen; refused: too short to hold a third back; kept: the old model";
-    let names = MEASURES[..SHOWN].iter().map(|measure| measure.name().to_owned());
-    let header = ["recordings", "seconds", "n"].map(str::to_owned).into_iter();
+    let names = MEASURES[..SHOWN]
+        .iter()
+        .map(|measure| measure.name().to_owned());
+    let header = ["recordings", "seconds", "n"]
+        .map(str::to_owned)
+        .into_iter();
     let more = ["balanced worse", "TA worse", "refused", "kept"].map(str::to_owned);
     let mut table = Table::new(caption, header.chain(names).chain(more));
     for set in sets(people) {
@@ -41,7 +49,10 @@ pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
             own.retain(|(_, amount)| amount.ruled.is_some());
             let count = |wanted: fn(&Outcome) -> bool| {
                 let outcomes = own.iter().filter_map(|(_, amount)| amount.ruled.as_ref());
-                outcomes.filter(|outcome| wanted(outcome)).count().to_string()
+                outcomes
+                    .filter(|outcome| wanted(outcome))
+                    .count()
+                    .to_string()
             };
             let pairs: Vec<(&str, Values, Values)> = own
                 .iter()
@@ -71,7 +82,10 @@ pub(crate) fn people(people: &[Measured]) -> Table {
     };
     let start = ["subject", "judged seconds", "seconds", "outcome"].map(str::to_owned);
     let header = start.into_iter();
-    let header = header.chain(of("before")).chain(of("tuned")).chain(of("written"));
+    let header = header
+        .chain(of("before"))
+        .chain(of("tuned"))
+        .chain(of("written"));
     let mut table = Table::new("", header);
     let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
     for person in people {
@@ -89,7 +103,11 @@ pub(crate) fn people(people: &[Measured]) -> Table {
                 outcome.to_owned(),
             ];
             let values = [person.before, amount.tuned, written];
-            table.push(start.into_iter().chain(values.into_iter().flatten().map(cell)));
+            table.push(
+                start
+                    .into_iter()
+                    .chain(values.into_iter().flatten().map(cell)),
+            );
         }
     }
     table
@@ -110,7 +128,11 @@ fn sets(people: &[Measured]) -> Vec<String> {
 /// The people of a set who have this amount.
 fn rows<'m>(people: &'m [Measured], set: &str, seconds: f64) -> Vec<(&'m Measured, &'m Amount)> {
     let inside = |person: &&Measured| {
-        set == "all" || person.subject.split_once('/').is_some_and(|own| own.0 == set)
+        set == "all"
+            || person
+                .subject
+                .split_once('/')
+                .is_some_and(|own| own.0 == set)
     };
     let own = people.iter().filter(inside);
     own.filter_map(|person| {
@@ -144,7 +166,9 @@ fn push<'p>(table: &mut Table, start: [String; 2], pairs: &[(&'p str, Values, Va
         }
     };
     let worse = |at: usize| {
-        let both = pairs.iter().filter_map(|(_, old, new)| Some((old[at]?, new[at]?)));
+        let both = pairs
+            .iter()
+            .filter_map(|(_, old, new)| Some((old[at]?, new[at]?)));
         let both: Vec<_> = both.collect();
         let fell = both.iter().filter(|(old, new)| new < old).count();
         if both.is_empty() {

@@ -71,7 +71,9 @@ pub enum PersonalizeError {
         found: usize,
     },
     /// The recordings have nothing to be joined from.
-    #[error("the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn")]
+    #[error(
+        "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
+    )]
     NoChange,
     /// The user interrupted.
     #[error("interrupted; nothing was written")]

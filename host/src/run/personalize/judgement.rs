@@ -63,3 +63,60 @@ pub fn not_worse(old: &Score, new: &Score) -> bool {
             (old, _) => old.is_none(),
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
+    use crate::evaluation::metric::summary::{SubjectScore, Summary};
+
+    /// A person's score of these three measures.
+    fn scored([balanced, transition, recognition]: [Option<f64>; 3]) -> Score {
+        let subject = SubjectScore {
+            subject: "x/1".to_owned(),
+            recordings: 1,
+            balanced_accuracy: balanced,
+            raw_accuracy: None,
+            correct: 0,
+            events: 0,
+            transition_accuracy: transition,
+            offsets: Vec::new(),
+            offset: None,
+        };
+        let events = SubjectEvents {
+            recognition,
+            ..SubjectEvents::new("x/1", [])
+        };
+        let summary = Summary::of_subjects(vec![subject]);
+        Score {
+            model: "m".to_owned(),
+            data_set: "x".to_owned(),
+            look_ahead: LookAhead::None,
+            truth: Truth::LagCompensated,
+            reference: std::array::from_fn(|_| summary.clone()),
+            events: EventSummary::of_subjects(vec![events]),
+        }
+    }
+
+    #[test]
+    fn a_model_is_worse_if_any_of_three_measures_falls() {
+        let old = [0.8, 0.5, 0.6].map(Some);
+        let against_old = |new| not_worse(&scored(old), &scored(new));
+        assert!(against_old(old));
+        assert!(against_old([0.9, 0.5, 0.7].map(Some)));
+        for fallen in 0..3 {
+            let mut new = [0.9; 3].map(Some);
+            new[fallen] = old[fallen].map(|value| value - 0.01);
+            assert!(!against_old(new), "{fallen}");
+            new[fallen] = None;
+            assert!(!against_old(new), "{fallen}");
+        }
+    }
+
+    #[test]
+    fn a_measure_that_the_recordings_do_not_have_decides_nothing() {
+        let old = scored([Some(0.8), None, None]);
+        assert!(not_worse(&old, &scored([Some(0.8), None, None])));
+        assert!(!not_worse(&old, &scored([Some(0.7), None, None])));
+    }
+}

@@ -93,3 +93,6 @@ pub fn personalize(
         scores,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -82,7 +82,10 @@ impl<'p> Part<'p> {
                 side.push((*piece).clone());
             }
         }
-        let (tuned, judged) = (Self::new(self.person, tuned), Self::new(self.person, judged));
+        let (tuned, judged) = (
+            Self::new(self.person, tuned),
+            Self::new(self.person, judged),
+        );
         tuned.refuse_too_short("tuned on")?;
         judged.refuse_too_short("held back")?;
         Ok((tuned, judged))

@@ -51,9 +51,8 @@ impl Person {
             recordings.filter(|recording| recording.subject == subject)
         };
         let names = |wanted: &dyn Fn(Intent) -> bool| -> Vec<&'static str> {
-            let present = |intent: &Intent| {
-                own().any(|recording| recording.labels.contains(&Some(*intent)))
-            };
+            let present =
+                |intent: &Intent| own().any(|recording| recording.labels.contains(&Some(*intent)));
             let all = Intent::ALL.into_iter();
             all.filter(|&intent| wanted(intent))
                 .filter(present)

@@ -50,9 +50,9 @@ pub struct TuningSettings {
 impl Default for TuningSettings {
     fn default() -> Self {
         Self {
-            steps: 150,
+            steps: 40,
             batch: 16,
-            learning_rate: 3e-4,
+            learning_rate: 1e-3,
             pull: 0.0,
             keep: 0.0,
             head_only: false,
@@ -155,11 +155,7 @@ fn spliced(part: &Part<'_>, seed: u64) -> Result<Corpus, PersonalizeError> {
 }
 
 /// Where the tuned model comes from: the people of the old one and this person. Its scores were the old weights'.
-fn provenance(
-    old: ProvenanceParts,
-    part: &Part<'_>,
-    settings: &TuningSettings,
-) -> ProvenanceParts {
+fn provenance(old: ProvenanceParts, part: &Part<'_>, settings: &TuningSettings) -> ProvenanceParts {
     let person = part.person();
     let subject = person.subject().to_owned();
     let mut seen = old.subjects_seen;

@@ -128,7 +128,10 @@ mod tests {
             let again = LinearParts::quantized(&linear.dequantized(), linear.bias.clone());
             assert_eq!(again.weights, linear.weights);
             for (scale, own) in again.scales.iter().zip(&linear.scales) {
-                assert!(scale.to_bits().abs_diff(own.to_bits()) <= 1, "{scale} {own}");
+                assert!(
+                    scale.to_bits().abs_diff(own.to_bits()) <= 1,
+                    "{scale} {own}"
+                );
             }
         }
     }
