@@ -52,16 +52,22 @@ pub(super) struct Arguments {
     /// Data sets to leave out, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     without: Vec<String>,
+    /// Steps of the tuning.
     #[arg(long, default_value_t = TuningSettings::default().steps)]
     steps: usize,
+    /// Peak learning rate.
     #[arg(long, default_value_t = TuningSettings::default().learning_rate)]
     learning_rate: f64,
+    /// Strength of the pull towards the shipped weights (L2-SP).
     #[arg(long, default_value_t = TuningSettings::default().pull)]
     pull: f64,
+    /// Share of the shipped model's outputs in the targets (learning without forgetting), 0 to 1.
     #[arg(long, default_value_t = TuningSettings::default().keep)]
     keep: f64,
+    /// Tune the look-back head alone.
     #[arg(long)]
     head_only: bool,
+    /// Standard deviation of the logarithm of an excerpt's gain.
     #[arg(long, default_value_t = TuningSettings::default().gain)]
     gain: f64,
     /// Folder of a file for each person and of the tables.

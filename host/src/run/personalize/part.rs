@@ -20,10 +20,10 @@ const FEWEST: usize = 2;
 
 /// Samples of one recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Piece {
+struct Piece {
     /// Place of the recording.
-    pub(super) recording: usize,
-    pub(super) range: Range<usize>,
+    recording: usize,
+    range: Range<usize>,
 }
 
 /// Pieces of a person's recordings, in order.
@@ -33,8 +33,21 @@ pub struct Part<'p> {
     pieces: Vec<Piece>,
 }
 
+impl Person {
+    /// All of the recordings.
+    #[must_use]
+    pub fn whole(&self) -> Part<'_> {
+        let all = self.recordings.iter().enumerate();
+        let pieces = all.map(|(at, own)| Piece {
+            recording: at,
+            range: 0..own.recording.labels.len(),
+        });
+        Part::new(self, pieces.collect())
+    }
+}
+
 impl<'p> Part<'p> {
-    pub(super) fn new(person: &'p Person, mut pieces: Vec<Piece>) -> Self {
+    fn new(person: &'p Person, mut pieces: Vec<Piece>) -> Self {
         pieces.sort_by_key(|piece| (piece.recording, piece.range.start));
         pieces.retain(|piece| !piece.range.is_empty());
         Self { person, pieces }
@@ -54,8 +67,8 @@ impl<'p> Part<'p> {
 
     /// The part to tune on, and the part to hold back.
     ///
-    /// Pieces with the same gestures are divided together. The last ones are held back, as few of them as make a third of
-    /// the time: they were recorded after those that are tuned on. Where there is one alone, its last third is held back,
+    /// Pieces with the same gestures are divided together. The last ones are held back, as few of them as make three tenths
+    /// of the time, so that of three of about the same length it is one: they were recorded after those that are tuned on. Where there is one alone, its last third is held back,
     /// less a window of 3 s between the two.
     ///
     /// # Errors
@@ -73,7 +86,7 @@ impl<'p> Part<'p> {
             let total: usize = pieces.iter().map(|piece| piece.range.len()).sum();
             let mut held = 0;
             for (at, piece) in pieces.iter().enumerate().rev() {
-                let side = if at > 0 && HELD_BACK * held < total {
+                let side = if at > 0 && 10 * held < 3 * total {
                     held += piece.range.len();
                     &mut judged
                 } else {

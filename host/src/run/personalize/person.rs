@@ -5,7 +5,6 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
-use super::part::{Part, Piece};
 use crate::dataset::labels::lag;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
@@ -106,17 +105,6 @@ impl Person {
     #[must_use]
     pub fn outside(&self) -> &[&'static str] {
         &self.outside
-    }
-
-    /// All of the recordings.
-    #[must_use]
-    pub fn whole(&self) -> Part<'_> {
-        let all = self.recordings.iter().enumerate();
-        let pieces = all.map(|(at, own)| Piece {
-            recording: at,
-            range: 0..own.recording.labels.len(),
-        });
-        Part::new(self, pieces.collect())
     }
 }
 
