@@ -6,6 +6,10 @@
 mod alignment;
 #[path = "end_to_end/armband.rs"]
 mod armband;
+#[path = "end_to_end/binding.rs"]
+mod binding;
+#[path = "end_to_end/commands.rs"]
+mod commands;
 #[path = "end_to_end/faults.rs"]
 mod faults;
 #[path = "end_to_end/misbehaviour.rs"]
@@ -21,12 +25,23 @@ use std::path::PathBuf;
 
 use myointent_tests::emulator::{Bench, Run, Scenario};
 use serde_json::Value;
+use shared::myo::Address;
+use shared::myo::binding as record;
 use shared::units::Sample;
 
 /// With it the timeout of 200 ms is a second of real time, and the delay of 35 ms that may mean four lost
 /// notifications is 175 ms: a busy host does not look like an armband that is silent or lost data.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
+
+/// The virtual armband's address unless another one is given.
+const ARMBAND: &str = "FA:12:34:56:78:9A";
+
+/// The page of a board to which the virtual armband is bound.
+fn bound() -> Vec<u8> {
+    let armband = Address::parse(ARMBAND).expect("an address");
+    record::to_record(armband).to_vec()
+}
 
 /// The model that the README flashes.
 fn model() -> Vec<u8> {
@@ -65,6 +80,7 @@ fn play(
 ) -> anyhow::Result<Run> {
     bench.start(&Scenario {
         model,
+        page: Some(bound()),
         samples,
         time_scale,
         pace: PACE,

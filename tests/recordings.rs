@@ -508,6 +508,7 @@ fn other_movement_has_no_label() {
         for recording in &library.recordings {
             let mut end = 0;
             for range in &recording.other_movement {
+                let range = &range.samples;
                 assert!(range.start >= end && range.start < range.end, "{set}");
                 assert!(
                     recording.labels[range.clone()].iter().all(Option::is_none),

@@ -5,11 +5,12 @@
 //!
 //! ```text
 //! start           from reset to running tasks, from a panic to reset
-//! tasks           radio, inference, output, watchdog
+//! tasks           radio, inference, output, control, watchdog
 //! board           pins, UART, watchdog, Bluetooth controller: nRF52 or emulator
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
 //! messages        what the tasks send each other
 //! model_region    the model in flash
+//! binding_region  the bound armband in flash
 //! stack_guard     memory below the stack that nothing may access
 //! settings, clock, reset_reason
 //! ```
@@ -19,6 +20,8 @@
 #![deny(unsafe_code)]
 #![deny(clippy::undocumented_unsafe_blocks)]
 
+#[cfg(target_os = "none")]
+mod binding_region;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]

@@ -3,8 +3,22 @@
 use shared::myo::{Address, EmgMode, Settings};
 
 /// The one armband to connect to, as `MYOINTENT_ARMBAND=F1:23:45:67:89:AB` when the program is
-/// built; without it, the one with the strongest signal.
+/// built; without it, the one that is bound at run time.
 const ARMBAND: Option<&str> = option_env!("MYOINTENT_ARMBAND");
+
+/// Whether a board to which no armband is bound follows the one with the strongest signal, as `MYOINTENT_UNBOUND=strongest`
+/// when the program is built.
+///
+/// Off without it: whoever comes near with an armband would move the wearer's hand. Why a newcomer has to bind first:
+/// docs/decisions.md.
+const FOLLOW_STRONGEST: bool = match option_env!("MYOINTENT_UNBOUND") {
+    None => false,
+    Some(text) => match text.as_bytes() {
+        b"strongest" => true,
+        b"nobody" => false,
+        _ => panic!("MYOINTENT_UNBOUND is neither strongest nor nobody"),
+    },
+};
 
 /// The EMG mode of the armband. It must be the one that the model was trained on.
 const EMG: EmgMode = EmgMode::Filtered;
@@ -34,8 +48,10 @@ pub const DEAD_MAN_MS: u32 = 225;
 const _: () = assert!(DEAD_MAN_MS * 92 / 100 > shared::stream::safe_state::SILENCE_MS);
 const _: () = assert!(DEAD_MAN_MS * 108 / 100 < 250);
 
-/// Settings of the Myo session.
+/// Settings of the Myo session, with no armband bound.
 pub const SESSION: Settings = Settings {
+    bound: None,
+    follow_strongest: FOLLOW_STRONGEST,
     pinned: match ARMBAND {
         None => None,
         Some(text) => match Address::parse(text) {

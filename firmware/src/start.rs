@@ -9,7 +9,7 @@ use crate::board;
 use crate::messages::uart::{self, UartMessage};
 use crate::reset_reason::End;
 use crate::stack_guard;
-use crate::tasks::{inference, output, radio, watchdog};
+use crate::tasks::{control, inference, output, radio, watchdog};
 
 #[cfg(not(any(feature = "emulator", feature = "nrf52832", feature = "nrf52840")))]
 compile_error!("choose a board: --features nrf52840, nrf52832 or emulator");
@@ -29,12 +29,10 @@ async fn main(spawner: Spawner) {
     let loaded = inference::load(board.reset_reason);
     let model = loaded.as_ref().ok().map(|(_, checksum)| *checksum);
     uart::enqueue(UartMessage::Started(board.reset_reason, model));
+    spawn(&spawner, control::run(board.commands, board.button, model));
     match loaded {
         Ok((pipeline, _)) => {
-            spawn(
-                &spawner,
-                inference::run(pipeline, board.dead_man, board.button),
-            );
+            spawn(&spawner, inference::run(pipeline, board.dead_man));
             spawn(&spawner, radio::run(spawner, board.radio));
         }
         Err(error) => spawn(

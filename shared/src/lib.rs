@@ -11,6 +11,7 @@
 //! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
 //! | `kernels`, `arithmetic` | what takes the time, in plain Rust and with a Cortex-M4's DSP instructions; float functions |
+//! | [`button`] | a push button: pressed, held |
 //! | [`intent`], [`units`] | intents and classes; samples, patches, time |
 //!
 //! Imports go downwards in this table.
@@ -34,6 +35,7 @@ extern crate alloc;
 test::entry!(run_tests);
 
 mod arithmetic;
+pub mod button;
 pub mod intent;
 mod kernels;
 pub mod model;

@@ -22,7 +22,9 @@
 //! A line has at most 99 bytes, CR LF included. The delay of a label is `emitted - instant` samples of
 //! 5 ms. Every line that parses is written back byte for byte.
 //!
-//! While an alignment is made there are other lines between these: [`alignment`].
+//! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
+//! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Who sends none sees
+//! none of these.
 //!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
@@ -30,6 +32,10 @@
 //! ```
 
 pub mod alignment;
+pub mod answer;
+pub mod command;
+pub mod emg;
+mod refusal;
 
 use core::fmt::{self, Write};
 
@@ -212,13 +218,17 @@ fn fields<const COUNT: usize>(body: &str) -> Result<[&str; COUNT], ParseError> {
     Ok(fields)
 }
 
-/// The body of a line whose frame and checksum are right.
+/// The body of a line whose frame and checksum are right, CR LF included.
 fn framed(line: &[u8]) -> Result<&str, ParseError> {
+    unframed(line.strip_suffix(b"\r\n").ok_or(ParseError::Frame)?)
+}
+
+/// The same without CR LF.
+fn unframed(line: &[u8]) -> Result<&str, ParseError> {
     let (body, found) = core::str::from_utf8(line)
         .ok()
         .filter(|text| text.is_ascii())
-        .and_then(|text| text.strip_prefix('$')?.strip_suffix("\r\n"))
-        .and_then(|text| text.rsplit_once('*'))
+        .and_then(|text| text.strip_prefix('$')?.rsplit_once('*'))
         .ok_or(ParseError::Frame)?;
     let is_digit = |byte: u8| matches!(byte, b'0'..=b'9' | b'A'..=b'F');
     if found.len() != 2 || !found.bytes().all(is_digit) {

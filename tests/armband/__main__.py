@@ -29,6 +29,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--firmware", type=version, default=(1, 5, 1970, 2), metavar="A.B.C.D")
     parser.add_argument("--address", default="FA:12:34:56:78:9A",
                         help="a public one, as an armband has")
+    parser.add_argument("--stranger", type=stranger, metavar="ADDRESS,DBM",
+                        help="another armband with this signal strength; the armband's own is -50. "
+                             "Its events have names that begin with `stranger-`")
     parser.add_argument("--first-lane", type=int, choices=range(4), default=0,
                         help="EMG characteristic that starts a stream")
     parser.add_argument("--sleep-after", type=positive, default=30.0, metavar="SECONDS",
@@ -53,6 +56,11 @@ def version(text: str) -> tuple[int, int, int, int]:
     return parts
 
 
+def stranger(text: str) -> tuple[str, int]:
+    address, dbm = text.split(",")
+    return address, int(dbm)
+
+
 async def run(chosen: argparse.Namespace) -> None:
     options = Options(
         pace=chosen.pace,
@@ -69,6 +77,13 @@ async def run(chosen: argparse.Namespace) -> None:
         radio = Radio(chosen.address)
         armband = Armband(radio, Recording.read(chosen.recording), options, log)
         await armband.start()
+        if chosen.stranger:
+            address, rssi = chosen.stranger
+            beside = radio.beside(address, rssi)
+            others = Options(pace=chosen.pace, end="silence")
+            recording = Recording.read(chosen.recording)
+            other = Armband(beside, recording, others, log.beside("stranger-"))
+            await other.start()
         async with await open_transport(chosen.hci) as transport:
             radio.serve(transport)
             log.write("ready")

@@ -20,6 +20,20 @@ class EventLog:
             self._file.write(json.dumps(line) + "\n")
             self._file.flush()
 
+    def beside(self, prefix: str) -> "EventLog":
+        """A log in the same file, whose events have names with this prefix."""
+        return _Prefixed(self, prefix)
+
     def named(self, event: str) -> list[dict[str, Any]]:
         """The lines of one event."""
         return [line for line in self.lines if line["event"] == event]
+
+
+class _Prefixed(EventLog):
+    def __init__(self, log: EventLog, prefix: str) -> None:
+        super().__init__()
+        self._log = log
+        self._prefix = prefix
+
+    def write(self, event: str, **fields: Any) -> None:
+        self._log.write(self._prefix + event, **fields)

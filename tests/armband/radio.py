@@ -2,6 +2,8 @@
 Bluetooth 4.0 where Bumble 0.0.236 does not."""
 
 import asyncio
+import copy
+import dataclasses
 import fcntl
 import termios
 
@@ -31,12 +33,30 @@ class PublicAddressLink(LocalLink):
         )
 
 
+# The signal strength of an armband unless another one is given, dBm.
+RSSI = -50
+
+
 class LegacyController(Controller):
     """A controller without extended advertising, whose cancel and reset are complete."""
 
     # With the feature set, Bumble answers a legacy scan with extended reports, which a legacy host
     # does not receive. The armband is a Bluetooth 4.0 device.
     le_features = Controller.le_features & ~hci.LeFeatureMask.LE_EXTENDED_ADVERTISING
+
+    def __init__(self, *args, **kwargs) -> None:
+        # Signal strength by address: Bumble's is the same for all.
+        self.rssi: dict[hci.Address, int] = {}
+        super().__init__(*args, **kwargs)
+
+    def send_hci_packet(self, packet: hci.HCI_Packet) -> None:
+        if isinstance(packet, hci.HCI_LE_Advertising_Report_Event):
+            reports = [
+                dataclasses.replace(report, rssi=self.rssi.get(report.address, RSSI))
+                for report in packet.reports
+            ]
+            packet = hci.HCI_LE_Advertising_Report_Event(reports)
+        super().send_hci_packet(packet)
 
     def on_hci_le_create_connection_cancel_command(self, _command):
         # Bumble's keeps the pending connection, so that every later one is "disallowed".
@@ -80,6 +100,15 @@ class Radio:
         self.armband = LegacyController("armband", link=link, public_address=address)
         self.central = LegacyController("central", link=link)
         self._sink = None
+
+    def beside(self, armband_address: str, rssi: int) -> "Radio":
+        """The same place with another armband in it, which the central hears with this strength."""
+        other = copy.copy(self)
+        address = hci.Address(armband_address, hci.Address.PUBLIC_DEVICE_ADDRESS)
+        link = self.central.link
+        other.armband = LegacyController("another armband", link=link, public_address=address)
+        self.central.rssi[address] = rssi
+        return other
 
     def serve(self, transport: Transport) -> None:
         """Connects the central's controller to a host on an H4 stream."""

@@ -294,5 +294,29 @@ class Misbehaviour(ArmbandTest):
         self.assertEqual(await central.find(BATTERY_LEVEL).read_value(), b"\x05")
 
 
+class AnotherArmband(ArmbandTest):
+    async def test_each_armband_is_heard_with_its_own_strength_and_logged_by_its_own_name(self):
+        radio = Radio(ADDRESS)
+        self.log = EventLog()
+        another = "FA:00:00:00:00:01"
+        beside = radio.beside(another, -70)
+        await Armband(radio, samples(1), Options(), self.log).start()
+        others = self.log.beside("stranger-")
+        await Armband(beside, samples(1), Options(), others).start()
+        central = Central.of(radio)
+        heard = {}
+        await central.device.power_on()
+        central.device.on(
+            "advertisement",
+            lambda report: heard.update({report.address.to_string(False): report.rssi}),
+        )
+        await central.device.start_scanning(legacy=True, active=False)
+        await until(lambda: len(heard) == 2, "two armbands")
+        self.assertEqual(heard, {ADDRESS: -50, another: -70})
+        await central.device.stop_scanning(legacy=True)
+        await central.connect(another)
+        await self.until("stranger-connected")
+        self.assertEqual(self.log.named("connected"), [])
+
 if __name__ == "__main__":
     unittest.main()

@@ -18,13 +18,17 @@ const STRAPS_ADDRESS: u32 = 0x8_0000;
 const ERASED: u8 = 0xff;
 
 /// What the board writes to UART0 and UART2: files in the folder of the run.
-pub const LABELS: &str = "uart0";
+pub const LABELS: &str = "uart0.out";
 /// See [`LABELS`].
 pub const PINS: &str = "uart2.out";
-/// What UART2 receives: a named pipe in the folder of the run.
+/// What UART0 and UART2 receive: named pipes in the folder of the run.
+const COMMANDS: &str = "uart0.in";
 const BUTTON: &str = "uart2.in";
-/// The name that QEMU derives both of UART2's from.
+/// The names that QEMU derives both files of a UART from.
+const UART0: &str = "uart0";
 const UART2: &str = "uart2";
+/// The page of the bound armband, as in `memory.x`.
+const BINDING_ADDRESS: u32 = 0x5_7000;
 
 /// A fault that the board injects into itself, some lines after its first label.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,14 +78,19 @@ pub struct Machine {
     /// The emulator.
     pub process: KillOnDrop,
     button: File,
+    commands: File,
 }
 
 impl Machine {
     /// Starts it; `hci` is the socket of a controller that listens already.
+    ///
+    /// A `page` that is given is restored by every reset, as is the model; without one it is empty, and a reset keeps what
+    /// the program wrote.
     pub fn start(
         folder: &Path,
         image: &Path,
         model: &[u8],
+        page: Option<&[u8]>,
         straps: Straps,
         hci: Option<&Path>,
     ) -> anyhow::Result<Self> {
@@ -95,11 +104,21 @@ impl Machine {
         let region_file = folder.join("model-region");
         std::fs::write(&region_file, region)?;
 
-        let file = |name: &str| format!("file:{}", folder.join(name).display());
         let mut qemu = Command::new(QEMU);
         qemu.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
         qemu.arg("-kernel").arg(image);
-        qemu.args(["-serial", &file(LABELS)]);
+        let commands = named_pipe(&folder.join(COMMANDS))?;
+        let labels = folder.join(LABELS);
+        // A test may have made a named pipe of it.
+        if !labels.exists() {
+            File::create(labels)?;
+        }
+        let uart0 = folder.join(UART0);
+        qemu.args([
+            "-chardev",
+            &format!("pipe,id=labels,path={}", uart0.display()),
+        ]);
+        qemu.args(["-serial", "chardev:labels"]);
         match hci {
             Some(socket) => {
                 let socket = socket.display();
@@ -121,12 +140,32 @@ impl Machine {
         let region = region_file.display();
         let loaded = format!("loader,file={region},addr={MODEL_ADDRESS:#x},force-raw=on");
         qemu.args(["-device", &loaded]);
+        if let Some(page) = page {
+            let page_file = folder.join("binding-page");
+            std::fs::write(&page_file, page)?;
+            let page = page_file.display();
+            let loaded = format!("loader,file={page},addr={BINDING_ADDRESS:#x},force-raw=on");
+            qemu.args(["-device", &loaded]);
+        }
         for (address, word) in (STRAPS_ADDRESS..).step_by(4).zip(straps.words()) {
             let strap = format!("loader,addr={address:#x},data={word},data-len=4");
             qemu.args(["-device", &strap]);
         }
         let process = KillOnDrop::start("machine", qemu, folder)?;
-        Ok(Self { process, button })
+        Ok(Self {
+            process,
+            button,
+            commands,
+        })
+    }
+
+    /// Sends bytes to the UART that takes commands; waits while the board takes none.
+    ///
+    /// # Errors
+    /// When the pipe cannot be written.
+    pub fn send(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
+        self.commands.write_all(bytes)?;
+        Ok(())
     }
 
     /// Presses the button, or releases it: writes the level of its pin.
@@ -139,7 +178,7 @@ impl Machine {
     }
 }
 
-fn named_pipe(path: &Path) -> anyhow::Result<File> {
+pub fn named_pipe(path: &Path) -> anyhow::Result<File> {
     let made = Command::new("mkfifo").arg(path).status()?;
     ensure!(made.success(), "no named pipe {}: {made}", path.display());
     // For reading too: opening waits for nobody, and the machine never reads its end.

@@ -16,6 +16,7 @@ mod oracle;
 mod output;
 mod pins;
 mod process;
+mod reader;
 mod run;
 
 pub use machine::{Fault, MODEL_REGION, Machine, Straps};
@@ -23,6 +24,7 @@ pub use model_damage::{Damage, damages};
 pub use oracle::{Input, expected_lines};
 pub use output::Line;
 pub use pins::Pins;
+pub use reader::Reader;
 pub use run::Run;
 
 use std::path::PathBuf;
@@ -72,6 +74,8 @@ pub struct Scenario<'s> {
     pub model: &'s [u8],
     /// What the armband streams.
     pub samples: &'s [Sample],
+    /// What the page of the bound armband holds from its start; a reset restores it. Without it the page is empty at first.
+    pub page: Option<Vec<u8>>,
     /// How many times slower than real time the guest's clock runs.
     pub time_scale: u32,
     /// How many times faster than 200 Hz of real time the armband streams.
@@ -134,6 +138,14 @@ fn or_skip<T>(name: &str, found: anyhow::Result<T>) -> Option<T> {
 }
 
 impl Bench {
+    /// Starts armband and machine, with a reader of the labels that can stop reading.
+    ///
+    /// # Errors
+    /// When one of them does not start.
+    pub fn start_with_reader(&self, scenario: &Scenario<'_>) -> anyhow::Result<(Run, Reader)> {
+        Run::start_with_reader(self, scenario)
+    }
+
     /// Starts armband and machine.
     ///
     /// # Errors
@@ -149,6 +161,14 @@ impl Board {
     /// # Errors
     /// When it does not start.
     pub fn start_without_armband(&self, model: &[u8]) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, model)
+        Run::start_without_armband(self, model, None)
+    }
+
+    /// The same with this in the page of the bound armband.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn start_with_page(&self, model: &[u8], page: &[u8]) -> anyhow::Result<Run> {
+        Run::start_without_armband(self, model, Some(page))
     }
 }

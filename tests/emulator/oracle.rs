@@ -4,6 +4,7 @@ use shared::model::Encode;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
 use shared::pipeline::{Pipeline, Reports};
+use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
@@ -20,6 +21,8 @@ pub enum Input<'s> {
     Silence(Millis),
     /// The button is pressed.
     Align,
+    /// A command puts this alignment in force.
+    SetAlignment(Alignment),
 }
 
 /// The lines for these inputs, the first one at boot.
@@ -51,6 +54,10 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
             Input::Silence(long) => {
                 now = now.plus(long.0);
                 pipeline.tick(now)
+            }
+            Input::SetAlignment(alignment) => {
+                pipeline.set_alignment(alignment);
+                Reports::default()
             }
             Input::Align => {
                 pipeline.begin_alignment();

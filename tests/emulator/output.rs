@@ -4,13 +4,15 @@ use std::fmt::Write as _;
 
 use anyhow::Context as _;
 use serde_json::Value;
-use shared::uart_line::{Report, alignment::AlignmentReport};
+use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 
 use super::run::ARMBAND_LOG;
 use super::{Pins, Run, machine};
 
 /// Lines of each file in the message of a failure.
 const TAIL: usize = 12;
+/// Starts of the lines that are numbered together.
+const NUMBERED: [&str; 3] = ["$LABEL,", "$STATE,", "$ALIGN,"];
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
 
@@ -62,18 +64,52 @@ impl Run {
     /// Complete lines of UART0 that are reports, line ends included.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let lines = self.file(machine::LABELS);
-        let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('$'));
+        let lines = self.file(self.labels);
+        let numbered = |line: &&str| NUMBERED.iter().any(|start| line.starts_with(start));
+        let lines = lines.split_inclusive('\n').filter(numbered);
         lines
             .filter(|l| l.ends_with('\n'))
             .map(str::to_owned)
             .collect()
     }
 
+    /// Bodies of the complete answers on UART0, each without `$`, checksum and line end.
+    ///
+    /// # Panics
+    /// If a checksum is wrong.
+    #[must_use]
+    pub fn answers(&self) -> Vec<String> {
+        let lines = self.file(self.labels);
+        let lines = lines.split_inclusive("\r\n");
+        let answers = lines.filter(|l| l.starts_with("$OK,") || l.starts_with("$ERR,"));
+        let complete = answers.filter(|l| l.ends_with("\r\n"));
+        let body = |line: &str| {
+            let framed = line.trim_end().split_once('$');
+            let (body, found) = framed.and_then(|(_, rest)| rest.rsplit_once('*'))?;
+            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            (format!("{sum:02X}") == found).then(|| body.to_owned())
+        };
+        complete
+            .map(|line| body(line).unwrap_or_else(|| panic!("{line}")))
+            .collect()
+    }
+
+    /// The raw stream, parsed.
+    ///
+    /// # Errors
+    /// When a line cannot be parsed.
+    pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
+        let lines = self.file(self.labels);
+        let lines = lines.split_inclusive('\n').filter(|l| l.ends_with('\n'));
+        let emg = lines.filter(|l| l.starts_with("$EMG,"));
+        emg.map(|line| EmgReport::parse(line.as_bytes()).with_context(|| line.to_owned()))
+            .collect()
+    }
+
     /// Complete lines of UART0 that are comments, without line end.
     #[must_use]
     pub fn comments(&self) -> Vec<String> {
-        let lines = self.file(machine::LABELS);
+        let lines = self.file(self.labels);
         let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('#'));
         lines
             .filter(|l| l.ends_with('\n'))
@@ -113,14 +149,14 @@ impl Run {
     /// The lines for programs after each start of the program, the newest start last.
     ///
     /// # Errors
-    /// When a line is of no known kind, or comes before the first start.
+    /// When a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
-        let text = self.file(machine::LABELS);
+        let text = self.file(self.labels);
         for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
-            } else if !line.starts_with('#') {
+            } else if NUMBERED.iter().any(|start| line.starts_with(start)) {
                 let lines = starts.last_mut();
                 let lines = lines.with_context(|| format!("before the start: {line}"))?;
                 lines.push(Line::parse(line)?);
@@ -194,7 +230,7 @@ impl Run {
     pub fn tails(&self) -> String {
         let mut text = String::new();
         for name in [
-            machine::LABELS,
+            self.labels,
             machine::PINS,
             "machine.out",
             ARMBAND_LOG,

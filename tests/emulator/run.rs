@@ -9,8 +9,9 @@ use bytemuck::cast_slice;
 use tempfile::TempDir;
 use xtask::emulator;
 
-use super::machine::{Machine, Straps};
+use super::machine::{self, Machine, Straps};
 use super::process::KillOnDrop;
+use super::reader::{self, Reader};
 use super::{Bench, Board, Scenario};
 
 /// The armband's log in a run's folder.
@@ -26,13 +27,30 @@ pub struct Run {
     armband: Option<KillOnDrop>,
     pub(super) folder: TempDir,
     pub(super) image: PathBuf,
+    /// The file that the lines of UART0 come to.
+    pub(super) labels: &'static str,
     /// Whether the board may restart: a fault is injected.
     pub(super) may_restart: bool,
 }
 
 impl Run {
     pub(super) fn start(bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
+        let run = Self::new(&bench.board, scenario.fault.is_some())?;
+        run.start_both(bench, scenario)
+    }
+
+    pub(super) fn start_with_reader(
+        bench: &Bench,
+        scenario: &Scenario<'_>,
+    ) -> anyhow::Result<(Self, Reader)> {
         let mut run = Self::new(&bench.board, scenario.fault.is_some())?;
+        let reader = Reader::start(run.folder.path())?;
+        run.labels = reader::COPY;
+        Ok((run.start_both(bench, scenario)?, reader))
+    }
+
+    fn start_both(self, bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
+        let mut run = self;
         let path = |name: &str| run.folder.path().join(name);
         let (recording, script) = (path("recording.i8"), path("script.json"));
         std::fs::write(&recording, cast_slice::<[i8; 8], u8>(scenario.samples))?;
@@ -62,18 +80,30 @@ impl Run {
             time_scale: scenario.time_scale,
             fault: scenario.fault,
         };
-        let machine = Machine::start(folder, &run.image, scenario.model, straps, Some(&socket))?;
+        let page = scenario.page.as_deref();
+        let machine = Machine::start(
+            folder,
+            &run.image,
+            scenario.model,
+            page,
+            straps,
+            Some(&socket),
+        )?;
         run.machine = Some(machine);
         Ok(run)
     }
 
-    pub(super) fn start_without_armband(board: &Board, model: &[u8]) -> anyhow::Result<Self> {
+    pub(super) fn start_without_armband(
+        board: &Board,
+        model: &[u8],
+        page: Option<&[u8]>,
+    ) -> anyhow::Result<Self> {
         let mut run = Self::new(board, false)?;
         let straps = Straps {
             time_scale: 1,
             fault: None,
         };
-        let machine = Machine::start(run.folder.path(), &run.image, model, straps, None)?;
+        let machine = Machine::start(run.folder.path(), &run.image, model, page, straps, None)?;
         run.machine = Some(machine);
         Ok(run)
     }
@@ -85,6 +115,28 @@ impl Run {
     pub fn set_button(&mut self, is_down: bool) -> anyhow::Result<()> {
         let machine = self.machine.as_mut().context("no machine")?;
         machine.set_button(is_down)
+    }
+
+    /// Sends bytes to the UART that takes commands.
+    ///
+    /// # Errors
+    /// When the machine does not run.
+    pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
+        let machine = self.machine.as_mut().context("no machine")?;
+        machine.send(bytes.as_ref())
+    }
+
+    /// Sends a command and gives its answer's body. The answers to all commands before must have come.
+    ///
+    /// # Errors
+    /// When none comes.
+    pub fn ask(&mut self, line: &str) -> anyhow::Result<String> {
+        let before = self.answers().len();
+        self.send(line)?;
+        self.wait_for(&format!("an answer to {line}"), |run| {
+            run.answers().len() > before
+        })?;
+        Ok(self.answers().swap_remove(before))
     }
 
     /// From here on [`Run::check`] accepts that the board restarts.
@@ -99,6 +151,7 @@ impl Run {
             // Short: the path of a socket has at most 107 bytes.
             folder: tempfile::Builder::new().prefix("myo").tempdir()?,
             image: board.image.clone(),
+            labels: machine::LABELS,
             may_restart,
         })
     }

@@ -56,7 +56,7 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
         .collect()
 }
 
-/// Streams with the button held down for the first of it; compares all lines, and gives those of the alignment.
+/// Streams, and presses the button at the first of it; compares all lines, and gives those of the alignment.
 fn align(
     bench: &Bench,
     model: &[u8],
@@ -64,12 +64,17 @@ fn align(
 ) -> anyhow::Result<(Run, Vec<AlignmentReport>)> {
     let mut run = bench.start(&Scenario {
         model,
+        page: Some(super::bound()),
         samples,
         time_scale: super::TIME_SCALE,
         pace: PACE,
         fault: None,
         script: json!([]),
         arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
+    })?;
+    // Without a stream there is nothing to align.
+    run.wait_for("the stream", |run| {
+        run.pins().last().is_some_and(|pins| pins.armband)
     })?;
     run.set_button(true)?;
     run.wait_for("an alignment to begin", |run| {
@@ -88,8 +93,8 @@ fn align(
     })?;
     let news = run.alignments()?;
     let begun = news[0].emitted.0 as usize + 1;
-    // 30 ms of the guest's clock are some 50 samples.
-    assert!(begun.is_multiple_of(2) && begun < 400, "begun at {begun}");
+    // 45 ms of the guest's clock are some 70 samples, and this program looks for the stream every 10 ms. Gestures begin at 800.
+    assert!(begun.is_multiple_of(2) && begun < 700, "begun at {begun}");
     let (before, after) = samples.split_at(begun);
     let expected = expected_lines(
         model,

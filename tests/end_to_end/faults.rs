@@ -11,7 +11,7 @@ use shared::units::Sample;
 const TIME_SCALE: u32 = 3;
 const PACE: f64 = 3.0;
 /// End of the program's flash region.
-const FLASH_END: u32 = 0x5_8000;
+const FLASH_END: u32 = 0x5_7000;
 /// From a fault to safe pins, without any help of the program.
 const SAFE_WITHIN_US: u32 = 250_000;
 
@@ -28,6 +28,7 @@ fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Restarted>> {
         .collect();
     let mut run = bench.start(&Scenario {
         model: &super::model(),
+        page: Some(super::bound()),
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,
@@ -240,6 +241,7 @@ fn a_stream_that_comes_and_is_not_taken_is_ended_by_the_watchdog() -> anyhow::Re
         .collect();
     let mut run = bench.start(&Scenario {
         model: &super::model(),
+        page: Some(super::bound()),
         samples: &vec![[1; 8]; 12_000],
         time_scale: TIME_SCALE,
         pace: 1.0,
@@ -280,6 +282,7 @@ fn a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute() -> anyh
     // Real time: the minute is the guest's.
     let mut run = bench.start(&Scenario {
         model: &super::model(),
+        page: Some(super::bound()),
         samples: &vec![[1; 8]; 4000],
         time_scale: 1,
         pace: 1.0,
@@ -287,6 +290,7 @@ fn a_radio_that_stops_is_safe_and_ended_by_the_watchdog_after_a_minute() -> anyh
         script: json!([]),
         arguments: Vec::new(),
     })?;
+    run.wait_for("the fault", |run| !run.faults_us().is_empty())?;
     run.wait_for("a restart", |run| {
         run.comments()
             .iter()

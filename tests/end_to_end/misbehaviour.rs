@@ -223,6 +223,7 @@ fn an_armband_whose_stream_starts_on_another_lane_loses_nothing() -> anyhow::Res
     };
     let mut run = bench.start(&Scenario {
         model: &model,
+        page: Some(super::bound()),
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,

@@ -35,6 +35,7 @@ fn play(
     };
     let run = bench.start(&Scenario {
         model: &super::model(),
+        page: Some(super::bound()),
         samples: &samples,
         time_scale: TIME_SCALE,
         pace: PACE,

@@ -1,8 +1,8 @@
 //! The hardware: pins, clocks, UART, watchdog, Bluetooth controller. No decisions.
 //!
 //! Every board has the same items: `start`, which takes the peripherals and sets all outputs to
-//! their safe levels; [`Pins`], [`LabelPort`], [`Watchdog`] and [`DeadMan`], which drive them; [`Button`]; `run_radio`, which
-//! starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic.
+//! their safe levels; [`Pins`], [`LabelPort`], [`Watchdog`] and [`DeadMan`], which drive them; [`Button`] and [`CommandPort`], which
+//! are inputs; `run_radio`, which starts its Bluetooth stack and runs the Myo session on it; and `enter_safe_state`, for a panic.
 
 #[cfg(feature = "emulator")]
 mod emulator;
@@ -11,22 +11,29 @@ mod nrf52;
 
 #[cfg(feature = "emulator")]
 pub use emulator::{
-    Button, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
+    Button, CommandPort, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state,
+    run_radio, start,
 };
 #[cfg(feature = "chip")]
 pub use nrf52::{
-    Button, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state, run_radio, start,
+    Button, CommandPort, DeadMan, LabelPort, Pins, RadioParts, Watchdog, enter_safe_state,
+    run_radio, start,
 };
 
 use crate::reset_reason::ResetReason;
+
+/// Received bytes were lost.
+pub struct BytesLost;
 
 /// A board after its start.
 pub struct Board {
     /// The UART that labels are written to.
     pub labels: LabelPort,
+    /// The UART that commands come from: the same.
+    pub commands: CommandPort,
     /// Label pins and LEDs.
     pub pins: Pins,
-    /// Begins an alignment.
+    /// Pressed and held by a person.
     pub button: Button,
     /// What the radio needs.
     pub radio: RadioParts,

@@ -1,15 +1,20 @@
-//! What the tasks send each other: two queues, one shared state, three heartbeats.
+//! What the tasks send each other: queues, shared states, three heartbeats.
 //!
 //! ```text
 //! radio ---packets---> inference ---UartMessage---> output ---> UART
 //!   |                      |                          ^
 //!   +----------------------+--------- PinState -------+-------> pins, LEDs
+//!   |                      |                          |
+//!   +------Requests--------+------- control --Answer--+
 //!
 //! radio, inference, output ---Heartbeat---> watchdog
 //! ```
 
+pub mod armband;
 pub mod heartbeat;
 pub mod packets;
 pub mod pin_state;
 mod queue;
+pub mod raw;
+pub mod requests;
 pub mod uart;

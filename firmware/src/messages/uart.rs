@@ -1,11 +1,21 @@
-//! Messages on their way to the UART. Reports are for machines; the others begin with `#` and are for people.
+//! Lines on their way to the UART. Reports and answers are for machines; the others begin with `#` and are for people.
+//!
+//! Messages come first. An answer waits for them, and the next command waits for its answer: however many commands
+//! come, they push no label out of its queue. Raw samples come last.
 
 use core::fmt::{self, Write as _};
 
-use shared::myo::{Address, Counters, FirmwareVersion};
+use embassy_futures::select::{Either3, select3};
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
+use shared::myo::{Counters, FirmwareVersion, Following};
+use shared::uart_line::answer::{Answer, Identity};
+use shared::uart_line::command::{BindCommand, Command};
+use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Report, alignment::AlignmentReport};
 
+use super::armband::Armband;
 use super::queue::Queue;
+use super::raw;
 use crate::model_region::ModelRefused;
 use crate::reset_reason::ResetReason;
 
@@ -20,6 +30,12 @@ pub enum UartMessage {
     Started(ResetReason, Option<u32>),
     /// The model cannot be run, so no label will be valid.
     ModelRefused(ModelRefused),
+    /// Which armband is followed from now on.
+    Following(Following),
+    /// No armband was heard in a pairing.
+    PairingFailed,
+    /// The bound armband, or that there is none, was not kept: a restart forgets it.
+    NotKept,
     /// An armband streams.
     Armband(Armband),
     /// A stream ended; counts of all streams since the start.
@@ -30,16 +46,8 @@ pub enum UartMessage {
     PacketsDropped(u32),
 }
 
-/// What is known of an armband.
-#[derive(Clone, Copy)]
-pub struct Armband {
-    /// Its Bluetooth address.
-    pub address: Option<Address>,
-    /// Its firmware.
-    pub firmware: Option<FirmwareVersion>,
-    /// Its battery, percent.
-    pub battery: Option<u8>,
-}
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+const REVISION: &str = env!("MYOINTENT_REVISION");
 
 /// The image, by the name that `cargo xtask images` gives it.
 const IMAGE: &str = match (
@@ -54,50 +62,87 @@ const IMAGE: &str = match (
     (_, false, false) => "nrf52840-s140",
 };
 
-/// Bytes of the longest comment: all counters of a stream.
+/// Bytes of the longest line: all counters of a stream.
 const MAX_BYTES: usize = 256;
 
 static MESSAGES: Queue<UartMessage, 16> = Queue::new();
+static ANSWERS: Channel<CriticalSectionRawMutex, Answer<'static>, 1> = Channel::new();
 
 /// Queues a message; where the queue is full, the oldest is dropped.
 pub fn enqueue(message: UartMessage) {
     MESSAGES.push(message);
 }
 
-/// Whether no message waits.
-pub fn is_idle() -> bool {
-    MESSAGES.is_empty()
+/// Hands over an answer, once the one before was taken.
+pub async fn answer(answer: Answer<'static>) {
+    ANSWERS.send(answer).await;
 }
 
-/// Waits for the oldest message.
-pub async fn receive() -> UartMessage {
-    MESSAGES.receive().await
+/// Messages dropped since the start; wraps.
+pub fn dropped() -> u32 {
+    MESSAGES.dropped()
+}
+
+/// Whether no line waits.
+pub fn is_idle() -> bool {
+    MESSAGES.is_empty() && ANSWERS.is_empty() && raw::is_idle()
+}
+
+/// What the next line is made of.
+pub enum Next {
+    /// A message.
+    Message(UartMessage),
+    /// An answer.
+    Answer(Answer<'static>),
+    /// Raw samples.
+    Emg(EmgReport),
+}
+
+impl Next {
+    /// The line, CR LF included.
+    pub fn line(self) -> Line {
+        match self {
+            Self::Message(message) => line(|line| message.write(line)),
+            Self::Answer(answer) => line(|line| write!(line, "{answer}")),
+            Self::Emg(report) => line(|line| write!(line, "{report}")),
+        }
+    }
+}
+
+/// Waits for the next line: the oldest message; an answer while there is none; samples while there is neither.
+pub async fn receive() -> Next {
+    match select3(MESSAGES.receive(), ANSWERS.receive(), raw::receive()).await {
+        Either3::First(message) => Next::Message(message),
+        Either3::Second(answer) => Next::Answer(answer),
+        Either3::Third(report) => Next::Emg(report),
+    }
+}
+
+/// What runs here, and on which armband's data.
+pub fn identity(model: Option<u32>, armband: Armband) -> Identity<'static> {
+    Identity {
+        version: VERSION,
+        revision: REVISION,
+        image: IMAGE,
+        model,
+        armband: armband.address,
+        firmware: armband.firmware,
+        battery: armband.battery,
+    }
 }
 
 /// The text of a message.
 pub type Line = heapless::String<MAX_BYTES>;
 
 impl UartMessage {
-    /// The line, CR LF included.
-    pub fn line(self) -> Line {
-        let mut line = Line::new();
-        if self.write(&mut line).is_err() {
-            // Truncated, but still a line.
-            line.truncate(MAX_BYTES - 2);
-            let _ = line.push_str("\r\n");
-        }
-        line
-    }
-
     fn write(self, line: &mut Line) -> fmt::Result {
         match self {
             Self::Report(report) => write!(line, "{report}"),
             Self::Alignment(report) => write!(line, "{report}"),
             Self::Started(reason, model) => {
-                let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("MYOINTENT_REVISION"));
                 write!(
                     line,
-                    "# myointent {version} {revision}, image {IMAGE}, model "
+                    "# myointent {VERSION} {REVISION}, image {IMAGE}, model "
                 )?;
                 match model {
                     Some(checksum) => write!(line, "{checksum:08x}")?,
@@ -106,12 +151,49 @@ impl UartMessage {
                 write!(line, ", started by {}\r\n", reason.name())
             }
             Self::ModelRefused(error) => write!(line, "# {error}\r\n"),
+            Self::Following(following) => write_following(line, following),
+            Self::PairingFailed => line.write_str("# pairing over: no armband was heard\r\n"),
+            Self::NotKept => {
+                line.write_str("# the flash page did not take the change: a restart undoes it\r\n")
+            }
             Self::Armband(armband) => write!(line, "# {armband}\r\n"),
             Self::StreamEnded(counters) => write_counters(line, counters),
             Self::LowBattery(percent) => write!(line, "# armband battery low: {percent} %\r\n"),
             Self::PacketsDropped(packets) => {
                 write!(line, "# inference too slow: {packets} packets dropped\r\n")
             }
+        }
+    }
+}
+
+fn line(write: impl FnOnce(&mut Line) -> fmt::Result) -> Line {
+    let mut line = Line::new();
+    if write(&mut line).is_err() {
+        // Truncated, but still a line.
+        line.truncate(MAX_BYTES - 2);
+        let _ = line.push_str("\r\n");
+    }
+    line
+}
+
+fn write_following(line: &mut Line, following: Following) -> fmt::Result {
+    match following {
+        Following::Pinned(address) => {
+            write!(line, "# follows {address}: given when the program was built\r\n")
+        }
+        Following::Bound(address) => write!(line, "# follows {address}: bound\r\n"),
+        Following::Strongest => line.write_str(
+            "# follows the strongest armband, whoever wears it: none is bound, and the program was built so\r\n",
+        ),
+        Following::Pairing => {
+            line.write_str("# pairing: in 30 s the armband with the strongest signal is bound\r\n")
+        }
+        Following::Nobody => {
+            let begin = Command::Bind(BindCommand::Begin);
+            write!(
+                line,
+                "# follows no armband: none is bound. Wear yours beside the board and hold button 1 for 3 s, or send {begin}"
+            )
         }
     }
 }

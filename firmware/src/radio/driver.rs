@@ -11,15 +11,23 @@ use embassy_futures::{
 };
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Ticker};
-use shared::myo::{Action, Discovery, Event, MyoSession, Phase, Progress};
+use shared::myo::{Action, Address, Discovery, Event, Following, MyoSession, Phase, Progress};
 use shared::stream::link_sequence::Sequencer;
+use shared::uart_line::answer::{Binding, Refusal};
+use shared::uart_line::command::BindCommand;
 
 use super::{
     ConnectionHandler, ENABLE_NOTIFICATIONS, Link, MAX_VALUE_BYTES, OperationFailed, Radio,
     handles::Handles,
 };
+use crate::binding_region::{self, Page};
 use crate::clock::now;
-use crate::messages::{heartbeat, packets::Packets};
+use crate::messages::{
+    heartbeat,
+    packets::Packets,
+    requests,
+    uart::{self, UartMessage},
+};
 
 const TICK: Duration = Duration::from_millis(50);
 
@@ -38,14 +46,19 @@ pub struct SessionDriver<'q> {
     connected: Cell<bool>,
     /// Of the current connection.
     handles: Cell<Handles>,
+    /// What the session wants to be kept, until it was tried.
+    keep: Signal<NoopRawMutex, Option<Address>>,
+    /// What is kept.
+    kept: Cell<Option<Address>>,
     /// Called after every event.
     observe: &'q dyn Fn(&MyoSession),
 }
 
 impl<'q> SessionDriver<'q> {
-    /// Before the first event.
+    /// Before the first event; `kept` is the bound armband that outlasts a restart.
     pub fn new(
         session: MyoSession,
+        kept: Option<Address>,
         packets: &'q Packets,
         observe: &'q dyn Fn(&MyoSession),
     ) -> Self {
@@ -59,15 +72,25 @@ impl<'q> SessionDriver<'q> {
             streaming: Signal::new(),
             connected: Cell::new(false),
             handles: Cell::default(),
+            keep: Signal::new(),
+            kept: Cell::new(kept),
             observe,
         }
     }
 
     /// Runs the session forever, from one connection to the next.
-    pub async fn run(&self, radio: &mut impl Radio) {
+    pub async fn run(&self, radio: &mut impl Radio, page: &mut impl Page) {
         select(self.tick(), async {
             loop {
-                match self.operations.receive().await {
+                // Between two scans or connections: erasing a page holds the core up, for longer than a connection bears.
+                let operation = match select(self.keep.wait(), self.operations.receive()).await {
+                    Either::First(armband) => {
+                        self.keep(page, armband).await;
+                        continue;
+                    }
+                    Either::Second(operation) => operation,
+                };
+                match operation {
                     Action::Scan => self.scan(radio).await,
                     Action::Connect(address) => {
                         self.disconnect.reset();
@@ -88,6 +111,35 @@ impl<'q> SessionDriver<'q> {
         .await;
     }
 
+    async fn keep(&self, page: &mut impl Page, armband: Option<Address>) {
+        if !binding_region::keep(page, armband).await {
+            uart::enqueue(UartMessage::NotKept);
+        }
+        self.kept.set(binding_region::load());
+    }
+
+    /// Carries out what a person asks for.
+    fn bind(&self, command: BindCommand) -> Result<Binding, Refusal> {
+        let event = match command {
+            BindCommand::Begin => Some(Event::Pair),
+            BindCommand::Set(armband) => Some(Event::Bind(Some(armband))),
+            BindCommand::Forget => Some(Event::Bind(None)),
+            BindCommand::State => None,
+        };
+        let following = self.session.borrow().following();
+        if let Some(event) = event {
+            if let Following::Pinned(_) = following {
+                return Err(Refusal::BuiltIn);
+            }
+            self.handle(event);
+        }
+        let session = self.session.borrow();
+        Ok(Binding {
+            following: session.following(),
+            is_kept: session.bound() == self.kept.get(),
+        })
+    }
+
     /// Waits for the session's request; then the stack's task runs before the connection is dropped.
     ///
     /// nrf-softdevice 0.1 panics if it disconnects a link that has ended by itself. After its task has run, it
@@ -104,7 +156,9 @@ impl<'q> SessionDriver<'q> {
             if self.progress.get().is_alive(now()) {
                 heartbeat::RADIO.beat();
             }
-            ticker.next().await;
+            if let Either::Second(command) = select(ticker.next(), requests::BIND.receive()).await {
+                requests::BIND.answer(self.bind(command));
+            }
         }
     }
 
@@ -143,6 +197,7 @@ impl<'q> SessionDriver<'q> {
             Action::Deliver(samples) => self
                 .packets
                 .push(self.sequencer.borrow_mut().samples(samples)),
+            Action::Keep(armband) => self.keep.signal(armband),
             Action::Gap { missing } => self.sequencer.borrow_mut().gap(missing),
             Action::StreamEnded => self.packets.push(self.sequencer.borrow_mut().end()),
             // It has room: at most one operation is outstanding.

@@ -1,6 +1,9 @@
 //! From packets to labels.
 
-use embassy_futures::select::{Either, select};
+use embassy_futures::{
+    select::{Either3, select3},
+    yield_now,
+};
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::model::file::Model;
@@ -9,16 +12,19 @@ use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::{Event, SafeState, Start};
 use shared::stream::smoother::Smoother;
+use shared::uart_line::answer::Refusal;
+use shared::uart_line::command::AlignCommand;
+use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::{Button, DeadMan};
+use crate::board::DeadMan;
 use crate::clock::now;
 use crate::messages::{
     heartbeat,
     packets::PACKETS,
-    pin_state,
+    pin_state, raw, requests,
     uart::{self, UartMessage},
 };
 use crate::model_region::{self, ModelRefused};
@@ -75,20 +81,18 @@ fn start(reason: ResetReason) -> Start {
 /// Clears the dead-man timer with every packet that passed the pipeline, provided that the pins show the
 /// state of the packets before. So hardware makes the pins safe whatever stops on the way from radio to pin.
 ///
-/// Looks at the button with every packet: without a stream there is nothing to align.
+/// Carries out requests between packets.
 #[embassy_executor::task]
-pub async fn run(
-    pipeline: &'static mut DevicePipeline,
-    mut dead_man: DeadMan,
-    mut button: Button,
-) -> ! {
+pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -> ! {
     uart::enqueue(UartMessage::Report(pipeline.state_report()));
     let mut detector = GapDetector::new();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
+    let mut streams = false;
     loop {
         let silence = timer_until(pipeline.deadline());
-        match select(PACKETS.receive(), silence).await {
-            Either::First(packet) => {
+        match select3(PACKETS.receive(), silence, requests::ALIGN.receive()).await {
+            Either3::First(packet) => {
+                let first = packet.first;
                 let received = detector.receive(packet);
                 let now = now();
                 if received.disconnected {
@@ -104,8 +108,12 @@ pub async fn run(
                     let reports = pipeline.sample(now, sample);
                     enqueue(pipeline, reports);
                 }
+                if let Some(samples) = received.samples {
+                    raw::enqueue(EmgReport { first, samples });
+                }
+                streams = received.samples.is_some();
                 let is_full = pipeline.status().valid();
-                if received.samples.is_some() && trigger.begins(now, button.is_down(), is_full) {
+                if streams && trigger.begins(is_full) {
                     pipeline.begin_alignment();
                     enqueue(pipeline, Reports::default());
                 }
@@ -121,13 +129,21 @@ pub async fn run(
                 }
                 heartbeat::INFERENCE.beat();
             }
-            Either::Second(()) => {
+            Either3::Second(()) => {
                 let now = now();
                 let reports = pipeline.tick(now);
                 enqueue(pipeline, reports);
                 if PACKETS.is_empty() {
                     heartbeat::INFERENCE.beat();
                 }
+            }
+            Either3::Third(command) => {
+                let done = align(pipeline, command, streams);
+                if done.is_ok() {
+                    trigger.requested();
+                }
+                requests::ALIGN.answer(done);
+                enqueue(pipeline, Reports::default());
             }
         }
         pin_state::set_status(pipeline.status());
@@ -136,7 +152,23 @@ pub async fn run(
             AlignmentPhase::Waiting => (now().0 / BLINK_MS).is_multiple_of(2),
             AlignmentPhase::Aligned => true,
         });
+        // However many packets wait: pins and lines follow each.
+        yield_now().await;
     }
+}
+
+fn align(
+    pipeline: &mut DevicePipeline,
+    command: AlignCommand,
+    streams: bool,
+) -> Result<(), Refusal> {
+    match command {
+        AlignCommand::Begin if !streams => return Err(Refusal::NoStream),
+        AlignCommand::Begin => pipeline.begin_alignment(),
+        AlignCommand::Cancel => pipeline.cancel_alignment(),
+        AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
+    }
+    Ok(())
 }
 
 /// Queues what a call of the pipeline gave and what is new about the alignment, in the order of the lines' numbers.

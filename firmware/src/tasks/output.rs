@@ -8,7 +8,7 @@ use crate::messages::{
     heartbeat,
     packets::PACKETS,
     pin_state,
-    uart::{self, UartMessage},
+    uart::{self, Next, UartMessage},
 };
 
 /// Runs forever.
@@ -20,19 +20,20 @@ pub async fn run(mut port: LabelPort, mut pins: Pins) {
 async fn write_messages(port: &mut LabelPort) {
     let mut dropped = 0;
     loop {
+        let next = if PACKETS.dropped() == dropped {
+            with_timeout(heartbeat::PERIOD, uart::receive()).await
+        } else {
+            dropped = PACKETS.dropped();
+            Ok(Next::Message(UartMessage::PacketsDropped(dropped)))
+        };
         // Evidence: the UART took a line, or there is none for it.
-        match with_timeout(heartbeat::PERIOD, uart::receive()).await {
-            Ok(message) => {
-                port.send(message.line().as_bytes()).await;
+        match next {
+            Ok(next) => {
+                port.send(next.line().as_bytes()).await;
                 heartbeat::OUTPUT.beat();
             }
             Err(_) if uart::is_idle() => heartbeat::OUTPUT.beat(),
             Err(_) => {}
-        }
-        if PACKETS.dropped() != dropped {
-            dropped = PACKETS.dropped();
-            let message = UartMessage::PacketsDropped(dropped);
-            port.send(message.line().as_bytes()).await;
         }
     }
 }

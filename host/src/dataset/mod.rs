@@ -13,6 +13,7 @@ pub mod labels;
 pub mod lead_in;
 pub(crate) mod library;
 pub(crate) mod losses;
+pub mod movement;
 pub(crate) mod readers;
 mod recording;
 mod seed;
@@ -22,6 +23,7 @@ pub mod synthetic;
 
 pub use labels::runs::{Run, runs};
 pub use library::{Ignored, Library, LoadOptions, Repeat, load};
+pub use movement::{Movement, MovementKind};
 pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;
 pub use readers::open::Why;

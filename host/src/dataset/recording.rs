@@ -1,12 +1,13 @@
 //! One recording, and which published set it belongs to.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::PathBuf;
 
 use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
+
+use super::movement::Movement;
 
 /// A published set of recordings, or a kind of file.
 #[derive(
@@ -128,11 +129,10 @@ pub struct Recording {
     pub samples: Vec<Sample>,
     /// One label per sample in the six-class vocabulary; none where no intent of the six is known.
     pub labels: Vec<Option<Intent>>,
-    /// Movement that is none of the six intents (pointing, pronation, ...): ranges of samples in order,
-    /// none touching another, without labels. As late as the labels, [`DataSet::label_lag`].
+    /// Movement that is none of the six intents (pointing, pronation, ...), in order, without labels. As late as the labels, [`DataSet::label_lag`].
     ///
     /// Everything else without a label is unknown: it may be any movement, or rest.
-    pub other_movement: Vec<Range<usize>>,
+    pub other_movement: Vec<Movement>,
     /// Known limits of the recording, a sentence each.
     pub notes: Vec<String>,
     /// What is known about the wearer when the recording begins, from the person's recordings before it.

@@ -1,5 +1,6 @@
 //! The measures of a score that have one value for each person.
 
+use super::metric::summary::Summary;
 use super::score::Score;
 use crate::statistics::{Interval, MeanSd};
 
@@ -10,12 +11,18 @@ pub enum Measure {
     BalancedAccuracy,
     /// Transition accuracy with the widest buffer.
     TransitionAccuracy,
+    /// The same with a buffer of 120 samples.
+    TransitionAccuracyMiddle,
+    /// The same with a buffer of 60 samples.
+    TransitionAccuracyNarrow,
     /// Share of gestures recognised.
     Recognition,
     /// False activations a minute of rest.
     FalseActivations,
     /// Activations a minute of movement outside the vocabulary.
     OtherActivations,
+    /// Share of movements outside the vocabulary that raise a label.
+    Raised,
     /// Label changes a minute beyond the true ones.
     Flicker,
     /// Raw accuracy.
@@ -29,9 +36,12 @@ impl Measure {
         match self {
             Self::BalancedAccuracy => "balanced",
             Self::TransitionAccuracy => "TA",
+            Self::TransitionAccuracyMiddle => "TA (120)",
+            Self::TransitionAccuracyNarrow => "TA (60)",
             Self::Recognition => "recognised",
             Self::FalseActivations => "false/min",
             Self::OtherActivations => "other/min",
+            Self::Raised => "other raised",
             Self::Flicker => "flicker/min",
             Self::RawAccuracy => "raw",
         }
@@ -39,16 +49,22 @@ impl Measure {
 
     /// The value of each person who has one, in alphabetical order.
     #[must_use]
-    pub fn values(self, score: &Score) -> Vec<(&str, f64)> {
+    pub fn values<'a>(self, score: &'a Score) -> Vec<(&'a str, f64)> {
         let scores = || score.widest().subjects.iter();
+        let transitions = |of: &'a Summary| {
+            let subjects = of.subjects.iter();
+            let values =
+                subjects.filter_map(|s| Some((s.subject.as_str(), s.transition_accuracy?)));
+            values.collect()
+        };
         let events = || score.events.subjects.iter();
         match self {
             Self::BalancedAccuracy => scores()
                 .filter_map(|s| Some((s.subject.as_str(), s.balanced_accuracy?)))
                 .collect(),
-            Self::TransitionAccuracy => scores()
-                .filter_map(|s| Some((s.subject.as_str(), s.transition_accuracy?)))
-                .collect(),
+            Self::TransitionAccuracy => transitions(score.widest()),
+            Self::TransitionAccuracyMiddle => transitions(&score.reference[1]),
+            Self::TransitionAccuracyNarrow => transitions(&score.reference[0]),
             Self::RawAccuracy => scores()
                 .filter_map(|s| Some((s.subject.as_str(), s.raw_accuracy?)))
                 .collect(),
@@ -60,6 +76,9 @@ impl Measure {
                 .collect(),
             Self::OtherActivations => events()
                 .filter_map(|s| Some((s.subject.as_str(), s.other_movement.per_minute()?)))
+                .collect(),
+            Self::Raised => events()
+                .filter_map(|s| Some((s.subject.as_str(), s.raised_share()?)))
                 .collect(),
             Self::Flicker => events()
                 .filter_map(|s| Some((s.subject.as_str(), s.flicker.per_minute()?)))

@@ -3,7 +3,7 @@
 use shared::intent::Intent;
 use shared::units::{CleanSample, Sample};
 
-use crate::dataset::DataSet;
+use crate::dataset::{DataSet, Movement};
 
 /// One recording that models are evaluated on.
 #[derive(Clone, Debug)]
@@ -24,8 +24,8 @@ pub struct Trial {
     pub published: Option<Vec<Option<Intent>>>,
     /// Lag-compensated labels.
     pub lag_compensated: Vec<Option<Intent>>,
-    /// Samples of movements outside the vocabulary, in which every gesture's label is wrong; empty if none are known.
-    pub other_movement: Vec<bool>,
+    /// Movements outside the vocabulary, in which every gesture's label is wrong.
+    pub other_movement: Vec<Movement>,
 }
 
 impl Trial {

@@ -207,7 +207,11 @@ pub(crate) fn recordings(library: &Library, split: &Split) -> Fingerprint {
                 &recording.name,
                 Fingerprint::of_bytes(&samples),
                 Fingerprint::of_bytes(&labels),
-                &recording.other_movement,
+                recording
+                    .other_movement
+                    .iter()
+                    .map(|movement| &movement.samples)
+                    .collect::<Vec<_>>(),
             )
         })
         .collect();

@@ -96,8 +96,8 @@ impl ResolvedConfig {
         let mut labels = lag::compensated(&recording.labels_in(vocabulary), lag);
         let mut other_movement = Vec::new();
         if self.preset.data.other_movement == OtherMovement::Relax {
-            for range in recording.movement_outside(vocabulary) {
-                let range = lag::compensated_range(&range, lag, labels.len());
+            for movement in recording.movement_outside(vocabulary) {
+                let range = lag::compensated_range(&movement.samples, lag, labels.len());
                 labels[range.clone()].fill(Some(Intent::Relax));
                 other_movement.push(range);
             }
@@ -126,9 +126,15 @@ impl ResolvedConfig {
                 let ratio = most as f64 / subjects[data_set].len() as f64;
                 let seconds = data.spliced_seconds * ratio.powf(data.balance);
                 let spliced = self.spliced(recordings, seconds, data.other_movement);
-                streams.extend(spliced.into_iter().map(|joined| Stream {
-                    other_movement: joined.other_movement,
-                    ..Stream::new(joined.samples, joined.labels)
+                streams.extend(spliced.into_iter().map(|joined| {
+                    Stream {
+                        other_movement: joined
+                            .other_movement
+                            .into_iter()
+                            .map(|movement| movement.samples)
+                            .collect(),
+                        ..Stream::new(joined.samples, joined.labels)
+                    }
                 }));
             }
         }

@@ -8,7 +8,7 @@ use super::config::ResolvedConfig;
 use super::preset::OtherMovement;
 use crate::dataset::labels::lag;
 use crate::dataset::split::Role;
-use crate::dataset::{Library, Recording, by_data_set};
+use crate::dataset::{Library, Movement, Recording, by_data_set};
 use crate::evaluation::Trial;
 
 /// Held-out recordings as published.
@@ -78,13 +78,14 @@ pub(super) fn trial(
     let raw = arranged(recording.samples.clone());
     let normalized = arranged(recording.normalized_samples());
     let length = raw.len();
-    let mut other_movement = vec![false; length];
-    for range in recording.movement_outside(vocabulary) {
-        other_movement[lag::compensated_range(&range, lag, length)].fill(true);
-    }
-    if !other_movement.contains(&true) {
-        other_movement.clear();
-    }
+    let compensated = |movement: Movement| Movement {
+        samples: lag::compensated_range(&movement.samples, lag, length),
+        ..movement
+    };
+    let movements = recording.movement_outside(vocabulary);
+    let mut other_movement: Vec<Movement> = movements.into_iter().map(compensated).collect();
+    // One that ends before the recording begins, by the lag.
+    other_movement.retain(|movement| !movement.samples.is_empty());
     Trial {
         data_set: recording.data_set,
         subject: recording.subject.clone(),

@@ -61,6 +61,9 @@ pub enum Action {
     /// Two samples for the pipeline, the older first. They follow the samples delivered before, unless
     /// a `Gap` or `StreamEnded` came between.
     Deliver(Pair),
+    /// Keep this armband as the bound one over restarts, or none. To be done before the next connection, and not while one
+    /// lasts. Not answered.
+    Keep(Option<Address>),
     /// Samples are missing between the previous delivery and the next.
     Gap {
         /// Their number: exact for up to 6 consecutive samples, else an estimate, and never 0.

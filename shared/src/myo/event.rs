@@ -38,6 +38,10 @@ pub enum Event<'a> {
     },
     /// The connection ended, whoever closed it.
     Disconnected,
+    /// The wearer asks for a pairing: for 30 s armbands are collected, and the one with the strongest signal is bound.
+    Pair,
+    /// The wearer asks for this armband to be bound, or for none.
+    Bind(Option<Address>),
     /// Only time passed. To be sent about every 50 ms; with fewer ticks retries, time-outs and
     /// keep-alives come later, and nothing else changes.
     Tick,

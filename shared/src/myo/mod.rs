@@ -10,6 +10,8 @@
 //!                               +-----Action----> pipeline  Deliver, Gap, StreamEnded
 //! ```
 //!
+//! The session follows one armband: the one of its settings, or the one that was bound. [`binding`] keeps it over restarts.
+//!
 //! `advertisement` recognises the armband, `characteristic` and `uuid` identify its GATT attributes,
 //! `command` encodes commands, `packet` parses values, and `sequence` merges the notifications of four
 //! lanes into one stream. Sources: the vendor's header `myohw.h`,
@@ -20,6 +22,7 @@ mod address;
 mod advertisement;
 mod arrival_timing;
 mod back_off;
+pub mod binding;
 mod characteristic;
 mod command;
 mod counters;
@@ -46,5 +49,5 @@ pub use event::Event;
 pub use lane::Lane;
 pub use packet::{FirmwareVersion, Pair};
 pub use progress::Progress;
-pub use session::{MyoSession, Phase, Settings};
+pub use session::{Following, MyoSession, Phase, Settings};
 pub use uuid::Uuid;

@@ -55,7 +55,13 @@ impl Progress {
             | Event::ConnectFailed
             | Event::Failed
             | Event::Disconnected
+            | Event::Pair
+            | Event::Bind(_)
             | Event::Tick => {}
+        }
+        // Nothing is asked of the stack, so it has nothing to say.
+        if session.phase() == Phase::Unbound {
+            self.heard = None;
         }
         let notifications = session.counters().notifications;
         if notifications != self.notifications {
@@ -101,7 +107,10 @@ mod tests {
     impl Link {
         fn new() -> Self {
             Self {
-                session: MyoSession::new(Settings::default()),
+                session: MyoSession::new(Settings {
+                    follow_strongest: true,
+                    ..Settings::default()
+                }),
                 progress: Progress::new(),
                 now: Millis(0),
             }
@@ -184,6 +193,24 @@ mod tests {
     fn empty_streams_before_the_first_that_worked_change_nothing() {
         let mut link = Link::new();
         (0..10).for_each(|_| link.stream(false));
+        assert!(link.is_alive());
+    }
+
+    #[test]
+    fn a_stack_of_which_nothing_is_asked_may_stay_silent() {
+        let mut link = Link::new();
+        link.session = MyoSession::new(Settings {
+            bound: Some(ARMBAND),
+            ..Settings::default()
+        });
+        link.handle(Event::Tick);
+        link.advertise();
+        link.handle(Event::Disconnected);
+        link.handle(Event::Bind(None));
+        link.now = link.now.plus(1000);
+        link.handle(Event::Tick);
+        assert_eq!(link.session.phase(), Phase::Unbound);
+        link.now = link.now.plus(2 * SILENT_MS);
         assert!(link.is_alive());
     }
 

@@ -10,32 +10,64 @@ const WINDOW_MS: u32 = 500;
 /// What radios report where they do not know the signal strength.
 const RSSI_UNKNOWN: i8 = 127;
 
-/// The strongest armband of a scan, or the pinned one.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Scan {
-    pinned: Option<Address>,
-    strongest: Option<Candidate>,
-}
+/// The armband with the strongest signal so far.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Strongest(Option<Candidate>);
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Candidate {
     address: Address,
     rssi: i8,
-    /// When the first candidate of the scan was received.
+    /// When the first candidate was received.
     since: Millis,
 }
 
-impl Scan {
-    pub(super) const fn new(pinned: Option<Address>) -> Self {
-        Self {
-            pinned,
-            strongest: None,
+impl Strongest {
+    /// Takes an advertisement.
+    pub(super) fn advertisement(&mut self, now: Millis, address: Address, rssi: i8, data: &[u8]) {
+        let rssi = if rssi == RSSI_UNKNOWN { i8::MIN } else { rssi };
+        let stronger = self.0.is_none_or(|best| rssi > best.rssi);
+        if stronger && offers_control(data) {
+            let since = self.0.map_or(now, |best| best.since);
+            self.0 = Some(Candidate {
+                address,
+                rssi,
+                since,
+            });
         }
     }
 
-    /// Takes an advertisement; returns the address if it is the pinned armband's.
+    /// Its address.
+    pub(super) fn address(&self) -> Option<Address> {
+        self.0.map(|best| best.address)
+    }
+
+    /// Its address, once the collection time is over.
+    fn choice(&self, now: Millis) -> Option<Address> {
+        self.0
+            .filter(|best| now.elapsed_since(best.since) >= WINDOW_MS)
+            .map(|best| best.address)
+    }
+}
+
+/// The strongest armband of a scan, or the one that is looked for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Scan {
+    wanted: Option<Address>,
+    strongest: Strongest,
+}
+
+impl Scan {
+    pub(super) const fn new(wanted: Option<Address>) -> Self {
+        Self {
+            wanted,
+            strongest: Strongest(None),
+        }
+    }
+
+    /// Takes an advertisement; returns the address if it is the wanted armband's.
     ///
-    /// A pinned armband is recognised by its six address bytes, whatever it advertises; the address
+    /// A wanted armband is recognised by its six address bytes, whatever it advertises; the address
     /// kind is the report's, since a printed address does not show it.
     pub(super) fn advertisement(
         &mut self,
@@ -44,31 +76,20 @@ impl Scan {
         rssi: i8,
         data: &[u8],
     ) -> Option<Address> {
-        if let Some(pinned) = self.pinned {
-            return (pinned.bytes == address.bytes).then_some(address);
+        if let Some(wanted) = self.wanted {
+            return (wanted.bytes == address.bytes).then_some(address);
         }
-        let rssi = if rssi == RSSI_UNKNOWN { i8::MIN } else { rssi };
-        let stronger = self.strongest.is_none_or(|best| rssi > best.rssi);
-        if stronger && offers_control(data) {
-            let since = self.strongest.map_or(now, |best| best.since);
-            self.strongest = Some(Candidate {
-                address,
-                rssi,
-                since,
-            });
-        }
+        self.strongest.advertisement(now, address, rssi, data);
         None
     }
 
     /// The strongest armband so far.
     pub(super) fn strongest(&self) -> Option<Address> {
-        self.strongest.map(|best| best.address)
+        self.strongest.address()
     }
 
     /// The strongest armband, once the collection time is over.
     pub(super) fn choice(&self, now: Millis) -> Option<Address> {
-        self.strongest
-            .filter(|best| now.elapsed_since(best.since) >= WINDOW_MS)
-            .map(|best| best.address)
+        self.strongest.choice(now)
     }
 }

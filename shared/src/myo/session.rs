@@ -20,8 +20,12 @@ const LOW_BATTERY: u8 = 10;
 /// Settings of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Settings {
-    /// The only armband to connect to; without one, the armband with the strongest signal.
+    /// The only armband to connect to, whichever is bound.
     pub pinned: Option<Address>,
+    /// The armband that is bound at first: the only one to connect to.
+    pub bound: Option<Address>,
+    /// Without either: whether the armband with the strongest signal is followed, whoever wears it. Otherwise nobody's is.
+    pub follow_strongest: bool,
     /// The mode that the model was trained with. `Filtered` by default: the vendor recommends it, and
     /// the recordings were made with it.
     pub emg: EmgMode,
@@ -32,6 +36,8 @@ pub struct Settings {
 pub enum Phase {
     /// Before the first event.
     Idle,
+    /// No armband is to be followed.
+    Unbound,
     /// Scanning for an armband.
     Scanning,
     /// Connecting to an armband.
@@ -49,6 +55,7 @@ pub enum Phase {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum State {
     Idle,
+    Unbound,
     Scanning(Scan),
     Connecting {
         since: Millis,
@@ -79,6 +86,9 @@ enum State {
 pub struct MyoSession {
     settings: Settings,
     state: State,
+    bound: Option<Address>,
+    pairing: Option<Pairing>,
+    pairing_failed: bool,
     /// The EMG of the running stream.
     sequence: Sequence,
     back_off: BackOff,
@@ -95,6 +105,9 @@ impl MyoSession {
         Self {
             settings,
             state: State::Idle,
+            bound: settings.bound,
+            pairing: None,
+            pairing_failed: false,
             sequence: Sequence::new(),
             back_off: BackOff::new(),
             counters: Counters::default(),
@@ -113,10 +126,12 @@ impl MyoSession {
                 rssi,
                 data,
             } => {
-                if let State::Scanning(scan) = &mut self.state
-                    && let Some(address) = scan.advertisement(now, address, rssi, data)
-                {
-                    self.connect(now, address, act);
+                if let State::Scanning(scan) = &mut self.state {
+                    if let Some(pairing) = &mut self.pairing {
+                        pairing.advertisement(now, address, rssi, data);
+                    } else if let Some(address) = scan.advertisement(now, address, rssi, data) {
+                        self.connect(now, address, act);
+                    }
                 }
             }
             Event::ScanEnded => self.scan_ended(now, act),
@@ -129,6 +144,8 @@ impl MyoSession {
                 characteristic,
                 bytes,
             } => self.notification(now, characteristic, bytes, act),
+            Event::Pair => self.pair(now, act),
+            Event::Bind(armband) => self.bind(now, armband, act),
             Event::Tick => {}
         }
         // After the event: an answer that arrives together with the time-out is in time.
@@ -140,6 +157,7 @@ impl MyoSession {
     pub const fn phase(&self) -> Phase {
         match self.state {
             State::Idle => Phase::Idle,
+            State::Unbound => Phase::Unbound,
             State::Scanning(_) => Phase::Scanning,
             State::Connecting { .. } => Phase::Connecting,
             State::SettingUp { .. } => Phase::SettingUp,
@@ -180,7 +198,11 @@ impl MyoSession {
     }
 }
 
+mod following;
 mod transitions;
+
+pub use following::Following;
+use following::Pairing;
 
 #[cfg(test)]
 mod tests;

@@ -52,8 +52,8 @@ impl Image {
             Self::Nrf52840S140 | Self::Nrf52832S132 => &[2, 6, 17, 22],
             // CLOCK and POWER, RADIO, UARTE0, GPIOTE, TIMER0, RTC0, RTC1, SWI0.
             Self::Nrf52840Sdc => &[0, 1, 2, 6, 8, 11, 17, 20],
-            // UART1 receiver, TIMER1.
-            Self::Emulator => &[2, 9],
+            // UART0 receiver, UART1 receiver, TIMER1.
+            Self::Emulator => &[0, 2, 9],
         }
     }
 

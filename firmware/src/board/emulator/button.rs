@@ -5,7 +5,7 @@ use super::uart::{RX_ENABLE, Uart};
 /// The level while the button is down, as of a pin that the button connects to ground.
 const LOW: u8 = b'0';
 
-/// The button that begins an alignment.
+/// The button.
 pub struct Button {
     is_down: bool,
 }

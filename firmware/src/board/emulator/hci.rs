@@ -10,9 +10,7 @@ use embassy_time::Instant;
 use embedded_io_async::{ErrorType, Read, Write};
 
 use super::irq::Irq;
-use super::uart::{RX_ENABLE, RX_FULL, TX_ENABLE, Uart};
-
-const RX_INTERRUPT: u32 = 1 << 3;
+use super::uart::{RX_ENABLE, RX_FULL, RX_INTERRUPT, TX_ENABLE, Uart};
 
 /// 60 notifications: more than `trouble` queues.
 static RECEIVED: Pipe<CriticalSectionRawMutex, 2048> = Pipe::new();

@@ -6,6 +6,8 @@ use cortex_m::{interrupt::InterruptNumber, peripheral::NVIC};
 #[derive(Clone, Copy)]
 #[repr(u16)]
 pub enum Irq {
+    /// UART0 has received a byte of a command.
+    CommandReceive = 0,
     /// UART1 has received a byte from the Bluetooth controller.
     HciReceive = 2,
     /// TIMER1 has reached zero.
@@ -26,7 +28,7 @@ const LOWER: u8 = 0x80;
 )]
 pub fn start() {
     let mut peripherals = cortex_m::Peripherals::take();
-    for irq in [Irq::HciReceive, Irq::Alarm, Irq::Storm] {
+    for irq in [Irq::CommandReceive, Irq::HciReceive, Irq::Alarm, Irq::Storm] {
         if let Some(peripherals) = &mut peripherals {
             // SAFETY: critical sections of this program mask all interrupts; none relies on priorities.
             unsafe { peripherals.NVIC.set_priority(irq, LOWER) };

@@ -1,14 +1,16 @@
 //! QEMU's `mps2-an386`: a Cortex-M4F with UARTs and without a radio.
 //!
-//! UART0 carries the labels, UART1 HCI, UART2 the pin levels, those of the outputs out and that of the button in. Everything above this module is the
+//! UART0 carries the labels out and the commands in, UART1 HCI, UART2 the pin levels, those of the outputs out and that of the button in. Everything above this module is the
 //! program of the board, unchanged.
 
 mod button;
 mod clock;
+mod command_port;
 mod dead_man;
 mod fault;
 mod hci;
 mod irq;
+mod page;
 mod registers;
 mod stack;
 mod straps;
@@ -21,6 +23,7 @@ use core::fmt::{self, Write as _};
 use bt_hci::controller::ExternalController;
 use bt_hci_serial::SerialTransport;
 use embassy_executor::Spawner;
+use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_time::Instant;
 use shared::intent::Intent;
@@ -31,6 +34,7 @@ use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
 pub use button::Button;
+pub use command_port::CommandPort;
 pub use dead_man::DeadMan;
 use uart::Uart;
 pub use watchdog::Watchdog;
@@ -47,7 +51,6 @@ pub struct RadioParts {
 /// Takes the peripherals; the pin levels are safe from here on.
 pub fn start() -> Board {
     clock::start();
-    Uart::LABELS.start(0);
     let button = Button::start();
     let reset_reason = match previous_end() {
         End::Running => ResetReason::Watchdog,
@@ -56,9 +59,11 @@ pub fn start() -> Board {
         End::Unknown => ResetReason::Power,
     };
     irq::start();
+    let commands = CommandPort::start();
     let (from, to) = hci::start();
     Board {
         labels: LabelPort(()),
+        commands,
         pins: Pins(()),
         button,
         radio: RadioParts { from, to },
@@ -73,16 +78,21 @@ pub async fn run_radio(_: Spawner, mut parts: RadioParts, driver: &SessionDriver
     hci::synchronize(&mut parts.from, &mut parts.to).await;
     let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);
     let controller: ExternalController<_, 10> = ExternalController::new(transport);
-    trouble::run(controller, OWN_ADDRESS, driver).await;
+    trouble::run(controller, OWN_ADDRESS, driver, &mut page::MemoryPage).await;
 }
 
 /// UART0.
 pub struct LabelPort(());
 
 impl LabelPort {
-    /// Sends a line.
+    /// Sends a line. Other tasks run while the reader outside takes none.
     pub async fn send(&mut self, line: &[u8]) {
-        Uart::LABELS.send(line);
+        for &byte in line {
+            while Uart::LABELS.is_full() {
+                yield_now().await;
+            }
+            Uart::LABELS.send(&[byte]);
+        }
         stack::report(Uart::PINS);
         fault::inject(line).await;
     }

@@ -8,6 +8,7 @@ const TX_FULL: u32 = 1;
 pub(super) const RX_FULL: u32 = 1 << 1;
 pub(super) const TX_ENABLE: u32 = 1;
 pub(super) const RX_ENABLE: u32 = 1 << 1;
+pub(super) const RX_INTERRUPT: u32 = 1 << 3;
 /// Smallest divider that QEMU's model accepts; it ignores the rate otherwise.
 const DIVIDER: u32 = 16;
 
@@ -22,7 +23,7 @@ pub struct Uart {
 }
 
 impl Uart {
-    /// The labels.
+    /// The labels, and commands.
     pub const LABELS: Self = Self::at(0x4000_4000);
     /// HCI to the Bluetooth controller.
     pub const HCI: Self = Self::at(0x4000_5000);
@@ -51,10 +52,15 @@ impl Uart {
         is_full.then(|| self.data.read().to_le_bytes()[0])
     }
 
+    /// Whether there is no room for a byte to send.
+    pub fn is_full(self) -> bool {
+        self.state.read() & TX_FULL != 0
+    }
+
     /// Sends, waiting for room.
     pub fn send(self, bytes: &[u8]) {
         for &byte in bytes {
-            while self.state.read() & TX_FULL != 0 {}
+            while self.is_full() {}
             self.data.write(byte.into());
         }
     }

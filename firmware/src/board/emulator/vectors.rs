@@ -1,6 +1,6 @@
 //! The vector table of the board's interrupts.
 
-use super::{clock, dead_man, fault, hci, irq::Irq};
+use super::{clock, command_port, dead_man, fault, hci, irq::Irq};
 
 /// An entry of the table.
 pub union Vector {
@@ -22,6 +22,9 @@ pub union Vector {
 #[unsafe(no_mangle)]
 pub static __INTERRUPTS: [Vector; 32] = {
     let mut vectors = [const { Vector { unused: 0 } }; 32];
+    vectors[Irq::CommandReceive as usize] = Vector {
+        handler: command_receive,
+    };
     vectors[Irq::HciReceive as usize] = Vector {
         handler: hci_receive,
     };
@@ -32,6 +35,10 @@ pub static __INTERRUPTS: [Vector; 32] = {
     vectors[Irq::Storm as usize] = Vector { handler: storm };
     vectors
 };
+
+extern "C" fn command_receive() {
+    command_port::on_receive();
+}
 
 extern "C" fn hci_receive() {
     hci::on_receive();

@@ -1,11 +1,19 @@
 //! Bluetooth with Nordic's controller library linked into the program: no SoftDevice to flash.
 
 use embassy_executor::Spawner;
-use embassy_nrf::{Peri, bind_interrupts, mode::Blocking, pac, peripherals::RNG, rng};
-use nrf_mpsl::MultiprotocolServiceLayer;
+use embassy_nrf::{
+    Peri, bind_interrupts,
+    mode::Blocking,
+    nvmc::PAGE_SIZE,
+    pac,
+    peripherals::{NVMC, RNG},
+    rng,
+};
+use nrf_mpsl::{Flash, MultiprotocolServiceLayer, SessionMem};
 use nrf_sdc::{Builder, Mem, SoftdeviceController};
 use static_cell::StaticCell;
 
+use crate::binding_region::{self, Page, PageFailed, Record};
 use crate::radio::{driver::SessionDriver, trouble};
 
 bind_interrupts!(struct Interrupts {
@@ -30,6 +38,7 @@ pub struct RadioParts {
     pub(super) mpsl: nrf_mpsl::Peripherals<'static>,
     pub(super) controller: nrf_sdc::Peripherals<'static>,
     pub(super) random: Peri<'static, RNG>,
+    pub(super) flash: Peri<'static, NVMC>,
 }
 
 /// Runs the Myo session forever.
@@ -39,6 +48,7 @@ pub struct RadioParts {
 /// If the library refuses its peripherals or needs more than [`CONTROLLER_BYTES`].
 pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriver<'_>) {
     static MPSL: StaticCell<MultiprotocolServiceLayer<'static>> = StaticCell::new();
+    static FLASH_SESSION: StaticCell<SessionMem<1>> = StaticCell::new();
     static RANDOM: StaticCell<rng::Rng<'static, Blocking>> = StaticCell::new();
     static MEMORY: StaticCell<Mem<CONTROLLER_BYTES>> = StaticCell::new();
 
@@ -50,7 +60,9 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
         accuracy_ppm: 20,
         skip_wait_lfclk_started: false,
     };
-    let mpsl = match MultiprotocolServiceLayer::new(parts.mpsl, Interrupts, clock) {
+    let session = FLASH_SESSION.init(SessionMem::new());
+    let mpsl = MultiprotocolServiceLayer::with_timeslots(parts.mpsl, Interrupts, clock, session);
+    let mpsl = match mpsl {
         Ok(mpsl) => &*MPSL.init(mpsl),
         Err(error) => defmt::panic!("the radio's scheduler did not start: {}", error),
     };
@@ -64,7 +76,28 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
         Ok(controller) => controller,
         Err(error) => defmt::panic!("the Bluetooth controller did not start: {}", error),
     };
-    trouble::run(controller, own_address(), driver).await;
+    let mut page = FlashPage(Flash::take(mpsl, parts.flash));
+    trouble::run(controller, own_address(), driver, &mut page).await;
+}
+
+/// Writes flash in time slots that the radio's scheduler grants.
+struct FlashPage(Flash<'static>);
+
+impl Page for FlashPage {
+    async fn erase(&mut self) -> Result<(), PageFailed> {
+        let start = address()?;
+        let end = start + PAGE_SIZE as u32;
+        self.0.erase(start, end).await.map_err(|_| PageFailed)
+    }
+
+    async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
+        let written = self.0.write(address()?, &record.0).await;
+        written.map_err(|_| PageFailed)
+    }
+}
+
+fn address() -> Result<u32, PageFailed> {
+    u32::try_from(binding_region::start()).map_err(|_| PageFailed)
 }
 
 fn build(

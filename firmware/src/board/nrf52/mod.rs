@@ -13,19 +13,22 @@ use critical_section::Mutex;
 use defmt_rtt as _;
 use embassy_nrf::{
     bind_interrupts,
+    buffered_uarte::{self, BufferedUarte, BufferedUarteRx, BufferedUarteTx},
     gpio::{Input, Level, Output},
     gpiote::OutputChannel,
     interrupt::{self, InterruptExt as _, Priority},
     pac,
     peripherals::{self, UARTE0},
     ppi::Event,
-    uarte::{self, Baudrate, Parity, UarteTx},
+    uarte::{Baudrate, Config, Parity},
     wdt,
 };
 use shared::intent::{Intent, MAX_CLASSES};
 use shared::stream::safe_state::Status;
 
-use super::Board;
+use static_cell::ConstStaticCell;
+
+use super::{Board, BytesLost};
 use crate::messages::pin_state::PinState;
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::WATCHDOG_MS;
@@ -37,7 +40,7 @@ pub use softdevice::{RadioParts, run_radio};
 pub use dead_man::DeadMan;
 
 bind_interrupts!(struct Interrupts {
-    UARTE0 => uarte::InterruptHandler<UARTE0>;
+    UARTE0 => buffered_uarte::InterruptHandler<UARTE0>;
 });
 
 /// Bits of RESETREAS (nRF52840 product specification, section 5.3.7.9).
@@ -65,17 +68,10 @@ pub fn start() -> Board {
     };
     critical_section::with(|section| OUTPUTS.borrow(section).replace(Some(outputs)));
 
-    let mut config = uarte::Config::default();
-    config.baudrate = Baudrate::Baud115200;
-    config.parity = Parity::Excluded;
-    let labels = LabelPort(UarteTx::new(
-        wiring.uart,
-        Interrupts,
-        wiring.uart_tx,
-        config,
-    ));
+    let (labels, commands) = start_uart(wiring.uart);
     Board {
         labels,
+        commands,
         pins: Pins(()),
         button: Button(wiring.button),
         radio: wiring.radio,
@@ -83,6 +79,36 @@ pub fn start() -> Board {
         dead_man,
         reset_reason: reset_reason(),
     }
+}
+
+/// Bytes that are received while the program computes: 11 ms of them, three times its longest turn.
+const RECEIVE_BYTES: usize = 128;
+const SEND_BYTES: usize = 64;
+
+fn start_uart(parts: wiring::Uart) -> (LabelPort, CommandPort) {
+    static RECEIVED: ConstStaticCell<[u8; RECEIVE_BYTES]> =
+        ConstStaticCell::new([0; RECEIVE_BYTES]);
+    static SENT: ConstStaticCell<[u8; SEND_BYTES]> = ConstStaticCell::new([0; SEND_BYTES]);
+    let mut config = Config::default();
+    config.baudrate = Baudrate::Baud115200;
+    config.parity = Parity::Excluded;
+    let [counts, restarts] = parts.links;
+    let uart = BufferedUarte::new(
+        parts.uart,
+        parts.timer,
+        counts,
+        restarts,
+        parts.group,
+        parts.rx,
+        parts.tx,
+        Interrupts,
+        config,
+        RECEIVED.take(),
+        SENT.take(),
+    );
+    wiring::pull_up_uart_rx();
+    let (received, sent) = uart.split();
+    (LabelPort(sent), CommandPort(received))
 }
 
 /// Must be called before the SoftDevice is enabled, which reserves the register.
@@ -101,15 +127,36 @@ fn reset_reason() -> ResetReason {
     }
 }
 
-/// The UART.
-pub struct LabelPort(UarteTx<'static>);
+/// The UART's transmitter.
+pub struct LabelPort(BufferedUarteTx<'static>);
 
 impl LabelPort {
     /// Sends a line; 115200 baud take 9 ms for the longest.
     pub async fn send(&mut self, line: &[u8]) {
-        if self.0.write(line).await.is_err() {
-            defmt::error!("the UART refused a line");
+        let mut rest = line;
+        while !rest.is_empty() {
+            let Ok(count) = self.0.write(rest).await else {
+                return defmt::error!("the UART refused a line");
+            };
+            rest = rest.get(count..).unwrap_or_default();
         }
+        // So that whoever waits for the line knows that the UART takes lines.
+        if self.0.flush().await.is_err() {
+            defmt::error!("the UART did not send a line");
+        }
+    }
+}
+
+/// The UART's receiver.
+pub struct CommandPort(BufferedUarteRx<'static>);
+
+impl CommandPort {
+    /// Waits for bytes and takes some; gives their number. A byte with an error is a byte: the checksum finds it.
+    ///
+    /// # Errors
+    /// If bytes were lost, because they were not taken in time.
+    pub async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
+        self.0.read(buffer).await.map_err(|_| BytesLost)
     }
 }
 
@@ -185,7 +232,7 @@ fn led(on: bool) -> Level {
     if on { wiring::LED_ON } else { wiring::LED_OFF }
 }
 
-/// The button that begins an alignment.
+/// The button.
 pub struct Button(Input<'static>);
 
 impl Button {

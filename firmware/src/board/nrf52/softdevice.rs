@@ -1,8 +1,10 @@
 //! Bluetooth with Nordic's SoftDevice, which is flashed once, at the addresses below the program.
 
 use embassy_executor::Spawner;
-use nrf_softdevice::{Config, Softdevice, raw};
+use embedded_storage_async::nor_flash::NorFlash;
+use nrf_softdevice::{Config, Flash, Softdevice, raw};
 
+use crate::binding_region::{self, Page, PageFailed, Record};
 use crate::radio::{self, driver::SessionDriver};
 
 /// The SoftDevice needs none of the program's peripherals.
@@ -45,7 +47,28 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the SoftDevice's task runs already"),
     }
-    radio::softdevice::run(softdevice, driver).await;
+    let mut page = FlashPage(Flash::take(softdevice));
+    radio::softdevice::run(softdevice, driver, &mut page).await;
+}
+
+/// Writes flash through the SoftDevice, which does so between radio events.
+struct FlashPage(Flash);
+
+impl Page for FlashPage {
+    async fn erase(&mut self) -> Result<(), PageFailed> {
+        let start = address()?;
+        let end = start + Flash::ERASE_SIZE as u32;
+        self.0.erase(start, end).await.map_err(|_| PageFailed)
+    }
+
+    async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
+        let written = self.0.write(address()?, &record.0).await;
+        written.map_err(|_| PageFailed)
+    }
+}
+
+fn address() -> Result<u32, PageFailed> {
+    u32::try_from(binding_region::start()).map_err(|_| PageFailed)
 }
 
 #[embassy_executor::task]

@@ -8,7 +8,8 @@ use embassy_nrf::{
     Peri, Peripherals,
     gpio::{AnyPin, Input, Level, Output, OutputDrive, Pull},
     gpiote::{Channel, OutputChannel, OutputChannelPolarity},
-    peripherals,
+    pac, peripherals,
+    ppi::{AnyConfigurableChannel, AnyGroup},
 };
 use shared::intent::MAX_CLASSES;
 
@@ -31,10 +32,8 @@ pub struct Wiring {
     pub alignment_led: Output<'static>,
     /// Button: begins an alignment. Connects the pin to ground while it is down.
     pub button: Input<'static>,
-    /// The UART's TX pin, 115200 8N1.
-    pub uart_tx: Peri<'static, AnyPin>,
-    /// The UART itself.
-    pub uart: Peri<'static, peripherals::UARTE0>,
+    /// The UART of labels and commands, 115200 8N1.
+    pub uart: Uart,
     /// What the radio needs.
     pub radio: super::RadioParts,
     /// The dead-man timer and its connections to the pins.
@@ -43,10 +42,22 @@ pub struct Wiring {
     pub watchdog: Peri<'static, peripherals::WDT>,
 }
 
+/// A UART that receives while the program computes.
+pub struct Uart {
+    pub uart: Peri<'static, peripherals::UARTE0>,
+    pub tx: Peri<'static, AnyPin>,
+    pub rx: Peri<'static, AnyPin>,
+    /// Counts received bytes.
+    pub timer: Peri<'static, peripherals::TIMER2>,
+    /// Connect the UART to the timer, and the end of a buffer to the start of the next.
+    pub links: [Peri<'static, AnyConfigurableChannel>; 2],
+    pub group: Peri<'static, AnyGroup>,
+}
+
 /// Configures every pin, outputs at their safe levels.
 pub fn wire(p: Peripherals) -> Wiring {
     #[cfg(feature = "nrf52840")]
-    let (relax, others, valid, leds, button, uart_tx) = (
+    let (relax, others, valid, leds, button) = (
         p.P1_01,
         [
             p.P1_02.into(),
@@ -58,10 +69,9 @@ pub fn wire(p: Peripherals) -> Wiring {
         p.P1_07,
         [p.P0_13.into(), p.P0_14.into(), p.P0_15.into()],
         p.P0_11,
-        p.P0_06,
     );
     #[cfg(feature = "nrf52832")]
-    let (relax, others, valid, leds, button, uart_tx) = (
+    let (relax, others, valid, leds, button) = (
         p.P0_11,
         [
             p.P0_12.into(),
@@ -73,7 +83,6 @@ pub fn wire(p: Peripherals) -> Wiring {
         p.P0_26,
         [p.P0_17.into(), p.P0_18.into(), p.P0_19.into()],
         p.P0_13,
-        p.P0_06,
     );
 
     let leds: [Peri<'static, AnyPin>; 3] = leds;
@@ -103,8 +112,14 @@ pub fn wire(p: Peripherals) -> Wiring {
         armband_led,
         alignment_led,
         button: Input::new(button, Pull::Up),
-        uart_tx: uart_tx.into(),
-        uart: p.UARTE0,
+        uart: Uart {
+            uart: p.UARTE0,
+            tx: p.P0_06.into(),
+            rx: p.P0_08.into(),
+            timer: p.TIMER2,
+            links: [p.PPI_CH4.into(), p.PPI_CH5.into()],
+            group: p.PPI_GROUP0.into(),
+        },
         #[cfg(feature = "radio-softdevice")]
         radio: super::RadioParts {},
         #[cfg(feature = "radio-trouble")]
@@ -117,9 +132,17 @@ pub fn wire(p: Peripherals) -> Wiring {
                 p.PPI_CH25, p.PPI_CH26, p.PPI_CH27, p.PPI_CH28, p.PPI_CH29,
             ),
             random: p.RNG,
+            flash: p.NVMC,
         },
         watchdog: p.WDT,
     }
+}
+
+/// Pulls the UART's RX pin up, P0.08 on both kits: unconnected, it would receive noise. To be called once the UART is
+/// configured, which takes the pull away.
+pub fn pull_up_uart_rx() {
+    let pin = pac::P0.pin_cnf(8);
+    pin.modify(|configuration| configuration.set_pull(pac::gpio::vals::Pull::Pullup));
 }
 
 /// An output that tasks of the peripheral interconnect can set too. Only tasks set it: writing the port does nothing.

@@ -10,11 +10,12 @@ use nrf_softdevice::{
 use shared::myo::{self, AddressKind};
 
 use super::{Advertisement, ConnectFailed, ConnectionHandler, Radio, driver::SessionDriver};
+use crate::binding_region::Page;
 use link::SoftdeviceLink;
 
 /// Runs the session forever.
-pub async fn run(softdevice: &Softdevice, driver: &SessionDriver<'_>) {
-    driver.run(&mut SoftdeviceRadio { softdevice }).await;
+pub async fn run(softdevice: &Softdevice, driver: &SessionDriver<'_>, page: &mut impl Page) {
+    driver.run(&mut SoftdeviceRadio { softdevice }, page).await;
 }
 
 struct SoftdeviceRadio<'s> {

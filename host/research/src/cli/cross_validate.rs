@@ -19,7 +19,8 @@ use self::contenders::{contenders, presets};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
 use crate::cross_validation::{
-    Contender, CrossValidation, FoldScore, Job, Kind, Merged, differences, people, scores,
+    Contender, CrossValidation, FoldScore, Job, Kind, Merged, differences, movements, people,
+    scores,
 };
 
 /// Arguments of `cross-validate`.
@@ -144,7 +145,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let merged = merged(arguments, &contenders, &results);
-    for table in [scores(&merged), differences(&merged)] {
+    for table in [scores(&merged), differences(&merged), movements(&merged)] {
         writeln!(out, "{}", table.plain())?;
     }
     if left > 0 {
@@ -244,7 +245,7 @@ fn merged<'a>(
 /// Writes the tables, and a row for each person, seed, preset and mode.
 fn write(folder: &Path, merged: &[Merged<'_>]) -> anyhow::Result<[PathBuf; 2]> {
     let page = folder.join("tables.md");
-    let tables = [scores(merged), differences(merged)];
+    let tables = [scores(merged), differences(merged), movements(merged)];
     write_whole(
         &page,
         tables.map(|table| table.markdown()).join("\n").as_bytes(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use myointent::evaluation::metric::event::latency::{self, LatencySummary};
+use myointent::evaluation::metric::event::summary::Raised;
 use myointent::evaluation::{LookAhead, Measure, Score};
 
 use super::job::FoldScore;
@@ -86,6 +87,20 @@ impl<'a> Merged<'a> {
             }
         }
         latency::summary(&latencies, gestures)
+    }
+
+    /// Movements outside the vocabulary, of everybody and all seeds, by the name of their kind.
+    pub(crate) fn raised(&self) -> BTreeMap<&'a str, Raised> {
+        let mut by_kind: BTreeMap<&str, Raised> = BTreeMap::new();
+        let people = self
+            .scores
+            .iter()
+            .flat_map(|(_, score)| &score.events.subjects);
+        for (kind, raised) in people.flat_map(|person| &person.raised) {
+            let own = by_kind.entry(kind).or_default();
+            *own = own.plus(*raised);
+        }
+        by_kind
     }
 
     /// The data sets of the people, in alphabetical order.

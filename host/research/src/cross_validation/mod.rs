@@ -13,4 +13,4 @@ mod tables;
 pub(crate) use contender::{Contender, Kind};
 pub(crate) use job::{CrossValidation, FoldScore, Job};
 pub(crate) use merged::Merged;
-pub(crate) use tables::{differences, people, scores};
+pub(crate) use tables::{differences, movements, people, scores};

@@ -1,5 +1,7 @@
 //! Tables of a cross-validation.
 
+use std::collections::BTreeSet;
+
 use myointent::evaluation::{Difference, LookAhead, Measure};
 use myointent::report::Table;
 use myointent::report::cell;
@@ -19,6 +21,17 @@ const RATES: [Measure; 3] = [
     Measure::OtherActivations,
     Measure::Flicker,
 ];
+/// Measures that contenders are compared by.
+const COMPARED: [Measure; 8] = [
+    Measure::BalancedAccuracy,
+    Measure::TransitionAccuracy,
+    Measure::TransitionAccuracyMiddle,
+    Measure::TransitionAccuracyNarrow,
+    Measure::Recognition,
+    Measure::FalseActivations,
+    Measure::OtherActivations,
+    Measure::Raised,
+];
 
 /// Scores over all people and by data set, a row for each contender and aggregation mode.
 pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
@@ -28,7 +41,8 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
         .chain(measures)
         .chain(["latency ms"])
         .chain(RATES.map(Measure::name))
-        .chain(["raw", "people"]);
+        .chain([Measure::Raised, Measure::RawAccuracy].map(Measure::name))
+        .chain(["people"]);
     let caption =
         "Held-out people: mean over people [95 % interval] of each person's mean over seeds";
     let mut table = Table::new(caption, header);
@@ -54,6 +68,7 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
                     .chain([cell::latency(own.latency(set)).shown])
                     .chain(RATES.map(|measure| one(measure, 1)))
                     .chain([
+                        one(Measure::Raised, 2),
                         one(Measure::RawAccuracy, 3),
                         numbers(Measure::RawAccuracy).len().to_string(),
                     ]),
@@ -67,15 +82,8 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
 /// paired over people.
 pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
     let caption = "Differences, paired over people; mean [95 % interval] over n people";
-    let measures = SHARES
-        .into_iter()
-        .chain([Measure::FalseActivations, Measure::OtherActivations]);
-    let measures: Vec<Measure> = measures.collect();
-    let names = measures.iter().map(|measure| measure.name());
-    let mut table = Table::new(
-        caption,
-        ["recordings", "difference"].into_iter().chain(names),
-    );
+    let names = ["recordings", "difference"].into_iter();
+    let mut table = Table::new(caption, names.chain(COMPARED.map(Measure::name)));
     for set in sections(merged) {
         for own in merged {
             let Some(first) = merged
@@ -85,7 +93,7 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
             else {
                 continue;
             };
-            let paired = |&measure: &Measure| {
+            let paired = |measure: Measure| {
                 let (values, others) = (own.values(measure, set), first.values(measure, set));
                 cell::difference(Difference::paired(&values, &others)).shown
             };
@@ -93,18 +101,43 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
                 set.unwrap_or("all").to_owned(),
                 format!("{} - {}", own.name(), first.name()),
             ];
-            table.push(names.into_iter().chain(measures.iter().map(paired)));
+            table.push(names.into_iter().chain(COMPARED.map(paired)));
         }
+    }
+    table
+}
+
+/// Movements outside the vocabulary, a row for each kind: how many there are, and of each contender and aggregation mode the
+/// share that raises a label.
+pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
+    let caption = "Movements outside the vocabulary, of all people and seeds: share in which a gesture's label begins";
+    let by_kind: Vec<_> = merged.iter().map(Merged::raised).collect();
+    let names = merged.iter().map(Merged::name);
+    let header = ["movement".to_owned(), "number".to_owned()];
+    let mut table = Table::new(caption, header.into_iter().chain(names));
+    let kinds: BTreeSet<&str> = by_kind.iter().flat_map(|own| own.keys().copied()).collect();
+    for kind in kinds {
+        let number = by_kind
+            .iter()
+            .find_map(|own| Some(own.get(kind)?.movements));
+        let shares = by_kind.iter().map(|own| {
+            own.get(kind)
+                .map_or_else(|| cell::none().shown, |of| format!("{:.2}", of.share()))
+        });
+        let names = [kind.to_owned(), number.unwrap_or(0).to_string()];
+        table.push(names.into_iter().chain(shares));
     }
     table
 }
 
 /// All people and seeds, a row each, as CSV keeps them.
 pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
-    let measures = SHARES
-        .into_iter()
-        .chain(RATES)
-        .chain([Measure::RawAccuracy]);
+    let measures = SHARES.into_iter().chain(RATES).chain([
+        Measure::Raised,
+        Measure::RawAccuracy,
+        Measure::TransitionAccuracyMiddle,
+        Measure::TransitionAccuracyNarrow,
+    ]);
     let measures: Vec<Measure> = measures.collect();
     let names = measures.iter().map(|measure| measure.name());
     let header = ["model", "look-ahead", "entry margin", "seed", "subject"]

@@ -209,6 +209,7 @@ mod tests {
 
     use super::*;
     use crate::dataset::labels::runs::runs;
+    use crate::dataset::movement::MovementKind;
 
     const REST: i8 = 3;
 
@@ -313,16 +314,29 @@ mod tests {
     #[test]
     fn without_contrast_nothing_is_labelled() {
         for samples in [noise(2000, 3, |_| 5.0), noise(2000, 3, |_| 60.0)] {
-            assert_eq!(label(&samples, Motion::Other), None);
+            assert_eq!(label(&samples, Motion::Other(MovementKind::Point)), None);
         }
-        assert_eq!(label(&[], Motion::Other), None);
-        assert_eq!(label(&[[100; 8]; 7], Motion::Other), None);
+        assert_eq!(label(&[], Motion::Other(MovementKind::Point)), None);
+        assert_eq!(
+            label(&[[100; 8]; 7], Motion::Other(MovementKind::Point)),
+            None
+        );
     }
 
     #[test]
     fn other_movement_has_ranges_and_rest_around_it_is_rest() {
-        let truth = label(&holds(2000, &[500..1100]), Motion::Other).unwrap();
-        assert!(close_to(&truth.other_movement, &[500..1100]), "{truth:?}");
+        let truth = label(
+            &holds(2000, &[500..1100]),
+            Motion::Other(MovementKind::Point),
+        )
+        .unwrap();
+        let [movement] = &truth.other_movement[..] else {
+            panic!("{truth:?}");
+        };
+        assert!(
+            close_to(std::slice::from_ref(&movement.samples), &[500..1100]),
+            "{truth:?}"
+        );
         assert_eq!(truth.labels[100], Some(Intent::Relax));
     }
 
@@ -357,10 +371,10 @@ mod tests {
                 .iter()
                 .flat_map(|&(sample, count)| vec![sample; count])
                 .collect();
-            if let Some(truth) = label(&samples, Motion::Other) {
+            if let Some(truth) = label(&samples, Motion::Other(MovementKind::Point)) {
                 prop_assert_eq!(truth.labels.len(), samples.len());
                 let mut end = 0;
-                for range in truth.other_movement {
+                for range in truth.other_movement.into_iter().map(|movement| movement.samples) {
                     prop_assert!(range.start >= end && range.end <= samples.len());
                     prop_assert!(truth.labels[range.clone()].iter().all(Option::is_none));
                     end = range.end;

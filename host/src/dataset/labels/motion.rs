@@ -1,8 +1,8 @@
 //! What a person does, as the published sets name it: an intent, another movement, or unknown.
 
-use std::ops::Range;
-
 use shared::intent::Intent;
+
+use crate::dataset::movement::{Movement, MovementKind};
 
 /// What is done at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -10,7 +10,7 @@ pub(crate) enum Motion {
     /// One of the six intents, relax included.
     Intent(Intent),
     /// Movement that is none of the six intents.
-    Other,
+    Other(MovementKind),
     /// Not known, or on neither side: a grasp near to a fist, an edge that cannot be placed.
     Unknown,
 }
@@ -23,7 +23,7 @@ impl Motion {
     pub const fn label(self) -> Option<Intent> {
         match self {
             Self::Intent(intent) => Some(intent),
-            Self::Other | Self::Unknown => None,
+            Self::Other(_) | Self::Unknown => None,
         }
     }
 }
@@ -32,7 +32,7 @@ impl Motion {
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Truth {
     pub labels: Vec<Option<Intent>>,
-    pub other_movement: Vec<Range<usize>>,
+    pub other_movement: Vec<Movement>,
 }
 
 impl FromIterator<Motion> for Truth {
@@ -41,12 +41,12 @@ impl FromIterator<Motion> for Truth {
         let mut truth = Self::default();
         for (at, motion) in motions.into_iter().enumerate() {
             truth.labels.push(motion.label());
-            if motion != Motion::Other {
+            let Motion::Other(kind) = motion else {
                 continue;
-            }
+            };
             match truth.other_movement.last_mut() {
-                Some(last) if last.end == at => last.end += 1,
-                _ => truth.other_movement.push(at..at + 1),
+                Some(last) if last.kind == kind && last.samples.end == at => last.samples.end += 1,
+                _ => truth.other_movement.push(Movement::new(kind, at..at + 1)),
             }
         }
         truth
@@ -59,11 +59,15 @@ mod tests {
 
     #[test]
     fn other_movement_is_ranges_without_labels() {
-        const OTHER: Motion = Motion::Other;
-        let motions = [OTHER, OTHER, Motion::Unknown, OTHER, Motion::RELAX];
+        use MovementKind::{Point, ThumbUp};
+        const POINT: Motion = Motion::Other(Point);
+        const THUMB: Motion = Motion::Other(ThumbUp);
+        let motions = [POINT, POINT, Motion::Unknown, POINT, THUMB, Motion::RELAX];
         let truth: Truth = motions.into_iter().collect();
         let relax = Some(Intent::Relax);
-        assert_eq!(truth.labels, [None, None, None, None, relax]);
-        assert_eq!(truth.other_movement, [0..2, 3..4]);
+        assert_eq!(truth.labels, [None, None, None, None, None, relax]);
+        let expected = [(Point, 0..2), (Point, 3..4), (ThumbUp, 4..5)];
+        let expected = expected.map(|(kind, samples)| Movement::new(kind, samples));
+        assert_eq!(truth.other_movement, expected);
     }
 }

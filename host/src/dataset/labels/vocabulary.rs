@@ -1,10 +1,9 @@
 //! Labels of six classes in a smaller vocabulary.
 
-use std::ops::Range;
-
 use shared::intent::{Intent, Vocabulary};
 
-use super::runs::{Run, runs};
+use super::runs::runs;
+use crate::dataset::movement::{Movement, MovementKind};
 use crate::dataset::recording::{DataSet, Recording};
 
 impl Recording {
@@ -37,16 +36,18 @@ impl Recording {
         !self.other_movement.is_empty() || self.has_labels_in(vocabulary)
     }
 
-    /// Movement that is no intent of a vocabulary: other movement, and intents outside the vocabulary. Ranges of
-    /// samples in order, as late as the labels.
+    /// Movement that is no intent of a vocabulary: other movement, and intents outside the vocabulary. In order,
+    /// as late as the labels.
     #[must_use]
-    pub fn movement_outside(&self, vocabulary: Vocabulary) -> Vec<Range<usize>> {
-        let outside = |run: &Run| run.label.is_some_and(|intent| !vocabulary.contains(intent));
-        let mut ranges = self.other_movement.clone();
-        let intents = runs(&self.labels).into_iter().filter(outside);
-        ranges.extend(intents.map(|run| run.start..run.end));
-        ranges.sort_unstable_by_key(|range| range.start);
-        ranges
+    pub fn movement_outside(&self, vocabulary: Vocabulary) -> Vec<Movement> {
+        let mut movements = self.other_movement.clone();
+        movements.extend(runs(&self.labels).into_iter().filter_map(|run| {
+            let intent = run.label.filter(|&intent| !vocabulary.contains(intent))?;
+            let kind = MovementKind::Intent(intent);
+            Some(Movement::new(kind, run.start..run.end))
+        }));
+        movements.sort_unstable_by_key(|movement| movement.samples.start);
+        movements
     }
 }
 
@@ -69,10 +70,6 @@ pub(crate) fn smallest<'a>(labels: impl IntoIterator<Item = &'a Option<Intent>>)
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
     use super::*;
 
@@ -97,9 +94,12 @@ mod tests {
     fn movement_outside_is_other_movement_and_other_intents() {
         let mut recording = recording(DataSet::MyoReadings);
         recording.labels.extend([None; 3]);
-        recording.other_movement = vec![6..8];
-        assert_eq!(recording.movement_outside(Vocabulary::Six), [6..8]);
-        assert_eq!(recording.movement_outside(Vocabulary::Three), [1..2, 6..8]);
+        let wave_in = Movement::new(MovementKind::Intent(Intent::WaveIn), 1..2);
+        let point = Movement::new(MovementKind::Point, 6..8);
+        recording.other_movement = vec![point.clone()];
+        let outside = |vocabulary| recording.movement_outside(vocabulary);
+        assert_eq!(outside(Vocabulary::Six), recording.other_movement);
+        assert_eq!(outside(Vocabulary::Three), [wave_in, point]);
     }
 
     #[test]

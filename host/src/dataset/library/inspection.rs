@@ -1,7 +1,6 @@
 //! Contents of a library by data set, and anomalies in it: `myointent data inspect`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use shared::intent::Intent;
@@ -165,7 +164,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
         other += recording
             .other_movement
             .iter()
-            .map(Range::len)
+            .map(|movement| movement.samples.len())
             .sum::<usize>();
         let runs = runs(&recording.labels);
         for run in &runs {
@@ -241,13 +240,10 @@ fn anomalies(recording: &Recording) -> Vec<String> {
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
     use super::*;
     use crate::dataset::library::Ignored;
+    use crate::dataset::{Movement, MovementKind};
 
     fn library() -> Library {
         let label = |at: usize| match at / 200 {
@@ -270,7 +266,7 @@ mod tests {
                 samples: (0..800).map(sample).collect(),
                 labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
-                other_movement: vec![700..750],
+                other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
                 wearer: shared::stream::normalizer::Normalizer::new(),
             }],
             ignored: ["LICENSE", "notes.txt", "README"]

@@ -8,6 +8,7 @@ use shared::intent::Intent;
 use shared::units::Sample;
 
 use crate::dataset::labels::lag;
+use crate::dataset::movement::Movement;
 use crate::dataset::recording::Recording;
 
 /// A recording with the labels that the pieces carry.
@@ -16,7 +17,7 @@ pub(super) struct Source<'a> {
     /// None in movement outside the vocabulary, so that it is spliced like a gesture and not like rest.
     pub labels: Vec<Option<Intent>>,
     /// Where the joined recording says relax instead of none, in order; empty if it shall not.
-    relax: Vec<Range<usize>>,
+    relax: Vec<Movement>,
 }
 
 impl<'a> Source<'a> {
@@ -31,7 +32,10 @@ impl<'a> Source<'a> {
             samples: &recording.samples,
             relax: other_movement
                 .filter(|_| other_movement_is_relax)
-                .map(|range| lag::compensated_range(range, lag_samples, labels.len()))
+                .map(|movement| Movement {
+                    samples: lag::compensated_range(&movement.samples, lag_samples, labels.len()),
+                    ..movement.clone()
+                })
                 .collect(),
             labels,
         }
@@ -39,7 +43,7 @@ impl<'a> Source<'a> {
 
     /// Whether all of it is movement outside the vocabulary that shall become relax.
     pub fn is_other_movement(&self) -> bool {
-        let covered: usize = self.relax.iter().map(Range::len).sum();
+        let covered: usize = self.relax.iter().map(|m| m.samples.len()).sum();
         covered > 0 && covered >= self.labels.len()
     }
 
@@ -58,7 +62,7 @@ pub(super) struct Joined {
     pub samples: Vec<Sample>,
     pub labels: Vec<Option<Intent>>,
     /// Movement outside the vocabulary that is labelled relax.
-    pub relax: Vec<Range<usize>>,
+    pub relax: Vec<Movement>,
 }
 
 impl Joined {
@@ -70,15 +74,17 @@ impl Joined {
         let joined = self.labels.len();
         self.labels
             .extend_from_slice(&source.labels[cut.start..end]);
-        for range in &source.relax {
+        for Movement { kind, samples } in &source.relax {
             let [from, to] =
-                [range.start, range.end].map(|at| at.clamp(cut.start, end) - cut.start);
-            let range = joined + from..joined + to;
-            self.labels[range.clone()].fill(Some(Intent::Relax));
+                [samples.start, samples.end].map(|at| at.clamp(cut.start, end) - cut.start);
+            let samples = joined + from..joined + to;
+            self.labels[samples.clone()].fill(Some(Intent::Relax));
             match self.relax.last_mut() {
-                _ if range.is_empty() => {}
-                Some(last) if last.end == range.start => last.end = range.end,
-                _ => self.relax.push(range),
+                _ if samples.is_empty() => {}
+                Some(last) if last.kind == *kind && last.samples.end == samples.start => {
+                    last.samples.end = samples.end;
+                }
+                _ => self.relax.push(Movement::new(*kind, samples)),
             }
         }
     }

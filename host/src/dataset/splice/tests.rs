@@ -1,10 +1,5 @@
 //! Spliced recordings of a few hand-written ones.
 
-#![expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
-
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -13,6 +8,7 @@ use shared::intent::Intent;
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
 use crate::dataset::labels::runs::{Run, runs};
+use crate::dataset::movement::{Movement, MovementKind};
 use crate::dataset::recording::{DataSet, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);
@@ -187,10 +183,10 @@ fn subjects_are_not_mixed_and_unlabelled_ones_left_out() {
 #[test]
 fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_labelled_relax() {
     let mut cued = recording("a", &[(R, 300), (C, 300), (R, 300), (None, 300), (R, 300)]);
-    cued.other_movement = vec![900..1200];
+    cued.other_movement = vec![Movement::new(MovementKind::Point, 900..1200)];
     let mut steady = recording("a", &[(None, 1000)]);
     steady.samples.fill([55; 8]);
-    steady.other_movement = vec![0..1000];
+    steady.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
     let splice_all = |other_movement_is_relax| {
         let options = SpliceOptions {
             samples: 40_000,
@@ -217,7 +213,7 @@ fn movement_outside_the_vocabulary_is_spliced_as_a_gesture_and_labelled_relax() 
 #[test]
 fn a_person_of_steady_holds_alone_has_other_movement_between_them() {
     let mut other = recording("a", &[(None, 1000)]);
-    other.other_movement = vec![0..1000];
+    other.other_movement = vec![Movement::new(MovementKind::Point, 0..1000)];
     let holds = [
         recording("a", &[(R, 1000)]),
         recording("a", &[(C, 1000)]),

@@ -65,7 +65,7 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
     ModelParts {
         dimensions,
         companding: Companding::SquareRoot,
-        normalized: seed % 2 == 0,
+        normalized: seed.is_multiple_of(2),
         smoother: SmootherDefaults {
             aggregation: AggregationMode::AllRowsFrom,
             look_ahead: 50,

@@ -9,12 +9,20 @@ use crate::myo::lane::Lane;
 use crate::myo::set_up::write;
 use alloc::vec::Vec;
 
+mod binding;
 mod properties;
 
 pub(super) const NEAR: Address = address(1);
 const FAR: Address = address(2);
 const NEVER_SLEEP: Action = write(Command::NeverSleep);
 const SET_MODE: Action = write(Command::SetMode(EmgMode::Filtered));
+/// Without any address: the strongest armband is followed.
+pub(super) const ANY: Settings = Settings {
+    pinned: None,
+    bound: None,
+    follow_strongest: true,
+    emg: EmgMode::Filtered,
+};
 /// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
 const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 
@@ -139,7 +147,7 @@ fn deliver(number: u8) -> Action {
 
 #[test]
 fn an_armband_is_found_set_up_and_streams() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     assert_eq!(driver.session.phase(), Phase::Idle);
     driver.streaming(0);
     for number in 0..100 {
@@ -163,7 +171,7 @@ fn an_armband_is_found_set_up_and_streams() {
 #[test]
 fn the_mode_is_the_settings() {
     let emg = EmgMode::Raw;
-    let mut driver = Driver::new(Settings { pinned: None, emg });
+    let mut driver = Driver::new(Settings { emg, ..ANY });
     driver.discovered(0, everything());
     let mut last = Vec::new();
     let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
@@ -175,7 +183,7 @@ fn the_mode_is_the_settings() {
 
 #[test]
 fn the_strongest_armband_of_half_a_second_wins() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.run(&[(0, Event::Tick, &[Action::Scan]), (9_000, Event::Tick, &[])]);
     let other = Event::Advertisement {
         address: address(9),
@@ -195,10 +203,7 @@ fn the_strongest_armband_of_half_a_second_wins() {
 #[test]
 fn a_pinned_armband_is_taken_at_once_and_no_other() {
     let pinned = Address::parse("FA:00:00:00:00:01").ok();
-    let mut driver = Driver::new(Settings {
-        pinned,
-        ..Settings::default()
-    });
+    let mut driver = Driver::new(Settings { pinned, ..ANY });
     assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
     assert_eq!(driver.advertise(0, FAR, -20), []);
     assert_eq!(driver.handle(2_000, Event::Tick), []);
@@ -211,7 +216,7 @@ fn a_pinned_armband_is_taken_at_once_and_no_other() {
 
 #[test]
 fn a_scan_that_ends_is_repeated_after_a_delay() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.run(&[
         (0, Event::Tick, &[Action::Scan]),
         (10, Event::ScanEnded, &[]),
@@ -226,7 +231,7 @@ fn a_scan_that_ends_is_repeated_after_a_delay() {
 
 #[test]
 fn failed_connects_back_off_up_to_five_seconds() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     let mut now = 0;
     for delay in [300, 600, 1200, 2400, 4800, 5000, 5000] {
         driver.connecting(now);
@@ -241,7 +246,7 @@ fn failed_connects_back_off_up_to_five_seconds() {
 
 #[test]
 fn a_stream_that_ran_makes_the_next_delay_short() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     for now in [0, 1_000, 2_500] {
         driver.connecting(now);
         driver.handle(now + 510, Event::ConnectFailed);
@@ -259,7 +264,7 @@ fn a_stream_that_ran_makes_the_next_delay_short() {
 
 #[test]
 fn a_stream_without_emg_ends_too_and_backs_off_longer() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     assert_eq!(
         driver.handle(510, Event::Disconnected),
@@ -276,7 +281,7 @@ fn a_stream_without_emg_ends_too_and_backs_off_longer() {
 
 #[test]
 fn an_operation_that_is_not_answered_ends_the_connection() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.connecting(0);
     driver.run(&[
         (5_499, Event::Tick, &[]),
@@ -298,7 +303,7 @@ fn an_operation_that_is_not_answered_ends_the_connection() {
 
 #[test]
 fn a_connection_that_does_not_end_is_waited_for_5_s() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.connecting(0);
     driver.run(&[
         (5_500, Event::Tick, &[Action::Disconnect]),
@@ -318,7 +323,7 @@ fn an_armband_without_a_characteristic_is_disconnected() {
             .into_iter()
             .filter(|one| *one != absent)
             .collect();
-        let mut driver = Driver::new(Settings::default());
+        let mut driver = Driver::new(ANY);
         driver.connecting(0);
         driver.handle(501, Event::Connected);
         let expected = if absent == BatteryLevel {
@@ -339,7 +344,7 @@ fn without_a_battery_two_steps_are_skipped() {
     let found = Characteristic::ALL
         .into_iter()
         .filter(|one| *one != BatteryLevel);
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.discovered(0, found.collect());
     driver.run(&[
         (502, Event::Read(&FIRMWARE), &[Action::Subscribe(lane(0))]),
@@ -356,7 +361,7 @@ fn without_a_battery_two_steps_are_skipped() {
 #[test]
 fn a_battery_that_fails_does_not_matter() {
     for answer in [Event::Failed, Event::Read(&[])] {
-        let mut driver = Driver::new(Settings::default());
+        let mut driver = Driver::new(ANY);
         driver.discovered(0, everything());
         driver.run(&[
             (502, Event::Read(&FIRMWARE), &[Action::Read(BatteryLevel)]),
@@ -373,7 +378,7 @@ fn a_battery_that_fails_does_not_matter() {
 #[test]
 fn a_step_that_fails_ends_the_connection() {
     for steps in 0..7 {
-        let mut driver = Driver::new(Settings::default());
+        let mut driver = Driver::new(ANY);
         driver.discovered(0, everything());
         let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
         let answers = answers.into_iter().chain([Event::Done; 6]);
@@ -393,7 +398,7 @@ fn a_step_that_fails_ends_the_connection() {
 
 #[test]
 fn firmware_of_major_0_is_refused_for_a_minute() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.discovered(0, everything());
     driver.run(&[
         (
@@ -411,7 +416,7 @@ fn firmware_of_major_0_is_refused_for_a_minute() {
 
 #[test]
 fn a_firmware_version_too_short_is_malformed() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.discovered(0, everything());
     let actions = driver.handle(502, Event::Read(&FIRMWARE[..7]));
     assert_eq!(actions, [Action::Disconnect]);
@@ -425,7 +430,7 @@ fn a_firmware_version_too_short_is_malformed() {
 
 #[test]
 fn emg_that_overtakes_the_answer_to_its_mode_counts() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.discovered(0, everything());
     let answers = [Event::Read(&FIRMWARE), Event::Read(&[80])];
     for answer in answers.into_iter().chain([Event::Done; 5]) {
@@ -443,7 +448,7 @@ fn emg_that_overtakes_the_answer_to_its_mode_counts() {
 
 #[test]
 fn never_sleep_is_written_every_ten_seconds() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     let mut written = Vec::new();
     for number in 0..3_200 {
@@ -460,7 +465,7 @@ fn never_sleep_is_written_every_ten_seconds() {
 
 #[test]
 fn a_write_that_is_never_answered_ends_the_stream() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     let mut end = Vec::new();
     for number in 0..1_501 {
@@ -473,7 +478,7 @@ fn a_write_that_is_never_answered_ends_the_stream() {
 
 #[test]
 fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     assert_eq!(driver.emg(510, 0), [deliver(0)]);
     driver.run(&[
@@ -495,7 +500,7 @@ fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
 
 #[test]
 fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     for number in 0..10 {
         assert_eq!(driver.emg(510 + 10 * number, number).len(), 1);
@@ -523,7 +528,7 @@ fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
 
 #[test]
 fn short_long_and_foreign_values_are_handled_and_counted() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     let mut notify = |now, characteristic, bytes: &[u8]| {
         driver.handle(
@@ -558,7 +563,7 @@ fn short_long_and_foreign_values_are_handled_and_counted() {
 
 #[test]
 fn malformed_emg_alone_counts_as_silence() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     let characteristic = lane(0);
     let bytes = &[0; 3];
@@ -577,7 +582,7 @@ fn malformed_emg_alone_counts_as_silence() {
 
 #[test]
 fn a_new_connection_starts_a_new_stream() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     driver.streaming(0);
     for number in 0..3 {
         driver.emg(510 + 10 * number, number);
@@ -595,7 +600,7 @@ fn a_new_connection_starts_a_new_stream() {
 
 #[test]
 fn time_may_wrap_in_any_phase() {
-    let mut driver = Driver::new(Settings::default());
+    let mut driver = Driver::new(ANY);
     let start = u32::MAX - 400;
     assert_eq!(driver.handle(start, Event::Tick), [Action::Scan]);
     assert_eq!(driver.advertise(start, NEAR, -40), []);

@@ -42,7 +42,9 @@ impl MyoSession {
             }
             // Too late: the attempt has timed out. An open connection would keep the armband from
             // advertising.
-            State::Idle | State::Scanning(_) | State::BackingOff { .. } => act(Action::Disconnect),
+            State::Idle | State::Unbound | State::Scanning(_) | State::BackingOff { .. } => {
+                act(Action::Disconnect)
+            }
             State::SettingUp { .. } | State::Streaming(_) | State::Disconnecting { .. } => {}
         }
     }
@@ -78,7 +80,7 @@ impl MyoSession {
     }
 
     /// Closes the connection; the delay before the next attempt begins with its end.
-    fn disconnect(&mut self, now: Millis, delay: u32, act: &mut impl FnMut(Action)) {
+    pub(super) fn disconnect(&mut self, now: Millis, delay: u32, act: &mut impl FnMut(Action)) {
         let streaming = matches!(self.state, State::Streaming(_));
         self.state = State::Disconnecting { since: now, delay };
         act(Action::Disconnect);
@@ -188,13 +190,16 @@ impl MyoSession {
 
     /// Does what is due at `now`.
     pub(super) fn handle_time(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
+        self.end_pairing(now, act);
         match &mut self.state {
             State::Idle => self.start_scan(act),
             State::BackingOff { since, delay } if now.elapsed_since(*since) >= *delay => {
                 self.start_scan(act);
             }
             State::Scanning(scan) => {
-                if let Some(address) = scan.choice(now) {
+                if self.pairing.is_none()
+                    && let Some(address) = scan.choice(now)
+                {
                     self.connect(now, address, act);
                 }
             }
@@ -229,9 +234,14 @@ impl MyoSession {
         self.state = State::Streaming(StreamMonitor::new(now, write));
     }
 
-    fn start_scan(&mut self, act: &mut impl FnMut(Action)) {
-        self.state = State::Scanning(Scan::new(self.settings.pinned));
-        act(Action::Scan);
+    pub(super) fn start_scan(&mut self, act: &mut impl FnMut(Action)) {
+        let following = self.following();
+        if following == Following::Nobody {
+            self.state = State::Unbound;
+        } else {
+            self.state = State::Scanning(Scan::new(following.address()));
+            act(Action::Scan);
+        }
     }
 
     fn time_out(&mut self, now: Millis, act: &mut impl FnMut(Action)) {

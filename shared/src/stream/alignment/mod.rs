@@ -19,4 +19,4 @@ pub use aligner::{Aligner, GESTURES, Outcome, Poor, Progress, TIMEOUT_PATCHES};
 pub use placement::Alignment;
 pub use profile::{OCTAVE, Profile};
 pub use template::{Fit, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};
-pub use trigger::{DEBOUNCE_MS, Trigger};
+pub use trigger::Trigger;

@@ -169,6 +169,7 @@ fn events(score: &SubjectScore) -> SubjectEvents {
         latencies,
         rest: rate(1, 30.0),
         other_movement: rate(0, 0.0),
+        raised: BTreeMap::new(),
         flicker: rate(3, 60.0),
     }
 }

@@ -9,6 +9,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
 use crate::dataset::recording::{DataSet, Recording};
@@ -89,17 +90,15 @@ const fn motion(class: usize) -> Motion {
         4 => Motion::Intent(Intent::WaveOut),
         5 => Motion::Intent(Intent::Close),
         6 => Motion::Intent(Intent::Open),
-        _ => Motion::Other,
+        1 => Motion::Other(MovementKind::RadialDeviation),
+        _ => Motion::Other(MovementKind::UlnarDeviation),
     }
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
     use super::*;
+    use crate::dataset::movement::Movement;
 
     const PATH: &str = "/d/EvaluationDataset/Male3/Test0/classe_13.dat";
 
@@ -127,7 +126,8 @@ mod tests {
         let path = PATH.replace("classe_13", "classe_15");
         let recording = read(Path::new(&path), &bytes(&[0; 16])).unwrap();
         assert!(!recording.has_labels());
-        assert_eq!(recording.other_movement, [0..2]);
+        let radial = Movement::new(MovementKind::RadialDeviation, 0..2);
+        assert_eq!(recording.other_movement, [radial]);
     }
 
     #[test]

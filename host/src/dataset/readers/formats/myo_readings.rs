@@ -11,6 +11,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, is_number, stem};
 use crate::dataset::readers::table;
@@ -41,7 +42,12 @@ const PUBLISHED_DAMAGE: [&str; 4] = [
     "64917-3/7.txt",
 ];
 /// Names and labels of files with a motion outside the six classes.
-const OUTSIDE: [(&str, f64); 4] = [("3", 3.0), ("4", 4.0), ("5", 5.0), ("6", 6.0)];
+const OUTSIDE: [(&str, f64, MovementKind); 4] = [
+    ("3", 3.0, MovementKind::RadialDeviation),
+    ("4", 4.0, MovementKind::UlnarDeviation),
+    ("5", 5.0, MovementKind::Pronation),
+    ("6", 6.0, MovementKind::Supination),
+];
 /// Share of repeated rows from which a file was polled faster than the armband sends: at 250 Hz
 /// every fifth row repeats; a true repeat of eight values is rare outside silence.
 const POLLED_TOO_FAST: f64 = 0.15;
@@ -70,7 +76,9 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
         samples.push(table::sample(&values[..8], 1).map_err(|fault| Damage::at_line(line, fault))?);
         motions.push(motion(name, values[8]).map_err(|fault| Damage::at_line(line, fault))?);
     }
-    let outside = motions.contains(&Motion::Other);
+    let outside = motions
+        .iter()
+        .any(|motion| matches!(motion, Motion::Other(_)));
     if outside {
         for motion in motions
             .iter_mut()
@@ -110,8 +118,10 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
 }
 
 fn motion(name: &str, label: f64) -> Result<Motion, Fault> {
-    if OUTSIDE.contains(&(name, label)) {
-        return Ok(Motion::Other);
+    let outside = OUTSIDE.iter();
+    let mut outside = outside.filter(|(own, value, _)| *own == name && *value == label);
+    if let Some((.., kind)) = outside.next() {
+        return Ok(Motion::Other(*kind));
     }
     // Labels are small whole numbers; anything else is a damaged line.
     match label {
@@ -143,12 +153,9 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) ->
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
     use super::*;
+    use crate::dataset::movement::Movement;
     use crate::dataset::readers::error::Place;
 
     #[test]
@@ -184,7 +191,8 @@ mod tests {
         let text = "0,0,0,0,0,0,0,0,0\n0,1,0,0,0,0,0,0,4\n";
         let recording = read(Path::new("/d/12345-1/4.txt"), text).unwrap();
         assert!(!recording.has_labels());
-        assert_eq!(recording.other_movement, [1..2]);
+        let ulnar = Movement::new(MovementKind::UlnarDeviation, 1..2);
+        assert_eq!(recording.other_movement, [ulnar]);
         let misplaced = read(Path::new("/d/12345-1/7.txt"), text).unwrap_err();
         assert_eq!(misplaced.place, Place::Line(2));
     }

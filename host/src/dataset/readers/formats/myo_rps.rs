@@ -8,6 +8,7 @@ use shared::intent::Intent;
 
 use crate::dataset::labels::activity::labelled;
 use crate::dataset::labels::motion::Motion;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::stem;
 use crate::dataset::readers::table;
@@ -59,7 +60,7 @@ impl<'n> Name<'n> {
         let motion = match rest.split('-').nth(1)? {
             "rock" => Motion::Intent(Intent::Close),
             "paper" => Motion::Intent(Intent::Open),
-            "scissors" => Motion::Other,
+            "scissors" => Motion::Other(MovementKind::TwoFingers),
             _ => return None,
         };
         Some(Self {
@@ -101,7 +102,7 @@ mod tests {
         assert_eq!(rock.samples[201], [-40; 8]);
         let scissors = read_as("s2_l_1-scissors-7-emg.csv", &text).unwrap();
         assert_eq!(scissors.labels[200], None);
-        assert!(scissors.other_movement[0].contains(&200));
+        assert!(scissors.other_movement[0].samples.contains(&200));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::mat::Matrix;
 use crate::dataset::readers::npy::{self, Array, Values};
@@ -118,7 +119,12 @@ const fn motion(gesture: usize) -> Motion {
         9 => Motion::Intent(Intent::WaveOut),
         10 => Motion::Intent(Intent::WaveIn),
         11 | 12 => Motion::Unknown,
-        _ => Motion::Other,
+        1 => Motion::Other(MovementKind::ThumbUp),
+        2 => Motion::Other(MovementKind::TwoFingers),
+        3 => Motion::Other(MovementKind::ThreeFingers),
+        4 => Motion::Other(MovementKind::FourFingers),
+        7 => Motion::Other(MovementKind::Point),
+        _ => Motion::Other(MovementKind::FingersTogether),
     }
 }
 

@@ -10,6 +10,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::npy::{self, Array, Values};
 use crate::dataset::readers::path::stem;
@@ -78,7 +79,7 @@ fn motions(array: &Array) -> Result<Vec<Motion>, Damage> {
             "none" => Ok(Motion::RELAX),
             "paper" => Ok(Motion::Intent(Intent::Open)),
             "rock" => Ok(Motion::Intent(Intent::Close)),
-            "scissor" => Ok(Motion::Other),
+            "scissor" => Ok(Motion::Other(MovementKind::TwoFingers)),
             other => {
                 let byte = array.byte_of_row(index);
                 let expected = "none, paper, rock, scissor";
@@ -105,12 +106,9 @@ fn notes(person: &str, session: &str) -> Vec<String> {
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
     use super::*;
+    use crate::dataset::movement::Movement;
 
     /// Four samples, each channel the number of the sample, with these annotations.
     fn read_with(annotations: &[u8], count: usize, tag: &str) -> Result<Recording, LoadError> {
@@ -138,7 +136,8 @@ mod tests {
             None,
         ];
         assert_eq!(recording.labels, expected);
-        assert_eq!(recording.other_movement, [3..4]);
+        let scissors = Movement::new(MovementKind::TwoFingers, 3..4);
+        assert_eq!(recording.other_movement, [scissors]);
         assert_eq!(recording.samples[3], [3; 8]);
         assert_eq!(
             (recording.subject.as_str(), recording.notes.len()),

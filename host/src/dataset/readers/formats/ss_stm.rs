@@ -9,6 +9,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{numbered, stem};
 use crate::dataset::readers::table;
@@ -68,7 +69,13 @@ fn truth(motion: usize, samples: usize) -> Truth {
         2 => (Motion::Intent(Intent::WaveIn), Motion::RELAX),
         3 => (Motion::Intent(Intent::WaveOut), Motion::RELAX),
         8 => (Motion::Intent(Intent::Close), Motion::RELAX),
-        _ => (Motion::Other, Motion::Unknown),
+        4 => (
+            Motion::Other(MovementKind::RadialDeviation),
+            Motion::Unknown,
+        ),
+        5 => (Motion::Other(MovementKind::UlnarDeviation), Motion::Unknown),
+        6 => (Motion::Other(MovementKind::Pronation), Motion::Unknown),
+        _ => (Motion::Other(MovementKind::Supination), Motion::Unknown),
     };
     (0..samples)
         .map(|sample| match sample {
@@ -80,12 +87,9 @@ fn truth(motion: usize, samples: usize) -> Truth {
 }
 
 #[cfg(test)]
-#[expect(
-    clippy::single_range_in_vec_init,
-    reason = "a list of ranges, one of them"
-)]
 mod tests {
     use super::*;
+    use crate::dataset::movement::Movement;
 
     fn text(rows: usize) -> String {
         "-0.015625,0.9921875,-1,0,0,0,0,0.0546875\n".repeat(rows)
@@ -111,7 +115,8 @@ mod tests {
         let pronation = truth(6, 1000);
         assert_eq!(pronation.labels[199], Some(Intent::Relax));
         assert!(pronation.labels[200..].iter().all(Option::is_none));
-        assert_eq!(pronation.other_movement, [200..600]);
+        let movement = Movement::new(MovementKind::Pronation, 200..600);
+        assert_eq!(pronation.other_movement, [movement]);
         assert!(
             truth(1, 10)
                 .labels

@@ -10,6 +10,7 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
 use crate::dataset::readers::table;
@@ -147,7 +148,8 @@ const fn motion(class: u8) -> Motion {
         2 => Motion::Intent(Intent::Close),
         3 => Motion::Intent(Intent::WaveIn),
         4 => Motion::Intent(Intent::WaveOut),
-        5 | 6 => Motion::Other,
+        5 => Motion::Other(MovementKind::RadialDeviation),
+        6 => Motion::Other(MovementKind::UlnarDeviation),
         7 => Motion::Intent(Intent::Open),
         // Unmarked: rest, and both ends of each hold.
         _ => Motion::Unknown,

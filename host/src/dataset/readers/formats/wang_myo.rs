@@ -10,6 +10,7 @@ use shared::units::Sample;
 
 use crate::dataset::labels::activity::labelled;
 use crate::dataset::labels::motion::Motion;
+use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::mat::Matrix;
 use crate::dataset::readers::npy::Array;
@@ -21,13 +22,13 @@ use crate::dataset::recording::{DataSet, Recording};
 const GESTURES: [(&str, Motion); 10] = [
     ("1_fist", Motion::Intent(Intent::Close)),
     ("2_pinch", Motion::Intent(Intent::Pinch)),
-    ("3_two", Motion::Other),
-    ("4_three", Motion::Other),
-    ("5_thumb_up", Motion::Other),
+    ("3_two", Motion::Other(MovementKind::TwoFingers)),
+    ("4_three", Motion::Other(MovementKind::ThreeFingers)),
+    ("5_thumb_up", Motion::Other(MovementKind::ThumbUp)),
     ("6_tripod", Motion::Unknown),
     ("7_ball", Motion::Unknown),
     ("8_open", Motion::Intent(Intent::Open)),
-    ("9_point", Motion::Other),
+    ("9_point", Motion::Other(MovementKind::Point)),
     ("10_cylinder", Motion::Unknown),
 ];
 
@@ -99,7 +100,10 @@ mod tests {
     #[test]
     fn both_layouts_name_person_and_gesture() {
         let npy = Name::of_npy(Path::new("/d/EMG_S12/5_thumb_up.npy")).unwrap();
-        assert_eq!((npy.person, npy.gesture.1), ("S12", Motion::Other));
+        assert_eq!(
+            (npy.person, npy.gesture.1),
+            ("S12", Motion::Other(MovementKind::ThumbUp))
+        );
         for path in ["/d/EMG_S3/x/握拳_1_x.mat", "/d/EMG_S3/握拳_1_x.mat"] {
             let mat = Name::of_mat(Path::new(path)).unwrap();
             assert_eq!((mat.person, mat.gesture.0), ("S3", "1_fist"));

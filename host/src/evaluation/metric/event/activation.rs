@@ -4,6 +4,8 @@
 //! before and is still there is not counted again. The same count over movements outside the vocabulary, which a
 //! data set has to mark, says how often other use of the hand is taken for a gesture.
 
+use std::ops::Range;
+
 use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
@@ -58,13 +60,20 @@ pub fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
 }
 
 /// Runs of an active label that begin at a marked sample, over the time that is marked.
-///
-/// An empty mask marks nothing.
 #[must_use]
 pub fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
-    let begins =
-        |&at: &usize| active(emitted[at]).is_some() && (at == 0 || emitted[at - 1] != emitted[at]);
-    let marked = |&at: &usize| mask.get(at) == Some(&true);
+    let marked = |&at: &usize| mask[at];
     let samples = (0..emitted.len()).filter(marked);
-    Rate::of(samples.clone().filter(begins).count(), samples.count())
+    let count = samples.clone().filter(|&at| begins(emitted, at)).count();
+    Rate::of(count, samples.count())
+}
+
+/// Whether an active label begins within these samples; one that began before does not count.
+#[must_use]
+pub fn raises(emitted: &[Option<Intent>], mut samples: Range<usize>) -> bool {
+    samples.any(|at| begins(emitted, at))
+}
+
+fn begins(emitted: &[Option<Intent>], at: usize) -> bool {
+    active(emitted[at]).is_some() && (at == 0 || emitted[at - 1] != emitted[at])
 }

@@ -13,6 +13,7 @@ pub mod summary;
 use shared::intent::Intent;
 
 use super::MetricError;
+use crate::dataset::movement::{Movement, MovementKind, mask};
 use activation::Rate;
 use gesture::{Gesture, Verdict};
 
@@ -32,7 +33,7 @@ impl Default for EventRule {
 }
 
 /// The events of one recording.
-#[derive(Clone, PartialEq, Debug, Default, serde::Serialize)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct RecordingEvents {
     /// Every gesture whose onset is in the recording.
     pub gestures: Vec<Gesture>,
@@ -40,33 +41,33 @@ pub struct RecordingEvents {
     pub rest: Rate,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
+    /// Each of these movements, by its kind, and whether it raises a label.
+    pub raised: Vec<(MovementKind, bool)>,
     /// Label changes beyond the true ones.
     pub flicker: Rate,
 }
 
 impl RecordingEvents {
-    /// Counts the events of one recording. `other_movement` marks samples of movements outside the vocabulary, whose
-    /// truth is unknown; it may be empty: none are known.
+    /// Counts the events of one recording. `other_movement` are its movements outside the vocabulary, within the truth.
     ///
     /// # Errors
     /// [`MetricError::Length`] if the sequences differ in length.
     pub fn new(
         truth: &[Option<Intent>],
         emitted: &[Option<Intent>],
-        other_movement: &[bool],
+        other_movement: &[Movement],
         rule: &EventRule,
     ) -> Result<Self, MetricError> {
         super::same_length(truth, emitted)?;
-        if !other_movement.is_empty() && other_movement.len() != truth.len() {
-            return Err(MetricError::Length {
-                truth: truth.len(),
-                prediction: other_movement.len(),
-            });
-        }
+        let raised = other_movement.iter().map(|movement| {
+            let raised = activation::raises(emitted, movement.samples.clone());
+            (movement.kind, raised)
+        });
         Ok(Self {
             gestures: gesture::gestures(truth, emitted, rule),
             rest: activation::activations(emitted, &activation::rest(truth, rule)),
-            other_movement: activation::activations(emitted, other_movement),
+            raised: raised.collect(),
+            other_movement: activation::activations(emitted, &mask(other_movement, truth.len())),
             flicker: flicker::flicker(truth, emitted, rule),
         })
     }

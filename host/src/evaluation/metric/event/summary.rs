@@ -3,10 +3,38 @@
 //! Per subject: the gestures, times and counts of all recordings together. Over subjects: the mean of the subjects'
 //! shares and rates, and the latencies of all gestures.
 
+use std::collections::BTreeMap;
+
 use super::RecordingEvents;
 use super::activation::Rate;
 use super::latency::{self, LatencySummary};
 use crate::statistics::MeanSd;
+
+/// Movements outside the vocabulary.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct Raised {
+    /// Number of movements.
+    pub movements: usize,
+    /// Of these, the ones in which an active label begins.
+    pub raised: usize,
+}
+
+impl Raised {
+    /// Both together.
+    #[must_use]
+    pub const fn plus(self, other: Self) -> Self {
+        Self {
+            movements: self.movements + other.movements,
+            raised: self.raised + other.raised,
+        }
+    }
+
+    /// The share that raises a label; of no movements it is not a number.
+    #[must_use]
+    pub fn share(self) -> f64 {
+        self.raised as f64 / self.movements as f64
+    }
+}
 
 /// The events of one subject.
 #[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
@@ -27,6 +55,9 @@ pub struct SubjectEvents {
     pub rest: Rate,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
+    /// How many of these movements raise a label, by the name of their kind. Scores of earlier versions have none.
+    #[serde(default)]
+    pub raised: BTreeMap<String, Raised>,
     /// Label changes beyond the true ones.
     pub flicker: Rate,
 }
@@ -47,6 +78,7 @@ impl SubjectEvents {
             latency: None,
             rest: Rate::default(),
             other_movement: Rate::default(),
+            raised: BTreeMap::new(),
             flicker: Rate::default(),
         };
         for recording in recordings {
@@ -57,10 +89,22 @@ impl SubjectEvents {
             own.rest = own.rest.plus(recording.rest);
             own.other_movement = own.other_movement.plus(recording.other_movement);
             own.flicker = own.flicker.plus(recording.flicker);
+            for (kind, raised) in &recording.raised {
+                let kind = own.raised.entry(kind.name().to_owned()).or_default();
+                kind.movements += 1;
+                kind.raised += usize::from(*raised);
+            }
         }
         own.recognition = (own.gestures > 0).then(|| own.recognised as f64 / own.gestures as f64);
         own.latency = latency::summary(&own.latencies, own.gestures);
         own
+    }
+
+    /// Share of the movements outside the vocabulary that raise a label; none without any.
+    #[must_use]
+    pub fn raised_share(&self) -> Option<f64> {
+        let all = self.raised.values().copied();
+        all.reduce(Raised::plus).map(Raised::share)
     }
 }
 

@@ -113,8 +113,11 @@ fn false_activations_are_counted_in_rest_and_in_other_movements() {
         (R, 100),
         (C, 280),
     ]);
-    let mut other = vec![false; 2400];
-    other[2000..].fill(true);
+    let other = [
+        Movement::new(MovementKind::Point, 2000..2100),
+        Movement::new(MovementKind::ThumbUp, 2100..2200),
+        Movement::new(MovementKind::ThumbUp, 2200..2400),
+    ];
     let events = RecordingEvents::new(&truth, &emitted, &other, &EventRule::default()).unwrap();
     let rest = Rate {
         count: 3,
@@ -128,6 +131,16 @@ fn false_activations_are_counted_in_rest_and_in_other_movements() {
     };
     assert_eq!(events.other_movement, other);
     assert_eq!(Rate::default().per_minute(), None);
+    // What went on from before is not raised by the movement, nor what goes on into the next one.
+    use MovementKind::{Point, ThumbUp};
+    let raised = [(Point, false), (ThumbUp, true), (ThumbUp, false)];
+    assert_eq!(events.raised, raised);
+    let subject = SubjectEvents::new("a", [&events, &events]);
+    let of = |kind: MovementKind| subject.raised[kind.name()];
+    assert_eq!((of(Point).movements, of(Point).raised), (2, 0));
+    assert_eq!((of(ThumbUp).movements, of(ThumbUp).raised), (4, 2));
+    assert_eq!(subject.raised_share(), Some(2.0 / 6.0));
+    assert_eq!(SubjectEvents::new("b", []).raised_share(), None);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The session's guarantees under random events in random order.
 
-use super::{NEAR, address, advertisement, everything};
+use super::{ANY, NEAR, address, advertisement, everything};
 use crate::myo::characteristic::{Characteristic, Found};
-use crate::myo::{Action, Event, MyoSession, Phase, Settings};
+use crate::myo::{Action, Event, Following, MyoSession, Phase, Settings};
 use crate::units::Millis;
 use alloc::{vec, vec::Vec};
 use proptest::prelude::*;
@@ -25,6 +25,8 @@ enum Random {
     Notification(Characteristic, Vec<u8>),
     Disconnected,
     Tick,
+    Pair,
+    Bind(Option<u8>),
 }
 
 fn characteristic() -> impl Strategy<Value = Characteristic> {
@@ -48,6 +50,8 @@ fn random_event() -> impl Strategy<Value = Random> {
         2 => (characteristic(), bytes()).prop_map(|(c, b)| Random::Notification(c, b)),
         1 => Just(Random::Disconnected),
         10 => Just(Random::Tick),
+        1 => Just(Random::Pair),
+        1 => prop::option::of(0..4u8).prop_map(Random::Bind),
     ]
 }
 
@@ -134,10 +138,11 @@ proptest! {
     #[test]
     fn any_events_at_any_time_keep_the_guarantees(
         events in prop::collection::vec((pause(), random_event()), 0..300),
-        pinned: bool,
+        (pinned, bound, follow_strongest) in any::<(bool, bool, bool)>(),
     ) {
         let pinned = pinned.then_some(NEAR);
-        let mut session = MyoSession::new(Settings { pinned, ..Settings::default() });
+        let bound = bound.then_some(address(2));
+        let mut session = MyoSession::new(Settings { pinned, bound, follow_strongest, ..ANY });
         let mut checker = Checker::default();
         let mut now = Millis(0);
         let mut number = 0u8;
@@ -173,13 +178,15 @@ proptest! {
                 }
                 Random::Disconnected => Event::Disconnected,
                 Random::Tick => Event::Tick,
+                Random::Pair => Event::Pair,
+                Random::Bind(last) => Event::Bind(last.map(address)),
             };
             let streamed = session.phase() == Phase::Streaming;
             let mut actions = Vec::new();
             session.handle(now, event, &mut |action| actions.push(action));
 
             // All held notifications, each with a gap before it, and one action that was due.
-            prop_assert!(actions.len() <= 2 * 27 + 2);
+            prop_assert!(actions.len() <= 2 * 27 + 4);
             checker.event(event);
             let streams = session.phase() == Phase::Streaming;
             if (streams || actions.contains(&Action::StreamEnded)) && !streamed {
@@ -187,6 +194,11 @@ proptest! {
                 checker.streams += 1;
             }
             for action in actions {
+                if let Action::Connect(armband) = action {
+                    let wanted = session.following().address();
+                    prop_assert!(wanted.is_none_or(|wanted| wanted.bytes == armband.bytes));
+                    prop_assert!(wanted.is_some() || session.following() == Following::Strongest);
+                }
                 checker.action(action)?;
             }
             prop_assert_eq!(checker.stream, streams);
@@ -206,7 +218,7 @@ fn random_walks_do_reach_a_stream() {
     let mut streamed = 0;
     for _ in 0..50 {
         let walk = walk.new_tree(&mut runner).unwrap().current();
-        let mut session = MyoSession::new(Settings::default());
+        let mut session = MyoSession::new(ANY);
         let mut checker = Checker::default();
         let mut now = Millis(0);
         let armband = advertisement();

@@ -1,0 +1,80 @@
+//! What a person asks of the board: commands on the UART, presses of the button.
+
+use embassy_futures::{
+    select::{Either, select},
+    yield_now,
+};
+use embassy_time::{Duration, Ticker};
+use shared::button::{self, Press};
+use shared::uart_line::answer::{Answer, Counts, Refusal};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
+
+use crate::board::{Button, CommandPort};
+use crate::clock::now;
+use crate::messages::{armband, packets::PACKETS, raw, requests, uart};
+
+/// How often the button is looked at: at least twice while its contact is debounced.
+const LOOK: Duration = Duration::from_millis(15);
+const _: () = assert!(LOOK.as_millis() * 2 <= button::DEBOUNCE_MS as u64);
+/// Bytes that are taken at once; other tasks run before the next ones, however many wait.
+const AT_ONCE: usize = 32;
+
+/// Runs forever. `model` is the CRC-32 of the model's file, if it runs.
+#[embassy_executor::task]
+pub async fn run(mut port: CommandPort, mut button: Button, model: Option<u32>) -> ! {
+    let mut reader = CommandReader::new();
+    let mut contact = button::Button::new();
+    let mut ticker = Ticker::every(LOOK);
+    let mut bytes = [0; AT_ONCE];
+    loop {
+        match select(ticker.next(), port.read(&mut bytes)).await {
+            Either::First(()) => match contact.look(now(), button.is_down()) {
+                // Refused without a stream: there is nothing to align.
+                Some(Press::Pressed) => drop(requests::ALIGN.ask(AlignCommand::Begin).await),
+                // An address that was given at build time stays.
+                Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
+                None => {}
+            },
+            Either::Second(Ok(count)) => {
+                for &byte in bytes.iter().take(count) {
+                    if let Some(command) = reader.push(byte) {
+                        let answer = match command {
+                            Ok(command) => carry_out(command, model).await,
+                            Err(refusal) => Answer::Refused(refusal),
+                        };
+                        uart::answer(answer).await;
+                    }
+                }
+            }
+            Either::Second(Err(_)) => reader.interrupt(),
+        }
+        yield_now().await;
+    }
+}
+
+async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
+    match command {
+        Command::Identify => Answer::Identity(uart::identity(model, armband::current())),
+        Command::Counters => Answer::Counts(Counts {
+            session: armband::counters(),
+            packets_dropped: PACKETS.dropped(),
+            lines_dropped: uart::dropped(),
+            emg_dropped: raw::dropped(),
+        }),
+        Command::Raw(on) => {
+            raw::switch(on);
+            Answer::Raw(on)
+        }
+        Command::Align(_) | Command::Bind(_) if model.is_none() => {
+            Answer::Refused(Refusal::NoModel)
+        }
+        Command::Bind(command) => match requests::BIND.ask(command).await {
+            Ok(binding) => Answer::Binding(binding),
+            Err(refusal) => Answer::Refused(refusal),
+        },
+        Command::Align(command) => match requests::ALIGN.ask(command).await {
+            Ok(()) => Answer::Align(command),
+            Err(refusal) => Answer::Refused(refusal),
+        },
+    }
+}

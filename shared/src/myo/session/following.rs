@@ -1,0 +1,139 @@
+//! Which armband a session follows, and how that changes while it runs.
+
+use super::*;
+use crate::myo::scan::Strongest;
+
+/// How long armbands are collected in a pairing: long enough to wake one's own and to hold it near.
+pub(super) const PAIRING_MS: u32 = 30_000;
+/// The delay before the next scan when the armband changes: the shortest.
+const CHANGE_MS: u32 = 300;
+
+/// Which armband a session follows, and why.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Following {
+    /// The one of the settings.
+    Pinned(Address),
+    /// The one that is bound.
+    Bound(Address),
+    /// None is bound, and the settings say to follow the strongest one then.
+    Strongest,
+    /// None is bound.
+    Nobody,
+    /// None yet: a pairing looks for the one to bind.
+    Pairing,
+}
+
+impl Following {
+    /// The address that is looked for, if it is known.
+    #[must_use]
+    pub const fn address(self) -> Option<Address> {
+        match self {
+            Self::Pinned(address) | Self::Bound(address) => Some(address),
+            Self::Strongest | Self::Nobody | Self::Pairing => None,
+        }
+    }
+}
+
+/// A pairing in progress.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Pairing {
+    since: Millis,
+    strongest: Strongest,
+}
+
+impl Pairing {
+    /// Takes an advertisement.
+    pub(super) fn advertisement(&mut self, now: Millis, address: Address, rssi: i8, data: &[u8]) {
+        self.strongest.advertisement(now, address, rssi, data);
+    }
+}
+
+impl MyoSession {
+    /// Which armband is followed, and why.
+    #[must_use]
+    pub const fn following(&self) -> Following {
+        match (self.settings.pinned, self.pairing, self.bound) {
+            (Some(address), ..) => Following::Pinned(address),
+            (None, Some(_), _) => Following::Pairing,
+            (None, None, Some(address)) => Following::Bound(address),
+            (None, None, None) if self.settings.follow_strongest => Following::Strongest,
+            (None, None, None) => Following::Nobody,
+        }
+    }
+
+    /// The armband that is bound, whether it is followed or not.
+    #[must_use]
+    pub const fn bound(&self) -> Option<Address> {
+        self.bound
+    }
+
+    /// Whether the last pairing ended without an armband.
+    #[must_use]
+    pub const fn pairing_failed(&self) -> bool {
+        self.pairing_failed
+    }
+
+    /// Begins a pairing, anew if one is in progress.
+    pub(super) fn pair(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
+        if self.settings.pinned.is_none() {
+            self.pairing = Some(Pairing {
+                since: now,
+                strongest: Strongest::default(),
+            });
+            self.pairing_failed = false;
+            self.look_anew(now, act);
+        }
+    }
+
+    /// Binds an armband, or none; ends a pairing.
+    pub(super) fn bind(
+        &mut self,
+        now: Millis,
+        armband: Option<Address>,
+        act: &mut impl FnMut(Action),
+    ) {
+        if self.settings.pinned.is_none() {
+            self.pairing = None;
+            self.bound = armband;
+            act(Action::Keep(armband));
+            self.look_anew(now, act);
+        }
+    }
+
+    /// Ends a pairing whose time is over.
+    pub(super) fn end_pairing(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
+        let over = |pairing: &mut Pairing| now.elapsed_since(pairing.since) >= PAIRING_MS;
+        let Some(pairing) = self.pairing.take_if(over) else {
+            return;
+        };
+        let strongest = pairing.strongest.address();
+        self.pairing_failed = strongest.is_none();
+        if let Some(armband) = strongest {
+            self.bound = Some(armband);
+            act(Action::Keep(self.bound));
+        }
+        match (&self.state, strongest) {
+            (State::Scanning(_), Some(armband)) => self.connect(now, armband, act),
+            (State::Scanning(_), None) => self.look_anew(now, act),
+            _ => {}
+        }
+    }
+
+    /// Another armband is to be followed than before: ends the connection to that one, and scans.
+    fn look_anew(&mut self, now: Millis, act: &mut impl FnMut(Action)) {
+        match &mut self.state {
+            State::Idle => {}
+            State::Unbound => self.start_scan(act),
+            // Begun anew even where it goes on: between two scans there is time to keep the new armband.
+            State::Scanning(_) => {
+                act(Action::StopScan);
+                self.start_scan(act);
+            }
+            State::Disconnecting { delay, .. } => *delay = CHANGE_MS,
+            State::BackingOff { since, delay } => (*since, *delay) = (now, CHANGE_MS),
+            State::Connecting { .. } | State::SettingUp { .. } | State::Streaming(_) => {
+                self.disconnect(now, CHANGE_MS, act);
+            }
+        }
+    }
+}

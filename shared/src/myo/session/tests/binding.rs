@@ -1,0 +1,196 @@
+//! Which armband is followed.
+
+use super::*;
+
+/// What a session does that scans from 0 while armbands advertise for two seconds, this one and a stronger one.
+fn after_two_armbands(driver: &mut Driver) -> Vec<Action> {
+    let mut actions = driver.handle(0, Event::Tick);
+    for now in (100..2000).step_by(100) {
+        actions.extend(driver.advertise(now, NEAR, -60));
+        actions.extend(driver.advertise(now, FAR, -20));
+        actions.extend(driver.handle(now, Event::Tick));
+    }
+    actions
+}
+
+#[test]
+fn without_an_address_nobodys_armband_is_followed() {
+    let mut driver = Driver::new(Settings::default());
+    assert_eq!(after_two_armbands(&mut driver), []);
+}
+
+const BOUND: Settings = Settings {
+    bound: Some(NEAR),
+    follow_strongest: false,
+    ..ANY
+};
+
+#[test]
+fn a_bound_armband_is_followed_and_never_a_stronger_one() {
+    let mut driver = Driver::new(BOUND);
+    let expected = [Action::Scan, Action::StopScan, Action::Connect(NEAR)];
+    assert_eq!(after_two_armbands(&mut driver), expected);
+    let mut driver = Driver::new(BOUND);
+    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    for now in (100..20_000).step_by(100) {
+        assert_eq!(driver.advertise(now, FAR, -20), []);
+    }
+    assert_eq!(driver.session.following(), Following::Bound(NEAR));
+}
+
+#[test]
+fn the_strongest_armband_is_followed_where_the_settings_say_so() {
+    let mut driver = Driver::new(ANY);
+    let expected = [Action::Scan, Action::StopScan, Action::Connect(FAR)];
+    assert_eq!(after_two_armbands(&mut driver), expected);
+}
+
+#[test]
+fn the_settings_address_wins_over_the_bound_one_and_cannot_be_changed() {
+    let mut driver = Driver::new(Settings {
+        pinned: Some(NEAR),
+        bound: Some(FAR),
+        ..ANY
+    });
+    assert_eq!(driver.handle(0, Event::Pair), [Action::Scan]);
+    assert_eq!(driver.handle(1, Event::Bind(None)), []);
+    assert_eq!(driver.advertise(2, FAR, -20), []);
+    let connect = [Action::StopScan, Action::Connect(NEAR)];
+    assert_eq!(driver.advertise(3, NEAR, -90), connect);
+    assert_eq!(driver.session.following(), Following::Pinned(NEAR));
+}
+
+#[test]
+fn a_pairing_binds_the_strongest_armband_of_30_seconds() {
+    let mut driver = Driver::new(Settings::default());
+    driver.run(&[
+        (0, Event::Tick, &[]),
+        (1_000, Event::Pair, &[Action::Scan]),
+        (2_000, Event::Tick, &[]),
+    ]);
+    assert_eq!(driver.session.following(), Following::Pairing);
+    assert_eq!(driver.advertise(3_000, FAR, -50), []);
+    assert_eq!(driver.advertise(30_900, NEAR, -40), []);
+    assert_eq!(driver.advertise(30_950, address(3), -45), []);
+    let bound = [
+        Action::Keep(Some(NEAR)),
+        Action::StopScan,
+        Action::Connect(NEAR),
+    ];
+    driver.run(&[(30_999, Event::Tick, &[]), (31_000, Event::Tick, &bound)]);
+    assert_eq!(driver.session.following(), Following::Bound(NEAR));
+    assert!(!driver.session.pairing_failed());
+    // From now on it is the only one.
+    driver.run(&[(31_100, Event::ConnectFailed, &[])]);
+    driver.run(&[(31_400, Event::Tick, &[Action::Scan])]);
+    assert_eq!(driver.advertise(31_500, FAR, -1), []);
+}
+
+#[test]
+fn a_pairing_without_an_armband_changes_nothing() {
+    for (settings, after, ends) in [
+        (
+            Settings::default(),
+            Following::Nobody,
+            &[Action::StopScan][..],
+        ),
+        (
+            BOUND,
+            Following::Bound(NEAR),
+            &[Action::StopScan, Action::Scan],
+        ),
+    ] {
+        let mut driver = Driver::new(settings);
+        driver.handle(0, Event::Tick);
+        driver.handle(1_000, Event::Pair);
+        let other = Event::Advertisement {
+            address: address(9),
+            rssi: -1,
+            data: b"\x04\x09Myo",
+        };
+        assert_eq!(driver.handle(2_000, other), []);
+        assert_eq!(driver.handle(31_000, Event::Tick), ends);
+        assert_eq!(driver.session.following(), after);
+        assert!(driver.session.pairing_failed());
+    }
+}
+
+#[test]
+fn a_pairing_ends_a_stream_and_hears_its_armband_too() {
+    let mut driver = Driver::new(BOUND);
+    assert_eq!(driver.handle(0, Event::Tick), [Action::Scan]);
+    let connect = [Action::StopScan, Action::Connect(NEAR)];
+    assert_eq!(driver.advertise(1, NEAR, -50), connect);
+    driver.run(&[
+        (2, Event::Connected, &[Action::Discover]),
+        (3, Event::Pair, &[Action::Disconnect]),
+        (4, Event::Disconnected, &[]),
+        (303, Event::Tick, &[]),
+        (304, Event::Tick, &[Action::Scan]),
+    ]);
+    assert_eq!(driver.advertise(400, NEAR, -50), []);
+    let keep = [
+        Action::Keep(Some(NEAR)),
+        Action::StopScan,
+        Action::Connect(NEAR),
+    ];
+    assert_eq!(driver.handle(30_003, Event::Tick), keep);
+}
+
+#[test]
+fn a_scan_that_ends_during_a_pairing_is_repeated_and_forgets_nobody() {
+    let mut driver = Driver::new(Settings::default());
+    driver.run(&[(0, Event::Pair, &[Action::Scan])]);
+    assert_eq!(driver.advertise(100, NEAR, -50), []);
+    driver.run(&[
+        (200, Event::ScanEnded, &[]),
+        (500, Event::Tick, &[Action::Scan]),
+    ]);
+    let keep = [
+        Action::Keep(Some(NEAR)),
+        Action::StopScan,
+        Action::Connect(NEAR),
+    ];
+    assert_eq!(driver.handle(30_000, Event::Tick), keep);
+}
+
+#[test]
+fn binding_and_forgetting_end_the_connection_first() {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    let ended = [
+        Action::Keep(Some(FAR)),
+        Action::Disconnect,
+        Action::StreamEnded,
+    ];
+    driver.run(&[
+        (600, Event::Bind(Some(FAR)), &ended),
+        (610, Event::Disconnected, &[]),
+        (910, Event::Tick, &[Action::Scan]),
+    ]);
+    assert_eq!(driver.advertise(1_000, NEAR, -10), []);
+    let connect = [Action::StopScan, Action::Connect(FAR)];
+    assert_eq!(driver.advertise(1_100, FAR, -90), connect);
+
+    // A scan that goes on is interrupted too: the armband is kept in between.
+    let mut driver = Driver::new(BOUND);
+    let anew = [Action::Keep(Some(FAR)), Action::StopScan, Action::Scan];
+    driver.run(&[
+        (0, Event::Tick, &[Action::Scan]),
+        (1, Event::Bind(Some(FAR)), &anew),
+    ]);
+    assert_eq!(driver.advertise(2, NEAR, -10), []);
+
+    let mut driver = Driver::new(BOUND);
+    driver.run(&[
+        (0, Event::Tick, &[Action::Scan]),
+        (
+            1,
+            Event::Bind(None),
+            &[Action::Keep(None), Action::StopScan],
+        ),
+    ]);
+    assert_eq!(driver.session.phase(), Phase::Unbound);
+    assert_eq!(driver.advertise(2, NEAR, -10), []);
+    driver.run(&[(100_000, Event::Tick, &[])]);
+}

@@ -1,0 +1,396 @@
+//! Commands that the device takes on the same UART: one ASCII line each.
+//!
+//! ```text
+//! line     = "$" body "*" checksum end
+//! body     = "IDENTIFY"                          program, model, armband
+//!          | "COUNTERS"                          what was lost and dropped since the start
+//!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
+//!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
+//!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
+//!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
+//!          | "BIND,set," address                 bind this armband
+//!          | "BIND,forget"                       bind none
+//!          | "BIND,state"                        change nothing
+//! address  = such as FA:12:34:56:78:9A
+//! turn     = "0" ... "7"                         places that the armband is turned by
+//! mirrored = "0" | "1"                           whether the electrodes run the other way round
+//! end      = CR | LF | CR LF
+//! checksum = that of the lines that the device writes
+//! ```
+//!
+//! Every line from `$` to its end is answered once, in order: [`answer`](super::answer). A line has at most 64 bytes without
+//! its end. Bytes outside a line are ignored, `$` begins a line anew, and the device's own lines are no commands and not
+//! answered: a receiver connected to the own transmitter must not talk to itself.
+//!
+//! ```text
+//! $IDENTIFY*04
+//! $ALIGN,set,3,0*00
+//! ```
+
+use core::fmt;
+
+use super::refusal::Refusal;
+use super::{ParseError, number, unframed, write_framed};
+use crate::myo::Address;
+use crate::stream::alignment::Alignment;
+
+/// Most bytes of a command's line, without its end.
+pub const MAX_COMMAND_BYTES: usize = 64;
+
+/// What the device is asked to do. `Display` writes the line, CR LF included.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Command {
+    /// Say what runs here.
+    Identify,
+    /// Say what was lost and dropped.
+    Counters,
+    /// Begin, cancel or set an alignment.
+    Align(AlignCommand),
+    /// Write the samples too, or no longer.
+    Raw(bool),
+    /// Begin a pairing, bind or forget an armband, or say which one is followed.
+    Bind(BindCommand),
+}
+
+/// A command about the armband that is bound.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum BindCommand {
+    /// Begin a pairing.
+    Begin,
+    /// Bind this one.
+    Set(Address),
+    /// Bind none.
+    Forget,
+    /// Change nothing.
+    State,
+}
+
+/// A command about the alignment.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum AlignCommand {
+    /// Begin one, as the button does.
+    Begin,
+    /// End the one in progress; nothing changes.
+    Cancel,
+    /// Put this one in force.
+    Set(Alignment),
+}
+
+impl AlignCommand {
+    /// Its name on the line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Begin => "begin",
+            Self::Cancel => "cancel",
+            Self::Set(_) => "set",
+        }
+    }
+}
+
+impl Command {
+    /// Reads a line without its end; none if it is one that the device itself writes.
+    ///
+    /// # Errors
+    /// The first thing that is wrong: frame, checksum, name, arguments.
+    pub fn parse(line: &[u8]) -> Result<Option<Self>, Refusal> {
+        let body = unframed(line).map_err(|error| match error {
+            ParseError::Checksum { expected, .. } => Refusal::Checksum(expected),
+            _ => Refusal::Frame,
+        })?;
+        let (name, arguments) = match body.split_once(',') {
+            Some((name, arguments)) => (name, Some(arguments)),
+            None => (body, None),
+        };
+        let command = match (name, arguments) {
+            ("OK" | "ERR" | "LABEL" | "STATE" | "EMG", _) => return Ok(None),
+            ("IDENTIFY", None) => Self::Identify,
+            ("COUNTERS", None) => Self::Counters,
+            ("ALIGN", Some(arguments)) => Self::Align(align(arguments)?),
+            ("RAW", Some("on")) => Self::Raw(true),
+            ("RAW", Some("off")) => Self::Raw(false),
+            ("BIND", Some(arguments)) => Self::Bind(bind(arguments)?),
+            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND", _) => {
+                return Err(Refusal::Arguments);
+            }
+            _ => return Err(Refusal::Unknown),
+        };
+        Ok(Some(command))
+    }
+}
+
+fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
+    match arguments {
+        "begin" => return Ok(AlignCommand::Begin),
+        "cancel" => return Ok(AlignCommand::Cancel),
+        _ => {}
+    }
+    let placement = arguments.strip_prefix("set,");
+    let (turn, mirrored) = placement
+        .and_then(|placement| placement.split_once(','))
+        .ok_or(Refusal::Arguments)?;
+    let turn = number(turn, "turn").map_err(|_| Refusal::Arguments)?;
+    let turn = u8::try_from(turn).ok().filter(|&turn| turn < 8);
+    let mirrored = match mirrored {
+        "0" => false,
+        "1" => true,
+        _ => return Err(Refusal::Arguments),
+    };
+    let turn = turn.ok_or(Refusal::Arguments)?;
+    Ok(AlignCommand::Set(Alignment::new(turn, mirrored)))
+}
+
+fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
+    match arguments {
+        "begin" => Ok(BindCommand::Begin),
+        "forget" => Ok(BindCommand::Forget),
+        "state" => Ok(BindCommand::State),
+        _ => {
+            let address = arguments.strip_prefix("set,").map(Address::parse);
+            let address = address.and_then(Result::ok).ok_or(Refusal::Arguments)?;
+            Ok(BindCommand::Set(address))
+        }
+    }
+}
+
+impl fmt::Display for Command {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Identify => write_framed(formatter, format_args!("IDENTIFY")),
+            Self::Counters => write_framed(formatter, format_args!("COUNTERS")),
+            Self::Align(AlignCommand::Set(alignment)) => {
+                let (turn, mirrored) = (alignment.turn(), u8::from(alignment.mirrored()));
+                write_framed(formatter, format_args!("ALIGN,set,{turn},{mirrored}"))
+            }
+            Self::Align(command) => {
+                write_framed(formatter, format_args!("ALIGN,{}", command.name()))
+            }
+            Self::Raw(true) => write_framed(formatter, format_args!("RAW,on")),
+            Self::Raw(false) => write_framed(formatter, format_args!("RAW,off")),
+            Self::Bind(BindCommand::Set(address)) => {
+                write_framed(formatter, format_args!("BIND,set,{address}"))
+            }
+            Self::Bind(BindCommand::Begin) => write_framed(formatter, format_args!("BIND,begin")),
+            Self::Bind(BindCommand::Forget) => write_framed(formatter, format_args!("BIND,forget")),
+            Self::Bind(BindCommand::State) => write_framed(formatter, format_args!("BIND,state")),
+        }
+    }
+}
+
+/// Finds commands among received bytes.
+///
+/// Takes any bytes; each costs bounded work, and nothing is kept of a line that is too long.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct CommandReader {
+    line: [u8; MAX_COMMAND_BYTES],
+    /// Bytes of `line` so far; 0 outside a line.
+    length: usize,
+}
+
+impl Default for CommandReader {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl CommandReader {
+    /// Before the first byte.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            line: [0; MAX_COMMAND_BYTES],
+            length: 0,
+        }
+    }
+
+    /// Takes a byte; gives the command, or why it is none, of a line that ends with it.
+    pub fn push(&mut self, byte: u8) -> Option<Result<Command, Refusal>> {
+        match byte {
+            b'$' => self.length = 0,
+            _ if self.length == 0 => return None,
+            b'\r' | b'\n' => {
+                let line = &self.line[..self.length];
+                self.length = 0;
+                return Command::parse(line).transpose();
+            }
+            _ => {}
+        }
+        let Some(free) = self.line.get_mut(self.length) else {
+            self.length = 0;
+            return Some(Err(Refusal::TooLong));
+        };
+        *free = byte;
+        self.length += 1;
+        None
+    }
+
+    /// Bytes were lost: what has come of a line is dropped, and its rest is ignored.
+    pub const fn interrupt(&mut self) {
+        self.length = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::myo::AddressKind;
+    use alloc::{format, string::ToString, vec::Vec};
+    use proptest::prelude::*;
+
+    fn read(bytes: &[u8]) -> Vec<Result<Command, Refusal>> {
+        let mut reader = CommandReader::new();
+        bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
+    }
+
+    /// A line with the right checksum.
+    fn framed(body: &str) -> alloc::string::String {
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        format!("${body}*{sum:02X}\r\n")
+    }
+
+    #[test]
+    fn lines_are_those_of_the_documentation() {
+        let set = AlignCommand::Set(Alignment::new(3, false));
+        assert_eq!(read(b"$IDENTIFY*04\r\n"), [Ok(Command::Identify)]);
+        assert_eq!(read(b"$ALIGN,set,3,0*00\r\n"), [Ok(Command::Align(set))]);
+    }
+
+    #[test]
+    fn a_line_ends_with_cr_or_lf_or_both_and_is_answered_once() {
+        for end in ["\r", "\n", "\r\n"] {
+            let line = format!("$IDENTIFY*04{end}$COUNTERS*07{end}");
+            let found = read(line.as_bytes());
+            assert_eq!(found, [Ok(Command::Identify), Ok(Command::Counters)]);
+        }
+    }
+
+    #[test]
+    fn bytes_outside_a_line_are_ignored_and_a_dollar_begins_anew() {
+        let noise = b"\xff\x00IDENTIFY*04\r\n\n\r*$IDE$IDENTIFY*04\r\n";
+        assert_eq!(read(noise), [Ok(Command::Identify)]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (line, refusal) in [
+            ("$IDENTIFY*05\r\n", Refusal::Checksum(0x04)),
+            ("$IDENTIFY\r\n", Refusal::Frame),
+            ("$IDENTIFY*4\r\n", Refusal::Frame),
+            ("$\r\n", Refusal::Frame),
+            ("$IDENT\u{e9}*00\r\n", Refusal::Frame),
+        ] {
+            assert_eq!(read(line.as_bytes()), [Err(refusal)], "{line}");
+        }
+        for (body, refusal) in [
+            ("", Refusal::Unknown),
+            ("identify", Refusal::Unknown),
+            ("REBOOT", Refusal::Unknown),
+            ("IDENTIFY,1", Refusal::Arguments),
+            ("ALIGN", Refusal::Arguments),
+            ("ALIGN,", Refusal::Arguments),
+            ("ALIGN,set", Refusal::Arguments),
+            ("ALIGN,set,8,0", Refusal::Arguments),
+            ("ALIGN,set,03,0", Refusal::Arguments),
+            ("ALIGN,set,3,2", Refusal::Arguments),
+            ("ALIGN,set,3,0,0", Refusal::Arguments),
+            ("RAW", Refusal::Arguments),
+            ("RAW,1", Refusal::Arguments),
+            ("BIND", Refusal::Arguments),
+            ("BIND,set", Refusal::Arguments),
+            ("BIND,set,FA:12:34:56:78", Refusal::Arguments),
+            ("BIND,set,FA:12:34:56:78:9A,1", Refusal::Arguments),
+            ("BIND,forget,1", Refusal::Arguments),
+        ] {
+            assert_eq!(read(framed(body).as_bytes()), [Err(refusal)], "{body}");
+        }
+    }
+
+    #[test]
+    fn a_line_of_64_bytes_is_read_and_a_longer_one_refused_once() {
+        let line = |length| {
+            let mut line = alloc::vec![b'x'; length];
+            line[0] = b'$';
+            line.extend(b"\r\n$IDENTIFY*04\r\n");
+            line
+        };
+        let found = [Err(Refusal::Frame), Ok(Command::Identify)];
+        assert_eq!(read(&line(64)), found);
+        let found = [Err(Refusal::TooLong), Ok(Command::Identify)];
+        assert_eq!(read(&line(65)), found);
+        assert_eq!(read(&line(10_000)), found);
+    }
+
+    #[test]
+    fn the_devices_own_lines_are_not_answered() {
+        for line in [
+            "$LABEL,2,609,660,close,1,-,0,0,0*0D\r\n",
+            "$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n",
+            &framed("OK,ALIGN,begin"),
+            &framed("ERR,unknown"),
+            &framed("EMG,0,0011223344556677,8899AABBCCDDEEFF"),
+        ] {
+            assert_eq!(read(line.as_bytes()), [], "{line}");
+        }
+    }
+
+    #[test]
+    fn after_lost_bytes_the_rest_of_the_line_is_ignored() {
+        let mut reader = CommandReader::new();
+        for byte in *b"$IDEN" {
+            assert_eq!(reader.push(byte), None);
+        }
+        reader.interrupt();
+        for byte in *b"TIFY*04\r\n" {
+            assert_eq!(reader.push(byte), None);
+        }
+    }
+
+    fn command() -> impl Strategy<Value = Command> {
+        let set = (0_u8..8, any::<bool>()).prop_map(|(turn, mirrored)| {
+            Command::Align(AlignCommand::Set(Alignment::new(turn, mirrored)))
+        });
+        let bind = any::<[u8; 6]>().prop_map(|bytes| {
+            let kind = AddressKind::Public;
+            Command::Bind(BindCommand::Set(Address { kind, bytes }))
+        });
+        prop_oneof![
+            any::<bool>().prop_map(Command::Raw),
+            Just(Command::Bind(BindCommand::Begin)),
+            Just(Command::Bind(BindCommand::Forget)),
+            Just(Command::Bind(BindCommand::State)),
+            bind,
+            Just(Command::Identify),
+            Just(Command::Counters),
+            Just(Command::Align(AlignCommand::Begin)),
+            Just(Command::Align(AlignCommand::Cancel)),
+            set,
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn every_command_is_read_back_after_any_bytes(noise: Vec<u8>, command in command()) {
+            let mut bytes = noise;
+            bytes.extend(command.to_string().bytes());
+            prop_assert_eq!(read(&bytes).pop(), Some(Ok(command)));
+        }
+
+        #[test]
+        fn arbitrary_bytes_never_panic_and_are_answered_once_a_line(bytes: Vec<u8>) {
+            let lines = bytes.iter().filter(|&&byte| byte == b'$').count();
+            prop_assert!(read(&bytes).len() <= lines);
+        }
+
+        #[test]
+        fn a_command_with_a_changed_bit_is_never_another(
+            command in command(), place: prop::sample::Index, bit in 0_u8..8,
+        ) {
+            let mut bytes = command.to_string().into_bytes();
+            let place = place.index(bytes.len());
+            bytes[place] ^= 1 << bit;
+            for found in read(&bytes) {
+                prop_assert!(found.is_err() || found == Ok(command));
+            }
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Why a command is not carried out.
+
+/// Why a command is not carried out. `Display` is for people.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+pub enum Refusal {
+    /// The line does not end.
+    #[error("more than 64 bytes without a line end: begin anew with `$`")]
+    TooLong,
+    /// The line is not framed.
+    #[error("not framed as `$...*HH` in ASCII: begin anew with `$`")]
+    Frame,
+    /// The checksum is wrong.
+    #[error("checksum {0:02X} expected: send the line again")]
+    Checksum(u8),
+    /// No such command.
+    #[error("no such command: is the program of another version?")]
+    Unknown,
+    /// The command has no such arguments.
+    #[error("arguments that the command does not have: is the program of another version?")]
+    Arguments,
+    /// There is no model.
+    #[error("the board runs no model: flash one")]
+    NoModel,
+    /// There is no stream.
+    #[error("no armband streams: put it on and wait")]
+    NoStream,
+    /// The armband cannot be changed.
+    #[error("the armband's address was given when the program was built: build it without")]
+    BuiltIn,
+    /// It was not done in time.
+    #[error("not done within a second: ask again")]
+    Busy,
+}
+
+impl Refusal {
+    /// Its word on the line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TooLong => "too-long",
+            Self::Frame => "frame",
+            Self::Checksum(_) => "checksum",
+            Self::Unknown => "unknown",
+            Self::Arguments => "arguments",
+            Self::NoModel => "no-model",
+            Self::NoStream => "no-stream",
+            Self::BuiltIn => "built-in",
+            Self::Busy => "busy",
+        }
+    }
+}

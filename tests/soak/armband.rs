@@ -1,0 +1,397 @@
+//! A virtual armband and the radio between, in virtual time: one millisecond after the other.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use shared::myo::{Action, Characteristic, Event, Phase, Uuid};
+
+use super::device::{ARMBAND, Device, numbered};
+use super::faults::Fault;
+
+/// Period of the notifications by the device's clock: the armband's runs 200 ppm slower.
+const PERIOD_US: u64 = 10_002;
+/// Every so many notifications one has no delay.
+const PROMPT_EVERY: u32 = 5;
+/// Longest delay of the others, in microseconds.
+const JITTER_US: u64 = 7_000;
+/// How long an operation takes.
+const OPERATION_MS: u64 = 6;
+/// Longest time to a stream: failed attempts and operations without an answer included.
+const PATIENCE_MS: u64 = 120_000;
+/// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
+const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+
+/// The control service, which the armband advertises.
+const CONTROL: Uuid = Uuid::Vendor(0x0001);
+/// The four lanes of EMG.
+const EMG: [Characteristic; 4] = {
+    let [_, _, emg @ .., _] = Characteristic::ALL;
+    emg
+};
+
+/// What the radio has received, at its time.
+#[derive(Clone, Copy, Debug)]
+struct Arrival {
+    at_us: u64,
+    emg: Characteristic,
+    bytes: [u8; 16],
+    length: usize,
+}
+
+/// An armband, the radio, and the device that they meet.
+pub struct Armband<'d, 'm, 's> {
+    device: &'d mut Device<'m, 's>,
+    random: ChaCha8Rng,
+    now_us: u64,
+    /// Answers of the radio, each at its time.
+    answers: VecDeque<(u64, Answer)>,
+    scanning: bool,
+    /// Number of the next notification since the armband was switched on.
+    number: u32,
+    /// When the armband sends it.
+    sends_at_us: u64,
+    on_air: VecDeque<Arrival>,
+    /// Until then the radio delivers nothing.
+    held_until_us: u64,
+    /// Until then the inference does not run.
+    busy_until_us: u64,
+    /// Connections that will fail, operations that will not be answered.
+    refused: u32,
+    unanswered: u32,
+    injected: Injected,
+}
+
+/// What the radio does after an action.
+#[derive(Clone, Copy, Debug)]
+enum Answer {
+    Advertise,
+    Connected,
+    ConnectFailed,
+    Discovered,
+    Read(Characteristic),
+    Done,
+    Disconnected,
+}
+
+/// Counts of what was done to the stream.
+#[derive(Default, Debug)]
+struct Injected {
+    kinds: BTreeMap<&'static str, u32>,
+    connections: u32,
+    failed_connects: u32,
+    duplicates: u32,
+    swaps: u32,
+    malformed: u32,
+    foreign: u32,
+}
+
+impl<'d, 'm, 's> Armband<'d, 'm, 's> {
+    /// An armband that advertises, before a device's first event.
+    pub fn new(device: &'d mut Device<'m, 's>) -> Self {
+        Self {
+            device,
+            random: ChaCha8Rng::seed_from_u64(1),
+            now_us: 0,
+            answers: VecDeque::new(),
+            scanning: false,
+            number: 0,
+            sends_at_us: 0,
+            on_air: VecDeque::new(),
+            held_until_us: 0,
+            busy_until_us: 0,
+            refused: 0,
+            unanswered: 0,
+            injected: Injected::default(),
+        }
+    }
+
+    /// Virtual milliseconds so far.
+    pub const fn elapsed_ms(&self) -> u64 {
+        self.now_us / 1000
+    }
+
+    /// Waits for the stream and for the inference, and lets so many notifications pass.
+    pub fn stream(&mut self, notifications: u32) {
+        let patience = self.elapsed_ms() + PATIENCE_MS;
+        while !self.device.is_streaming() || self.now_us < self.busy_until_us {
+            assert!(self.elapsed_ms() < patience, "no stream within two minutes");
+            self.millisecond();
+        }
+        for _ in 0..u64::from(notifications) * PERIOD_US / 1000 {
+            self.millisecond();
+        }
+    }
+
+    /// After a pause without faults labels are valid, and the session's counters true.
+    pub fn must_be_valid(&self) {
+        assert!(self.device.is_valid(), "not valid after {}", self.summary());
+        let counters = self.device.session.counters();
+        let injected = &self.injected;
+        let found = [
+            counters.connections,
+            counters.failed_connects,
+            counters.duplicates,
+            counters.reordered,
+            counters.malformed,
+            counters.foreign,
+        ];
+        let expected = [
+            injected.connections,
+            injected.failed_connects,
+            injected.duplicates,
+            injected.swaps,
+            injected.malformed,
+            injected.foreign,
+        ];
+        assert_eq!(found, expected, "{counters:?}, injected {injected:?}");
+    }
+
+    /// How often each fault has happened.
+    pub const fn faults_seen(&self) -> &BTreeMap<&'static str, u32> {
+        &self.injected.kinds
+    }
+
+    /// What has happened so far.
+    pub fn summary(&self) -> String {
+        let (labels, worst) = self.device.seen();
+        format!(
+            "{labels} valid labels; {:?}; faults {:?}; {} packets dropped by a full queue; a loss was estimated {worst} \
+             samples wrong at worst",
+            self.device.session.counters(),
+            self.injected.kinds,
+            self.device.dropped,
+        )
+    }
+
+    /// Lets something go wrong.
+    pub fn suffer(&mut self, fault: Fault) {
+        *self.injected.kinds.entry(fault.kind()).or_default() += 1;
+        match fault {
+            Fault::Lose(count) => self.lose(count),
+            Fault::LoseEveryOther(times) => {
+                for _ in 0..times {
+                    self.lose(1);
+                    self.sent(1);
+                }
+            }
+            Fault::Duplicate => {
+                self.sent(1);
+                self.injected.duplicates += 1;
+                let newest = self.newest();
+                self.on_air.push_back(newest);
+            }
+            Fault::Swap => {
+                self.sent(2);
+                self.injected.swaps += 1;
+                let [first, second] = self.newest_two();
+                first.at_us = first.at_us.max(second.at_us);
+                second.at_us = first.at_us;
+                std::mem::swap(first, second);
+            }
+            Fault::Stall(milliseconds) => {
+                self.held_until_us = self.now_us + 1000 * u64::from(milliseconds);
+            }
+            Fault::Silence(milliseconds) => self.lose(milliseconds / 10),
+            Fault::Disconnect {
+                refused,
+                unanswered,
+            } => {
+                (self.refused, self.unanswered) = (refused, unanswered);
+                self.on_air.clear();
+                self.answers.clear();
+                self.event(Event::Disconnected);
+            }
+            Fault::Malformed(length) => {
+                self.sent(1);
+                self.injected.malformed += 1;
+                self.on_air.back_mut().expect("just sent").length = length.into();
+            }
+            Fault::Foreign => {
+                self.injected.foreign += 1;
+                self.event(Event::Notification {
+                    characteristic: Characteristic::FirmwareVersion,
+                    bytes: &FIRMWARE,
+                });
+            }
+            Fault::Backlog(milliseconds) => {
+                self.busy_until_us = self.now_us + 1000 * u64::from(milliseconds);
+            }
+        }
+    }
+
+    /// So many notifications that the armband sends are lost.
+    fn lose(&mut self, count: u32) {
+        self.settle();
+        self.number += count;
+        self.sends_at_us += u64::from(count) * PERIOD_US;
+        let next = self.sends_at_us;
+        while self.now_us < next {
+            self.millisecond();
+        }
+    }
+
+    /// Lets so many notifications be sent and stay on the air.
+    fn sent(&mut self, count: usize) {
+        self.settle();
+        let hold = std::mem::replace(&mut self.held_until_us, u64::MAX);
+        while self.on_air.len() < count {
+            self.millisecond();
+        }
+        self.held_until_us = hold;
+    }
+
+    /// Lets what is on the air arrive.
+    fn settle(&mut self) {
+        while !self.on_air.is_empty() {
+            self.millisecond();
+        }
+    }
+
+    fn newest(&self) -> Arrival {
+        *self.on_air.back().expect("just sent")
+    }
+
+    fn newest_two(&mut self) -> [&mut Arrival; 2] {
+        let [.., first, second] = self.on_air.make_contiguous() else {
+            unreachable!("two were sent");
+        };
+        [first, second]
+    }
+
+    /// A millisecond passes.
+    fn millisecond(&mut self) {
+        self.now_us += 1000;
+        if self.device.is_streaming() {
+            self.send();
+        } else {
+            // The armband's own time goes on.
+            self.sends_at_us = self.now_us;
+            self.on_air.clear();
+        }
+        self.receive();
+        while self
+            .answers
+            .front()
+            .is_some_and(|(at, _)| *at <= self.now_us)
+        {
+            if let Some((_, answer)) = self.answers.pop_front() {
+                self.answer(answer);
+            }
+        }
+        if self.elapsed_ms().is_multiple_of(50) {
+            self.event(Event::Tick);
+        }
+        if self.now_us >= self.busy_until_us {
+            self.device.infer(Device::clock(self.now_us / 1000));
+        }
+    }
+
+    fn send(&mut self) {
+        while self.sends_at_us <= self.now_us {
+            let number = self.number;
+            let delay = if number.is_multiple_of(PROMPT_EVERY) {
+                0
+            } else {
+                self.random.random_range(0..=JITTER_US)
+            };
+            let pair =
+                [2 * number, 2 * number + 1].map(|sample| numbered(sample).map(i8::cast_unsigned));
+            let mut bytes = [0; 16];
+            bytes.copy_from_slice(pair.as_flattened());
+            self.on_air.push_back(Arrival {
+                at_us: self.sends_at_us + delay,
+                emg: EMG[number as usize % 4],
+                bytes,
+                length: bytes.len(),
+            });
+            self.number = number + 1;
+            self.sends_at_us += PERIOD_US;
+        }
+    }
+
+    fn receive(&mut self) {
+        let due = |arrival: &Arrival| arrival.at_us <= self.now_us;
+        if self.now_us < self.held_until_us || !self.on_air.front().is_some_and(due) {
+            return;
+        }
+        while let Some(arrival) = self
+            .on_air
+            .pop_front_if(|arrival| arrival.at_us <= self.now_us)
+        {
+            self.event(Event::Notification {
+                characteristic: arrival.emg,
+                bytes: &arrival.bytes[..arrival.length],
+            });
+        }
+    }
+
+    /// Passes an event to the device, and does what its session asks of the radio.
+    fn event(&mut self, event: Event<'_>) {
+        let now = Device::clock(self.now_us / 1000);
+        for action in self.device.handle(now, event) {
+            let answer = match action {
+                Action::Scan => {
+                    self.scanning = true;
+                    Answer::Advertise
+                }
+                Action::StopScan => {
+                    self.scanning = false;
+                    continue;
+                }
+                Action::Connect(_) if self.refused > 0 => {
+                    self.refused -= 1;
+                    Answer::ConnectFailed
+                }
+                Action::Connect(_) => Answer::Connected,
+                Action::Disconnect => Answer::Disconnected,
+                // Only of a set-up: nothing is asked while it streams but what keeps the armband awake.
+                _ if self.unanswered > 0 && self.device.session.phase() == Phase::SettingUp => {
+                    self.unanswered -= 1;
+                    continue;
+                }
+                Action::Discover => Answer::Discovered,
+                Action::Read(characteristic) => Answer::Read(characteristic),
+                _ => Answer::Done,
+            };
+            let at = self.now_us + 1000 * OPERATION_MS;
+            self.answers.push_back((at, answer));
+        }
+    }
+
+    fn answer(&mut self, answer: Answer) {
+        match answer {
+            Answer::Advertise if !self.scanning => {}
+            Answer::Advertise => {
+                let mut data = [0; 18];
+                data[..2].copy_from_slice(&[17, 0x06]);
+                data[2..].copy_from_slice(&CONTROL.to_le_bytes());
+                self.event(Event::Advertisement {
+                    address: ARMBAND,
+                    rssi: -50,
+                    data: &data,
+                });
+                self.answers
+                    .push_back((self.now_us + 100_000, Answer::Advertise));
+            }
+            Answer::Connected => {
+                self.injected.connections += 1;
+                self.event(Event::Connected);
+            }
+            Answer::ConnectFailed => {
+                self.injected.failed_connects += 1;
+                self.event(Event::ConnectFailed);
+            }
+            Answer::Discovered => {
+                self.event(Event::Discovered(Characteristic::ALL.into_iter().collect()))
+            }
+            Answer::Read(Characteristic::FirmwareVersion) => self.event(Event::Read(&FIRMWARE)),
+            Answer::Read(_) => self.event(Event::Read(&[80])),
+            Answer::Done => self.event(Event::Done),
+            Answer::Disconnected => {
+                self.on_air.clear();
+                self.event(Event::Disconnected);
+            }
+        }
+    }
+}
