@@ -20,6 +20,8 @@ pub(crate) struct Anchor {
     pub(crate) pull: f64,
     /// Number of weights, the first ones of the model, that do not change at all.
     pub(crate) frozen: usize,
+    /// Share of the way from the start to the tuned weights that is gone (WiSE-FT, Wortsman et al., arXiv 2109.01903).
+    pub(crate) share: f64,
 }
 
 /// The model after the steps of one epoch; none if the user interrupts.
@@ -56,5 +58,11 @@ pub(crate) fn tune<L: Learner>(
     let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
     let mut optimizer = optimizer(config.weight_decay);
     let done = epoch.take(learner, model, &mut optimizer, 0, &mut rng, back)?;
-    Ok(done.map(|trained| trained.model))
+    Ok(done.map(|trained| {
+        let mut now = weights(&trained.model);
+        for (own, start) in now.iter_mut().zip(&start) {
+            *own = start + (*own - start) * anchor.share as f32;
+        }
+        with_weights(trained.model, &now)
+    }))
 }

@@ -70,6 +70,9 @@ pub(super) struct Arguments {
     /// Standard deviation of the logarithm of an excerpt's gain.
     #[arg(long, default_value_t = TuningSettings::default().gain)]
     gain: f64,
+    /// Share of the way from the old to the tuned weights.
+    #[arg(long, default_value_t = TuningSettings::default().share)]
+    share: f64,
     /// Folder of a file for each person and of the tables.
     #[arg(long, value_name = "DIR", default_value = "runs/personalization")]
     out: PathBuf,
@@ -100,6 +103,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         keep: arguments.keep,
         head_only: arguments.head_only,
         gain: arguments.gain,
+        share: arguments.share,
         ..TuningSettings::default()
     };
     let measurement = Measurement {

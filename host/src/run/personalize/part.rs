@@ -8,7 +8,7 @@ use shared::units::{SAMPLE_RATE_HZ, WINDOW};
 
 use super::error::PersonalizeError;
 use super::person::Person;
-use crate::dataset::{Recording, runs};
+use crate::dataset::{Movement, Recording, runs};
 use crate::evaluation::Trial;
 
 /// Share that is held back: one over this.
@@ -148,9 +148,8 @@ impl<'p> Part<'p> {
             for (sample, label) in trial.lag_compensated.iter_mut().enumerate() {
                 *label = label.filter(|_| inside(sample));
             }
-            for (sample, other) in trial.other_movement.iter_mut().enumerate() {
-                *other = *other && inside(sample);
-            }
+            let cuts = pieces().map(|piece| piece.cut(&own.trial.other_movement, 0));
+            trial.other_movement = cuts.flatten().collect();
             trial.published = None;
             trials.push(trial);
         }
@@ -161,15 +160,10 @@ impl<'p> Part<'p> {
     pub(super) fn recordings(&self) -> Vec<Recording> {
         let cut = |piece: &Piece| {
             let own = &self.person.recordings[piece.recording].recording;
-            let Range { start, end } = piece.range;
-            let inside = |range: &Range<usize>| {
-                let [from, to] = [range.start, range.end].map(|at| at.clamp(start, end) - start);
-                (from < to).then_some(from..to)
-            };
             Recording {
                 samples: own.samples[piece.range.clone()].to_vec(),
                 labels: own.labels[piece.range.clone()].to_vec(),
-                other_movement: own.other_movement.iter().filter_map(inside).collect(),
+                other_movement: piece.cut(&own.other_movement, piece.range.start),
                 ..own.clone()
             }
         };
@@ -220,5 +214,19 @@ impl Piece {
             recording: self.recording,
             range,
         }
+    }
+
+    /// What of movements is in it, counted from a sample.
+    fn cut(&self, movements: &[Movement], origin: usize) -> Vec<Movement> {
+        let Range { start, end } = self.range;
+        let inside = |movement: &Movement| {
+            let Range {
+                start: from,
+                end: to,
+            } = movement.samples;
+            let [from, to] = [from, to].map(|at| at.clamp(start, end) - origin);
+            (from < to).then(|| Movement::new(movement.kind, from..to))
+        };
+        movements.iter().filter_map(inside).collect()
     }
 }

@@ -5,7 +5,6 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
-use crate::dataset::labels::lag;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
 use crate::run::model_evaluation::lags;
@@ -118,15 +117,10 @@ fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag:
         recording.samples.clone()
     };
     align(&mut samples);
-    let length = samples.len();
-    let outside = recording.movement_outside(vocabulary);
     Own {
         recording: Recording {
             labels: trial.lag_compensated.clone(),
-            other_movement: outside
-                .iter()
-                .map(|range| lag::compensated_range(range, lag, length))
-                .collect(),
+            other_movement: trial.other_movement.clone(),
             samples,
             ..recording.clone()
         },

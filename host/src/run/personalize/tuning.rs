@@ -43,6 +43,8 @@ pub struct TuningSettings {
     pub head_only: bool,
     /// Standard deviation of the logarithm of the gain of an excerpt.
     pub gain: f64,
+    /// Share of the way from the old to the tuned weights that is gone, 0 to 1.
+    pub share: f64,
     /// Seed of all draws.
     pub seed: u64,
 }
@@ -57,6 +59,7 @@ impl Default for TuningSettings {
             keep: 0.0,
             head_only: false,
             gain: 0.1,
+            share: 1.0,
             seed: 42,
         }
     }
@@ -115,6 +118,7 @@ pub fn tune(
         } else {
             0
         },
+        share: settings.share,
     };
     let fit = training.train_config(settings.seed);
     let tuned = tune::tune(&learner, student, fit, anchor, interrupt)
