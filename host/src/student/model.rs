@@ -91,13 +91,6 @@ pub struct Student {
     pub(super) square_root: bool,
 }
 
-impl Student {
-    /// Number of weights of the look-back head, which are the last ones of the module.
-    pub(crate) fn head_weights(&self) -> usize {
-        self.head.num_params()
-    }
-}
-
 /// One pre-norm layer with local causal attention.
 #[derive(Module, Debug)]
 pub(super) struct StudentLayer {

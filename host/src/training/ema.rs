@@ -4,9 +4,8 @@
 //! saved, while training continues on the weights. Source: Polyak and Juditsky (1992), here with
 //! exponentially decaying weights.
 
-use burn::module::Module;
-
-use super::weights::{weights, with_weights};
+use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
+use burn::tensor::{Tensor, TensorData};
 
 /// The average of all weights, in the order in which the module visits them.
 #[derive(Clone, Debug)]
@@ -41,7 +40,33 @@ impl Ema {
 
     /// The model with the average as its weights.
     pub(super) fn apply<M: Module>(&self, model: M) -> M {
-        with_weights(model, &self.weights)
+        model.map(&mut Replace(&self.weights))
+    }
+}
+
+fn weights(model: &impl Module) -> Vec<f32> {
+    let mut collected = Collect(Vec::new());
+    model.visit(&mut collected);
+    collected.0
+}
+
+struct Collect(Vec<f32>);
+
+impl ModuleVisitor for Collect {
+    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
+        self.0.extend(param.val().into_data().iter::<f32>());
+    }
+}
+
+struct Replace<'a>(&'a [f32]);
+
+impl ModuleMapper for Replace<'_> {
+    fn map_float<const D: usize>(&mut self, param: Param<Tensor<D>>) -> Param<Tensor<D>> {
+        let shape = param.dims();
+        let (own, rest) = self.0.split_at(shape.iter().product());
+        self.0 = rest;
+        param
+            .map(|tensor| Tensor::from_data(TensorData::new(own.to_vec(), shape), &tensor.device()))
     }
 }
 

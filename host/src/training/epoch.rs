@@ -33,8 +33,7 @@ pub(super) struct Trained<M> {
 }
 
 impl Epoch<'_> {
-    /// Takes the steps, from `step` of the schedule on; `after` sees the model and its learning rate after each and may
-    /// change it. None if the user interrupts.
+    /// Takes the steps, from `step` of the schedule on; `after` sees the model after each. None if the user interrupts.
     ///
     /// # Errors
     /// When a loss is infinite or no number.
@@ -45,7 +44,7 @@ impl Epoch<'_> {
         optimizer: &mut ModuleOptimizer,
         step: usize,
         rng: &mut ChaCha8Rng,
-        mut after: impl FnMut(L::Model, f64) -> L::Model,
+        mut after: impl FnMut(&L::Model),
     ) -> Result<Option<Trained<L::Model>>, RunError> {
         let items = learner.epoch(rng);
         let steps = items.len();
@@ -59,7 +58,8 @@ impl Epoch<'_> {
             rate = self.schedule.rate(step + at);
             let (gradients, metrics) = gradients(learner, &model, learner.shards(&item, rng));
             finite(learner.name(), self.number, "training", &metrics)?;
-            model = after(optimizer.step(rate, model, gradients), rate);
+            model = optimizer.step(rate, model, gradients);
+            after(&model);
             means.add(&metrics);
             bar.set_message(means.to_string());
             bar.inc(1);

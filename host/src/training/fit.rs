@@ -103,11 +103,10 @@ pub fn fit<L: Learner>(
             schedule: &schedule,
             interrupt: training.interrupt,
         };
-        let after = |model: L::Model, _: f64| {
+        let after = |model: &L::Model| {
             if let Some(ema) = &mut ema {
-                ema.add(&model);
+                ema.add(model);
             }
-            model
         };
         let model = checkpoint.model;
         let done = steps.take(

@@ -16,4 +16,3 @@ pub mod optimizer;
 pub mod schedule;
 pub mod tensor;
 pub(crate) mod tune;
-pub(crate) mod weights;

@@ -1,5 +1,6 @@
 //! `myointent-research personalization`: what a person's own recordings gain, by their duration.
 
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -39,7 +40,7 @@ pub(super) struct Arguments {
         long,
         value_name = "SECONDS",
         value_delimiter = ',',
-        default_value = "30,60,120,300"
+        default_value = "30,60,120,180,300"
     )]
     amounts: Vec<f64>,
     /// People to measure: all, or every other one of each data set, so that settings can be chosen on one half and
@@ -58,21 +59,9 @@ pub(super) struct Arguments {
     /// Peak learning rate.
     #[arg(long, default_value_t = TuningSettings::default().learning_rate)]
     learning_rate: f64,
-    /// Strength of the pull towards the shipped weights (L2-SP).
-    #[arg(long, default_value_t = TuningSettings::default().pull)]
-    pull: f64,
     /// Share of the shipped model's outputs in the targets (learning without forgetting), 0 to 1.
     #[arg(long, default_value_t = TuningSettings::default().keep)]
     keep: f64,
-    /// Tune the look-back head alone.
-    #[arg(long)]
-    head_only: bool,
-    /// Standard deviation of the logarithm of an excerpt's gain.
-    #[arg(long, default_value_t = TuningSettings::default().gain)]
-    gain: f64,
-    /// Share of the way from the old to the tuned weights.
-    #[arg(long, default_value_t = TuningSettings::default().share)]
-    share: f64,
     /// Folder of a file for each person and of the tables.
     #[arg(long, value_name = "DIR", default_value = "runs/personalization")]
     out: PathBuf,
@@ -99,11 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let settings = TuningSettings {
         steps: arguments.steps,
         learning_rate: arguments.learning_rate,
-        pull: arguments.pull,
         keep: arguments.keep,
-        head_only: arguments.head_only,
-        gain: arguments.gain,
-        share: arguments.share,
         ..TuningSettings::default()
     };
     let measurement = Measurement {
@@ -117,13 +102,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let wanted = wanted(&library, arguments);
     let mut measured: Vec<Measured> = Vec::new();
+    let mut tried = BTreeSet::new();
     for run in &arguments.runs {
         let path = run.join(MODEL);
         let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
         let model = Model::parse(&bytes).with_context(|| path.display().to_string())?;
         let seen: Vec<&str> = model.header.provenance.subjects_seen.iter().collect();
         for subject in wanted.iter().filter(|own| !seen.contains(&&own[..])) {
-            if measured.iter().all(|own| own.subject != *subject) {
+            if tried.insert(subject) {
                 measured.extend(measurement.person(&bytes, subject)?);
             }
         }

@@ -105,7 +105,7 @@ impl Measurement<'_> {
         }
         let measured = self.measure(model, &person)?;
         self.folder.save_stamped(&name, made_from, &measured)?;
-        progress::log(&format!("{subject}: {:?}", measured.before));
+        progress::log(&format!("{subject}: measured"));
         Ok(Some(measured))
     }
 

@@ -5,15 +5,10 @@ use myointent::report::Table;
 
 use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
 
-/// Measures in the tables; the others are in the CSV file.
-const SHOWN: usize = 4;
-
 /// The gain of tuning on each amount, paired over people: by data set, and over all.
 pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "Tuned less shipped, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell";
-    let names = MEASURES[..SHOWN]
-        .iter()
-        .map(|measure| measure.name().to_owned());
+    let names = MEASURES.iter().map(|measure| measure.name().to_owned());
     let header = ["recordings", "seconds", "n"]
         .map(str::to_owned)
         .into_iter();
@@ -35,9 +30,7 @@ pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
 /// The same for what `personalize` writes: the old model where it keeps or refuses.
 pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "What personalize leaves less shipped, on a part that it has not seen; refused: too short to hold a third back; kept: the old model";
-    let names = MEASURES[..SHOWN]
-        .iter()
-        .map(|measure| measure.name().to_owned());
+    let names = MEASURES.iter().map(|measure| measure.name().to_owned());
     let header = ["recordings", "seconds", "n"]
         .map(str::to_owned)
         .into_iter();
@@ -177,7 +170,7 @@ fn push<'p>(table: &mut Table, start: [String; 2], pairs: &[(&'p str, Values, Va
             format!("{fell} of {}", both.len())
         }
     };
-    let cells = (0..SHOWN).map(shown).chain([worse(0), worse(1)]);
+    let cells = (0..MEASURES.len()).map(shown).chain([worse(0), worse(1)]);
     let count = [pairs.len().to_string()];
     table.push(start.into_iter().chain(count).chain(cells));
 }

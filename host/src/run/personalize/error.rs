@@ -82,7 +82,7 @@ pub enum PersonalizeError {
     #[error("the model file is refused")]
     Model(#[from] ModelError),
     /// The tuned weights make no model file.
-    #[error("the tuned weights make no model file: give a lower --learning-rate")]
+    #[error("the tuned weights make no model file; nothing was written")]
     Tuned(#[source] ModelError),
     /// The training diverged.
     #[error(transparent)]

@@ -4,11 +4,12 @@ use burn::module::Module as _;
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
 use shared::model::file::{Model, ProvenanceParts};
-use shared::units::{CleanSample, SAMPLE_RATE_HZ};
+use shared::units::SAMPLE_RATE_HZ;
 
 use super::error::PersonalizeError;
 use super::part::Part;
-use crate::dataset::corpus::{Corpus, Stream};
+use super::targets::corrected;
+use crate::dataset::corpus::{Corpus, Stream, patch_labels};
 use crate::dataset::splice::{SpliceOptions, splice};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::revision::revision;
@@ -18,13 +19,14 @@ use crate::student::distillation::Distillation;
 use crate::student::learner::StudentLearner;
 use crate::student::quantization::quantize;
 use crate::training::augmentation::Augmentation;
-use crate::training::tune::{self, Anchor};
-use crate::training::weights::weights;
+use crate::training::tune;
 
 /// Name of the training in its progress bar and errors.
 const NAME: &str = "personalize";
 /// Seconds of the spliced recording that excerpts are drawn from.
 const SPLICED_SECONDS: usize = 300;
+/// Standard deviation of the logarithm of the gain of an excerpt.
+const GAIN: f64 = 0.1;
 
 /// How a model is tuned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,16 +37,9 @@ pub struct TuningSettings {
     pub batch: usize,
     /// Peak learning rate of AdamW.
     pub learning_rate: f64,
-    /// Strength of the pull towards the old weights (L2-SP).
-    pub pull: f64,
-    /// Share of the old model's own outputs in the targets (learning without forgetting), 0 to 1.
+    /// Share of the old model's own outputs in the targets, 0 to 1 (learning without forgetting, Li and Hoiem, IEEE TPAMI
+    /// 40(12), 2018): without them rest raises labels in people whose recordings are steady holds.
     pub keep: f64,
-    /// Whether the head alone is tuned.
-    pub head_only: bool,
-    /// Standard deviation of the logarithm of the gain of an excerpt.
-    pub gain: f64,
-    /// Share of the way from the old to the tuned weights that is gone, 0 to 1.
-    pub share: f64,
     /// Seed of all draws.
     pub seed: u64,
 }
@@ -55,11 +50,7 @@ impl Default for TuningSettings {
             steps: 40,
             batch: 16,
             learning_rate: 1e-3,
-            pull: 0.0,
-            keep: 0.0,
-            head_only: false,
-            gain: 0.1,
-            share: 1.0,
+            keep: 0.5,
             seed: 42,
         }
     }
@@ -82,9 +73,12 @@ pub fn tune(
     let plain = device.clone().inner();
     let targets = (settings.keep > 0.0).then(|| {
         let old = student.valid();
-        let streams = corpus.streams.iter();
-        let logits = |emg: &[CleanSample]| student_logits(&old, emg, &plain);
-        streams.map(|stream| logits(&stream.emg)).collect()
+        let classes = corpus.vocabulary.classes();
+        let own = |stream: &Stream| {
+            let outputs = student_logits(&old, &stream.emg, &plain);
+            corrected(outputs, &patch_labels(&stream.labels), classes)
+        };
+        corpus.streams.iter().map(own).collect()
     });
     let training = Distillation {
         epochs: 1,
@@ -100,7 +94,7 @@ pub fn tune(
         temperature: 1.0,
         other_movement_weight: 1.0,
         augmentation: Some(Augmentation {
-            gain: settings.gain,
+            gain: GAIN,
             ..Augmentation::default()
         }),
     };
@@ -110,18 +104,8 @@ pub fn tune(
     };
     let span = config.span;
     let learner = StudentLearner::new(NAME, span, &corpus, targets, &nothing, &training, device);
-    let head = student.head_weights();
-    let anchor = Anchor {
-        pull: settings.pull,
-        frozen: if settings.head_only {
-            weights(&student).len() - head
-        } else {
-            0
-        },
-        share: settings.share,
-    };
     let fit = training.train_config(settings.seed);
-    let tuned = tune::tune(&learner, student, fit, anchor, interrupt)
+    let tuned = tune::tune(&learner, student, fit, interrupt)
         .map_err(PersonalizeError::Training)?
         .ok_or(PersonalizeError::Interrupted)?;
     quantize(
