@@ -7,7 +7,6 @@ mod error;
 mod judgement;
 mod part;
 mod person;
-mod targets;
 mod tuning;
 
 use burn::tensor::Device;

@@ -8,8 +8,7 @@ use shared::units::SAMPLE_RATE_HZ;
 
 use super::error::PersonalizeError;
 use super::part::Part;
-use super::targets::corrected;
-use crate::dataset::corpus::{Corpus, Stream, patch_labels};
+use crate::dataset::corpus::{Corpus, Stream};
 use crate::dataset::splice::{SpliceOptions, splice};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::revision::revision;
@@ -73,11 +72,7 @@ pub fn tune(
     let plain = device.clone().inner();
     let targets = (settings.keep > 0.0).then(|| {
         let old = student.valid();
-        let classes = corpus.vocabulary.classes();
-        let own = |stream: &Stream| {
-            let outputs = student_logits(&old, &stream.emg, &plain);
-            corrected(outputs, &patch_labels(&stream.labels), classes)
-        };
+        let own = |stream: &Stream| student_logits(&old, &stream.emg, &plain);
         corpus.streams.iter().map(own).collect()
     });
     let training = Distillation {
