@@ -93,8 +93,8 @@ mod tests {
 
     #[test]
     fn a_model_dequantized_and_quantized_again_has_the_same_integers_and_header() {
-        let shipped = include_bytes!("../../../models/three-class.intent");
-        let shipped = Model::parse(&shipped.to_vec()).unwrap().to_parts();
+        let shipped = include_bytes!("../../../models/three-class.intent").to_vec();
+        let shipped = Model::parse(&shipped).unwrap().to_parts();
         for parts in [parts(), shipped] {
             let (student, config) = dequantize(&parts, &Device::default());
             let file = quantized(&student, &config, &parts);
