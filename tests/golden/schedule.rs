@@ -27,6 +27,7 @@ fn corpus(windows: usize) -> Corpus {
     let samples = WINDOW + windows - 1;
     Corpus {
         vocabulary: Vocabulary::Three,
+        other: false,
         streams: vec![Stream::new(
             vec![[0; 8]; samples],
             vec![Some(Intent::Relax); samples],

@@ -12,3 +12,4 @@ mod comparison;
 mod cross_validation;
 mod job;
 pub mod offline;
+mod personalization;

@@ -7,6 +7,7 @@ mod gate;
 mod info;
 #[cfg(test)]
 mod killed;
+mod personalize;
 mod predict;
 mod presets;
 pub mod replay;
@@ -18,11 +19,13 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use self::personalize::{KEPT, NotWritten};
 use self::steps::{distill, evaluate, export, quantize, quickstart, train};
 use crate::dataset::readers::excerpt::printable;
 use crate::execution::progress;
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
+use crate::run::personalize::PersonalizeError;
 use crate::run::preset::PresetError;
 use crate::run::resolve::ConfigError;
 
@@ -44,7 +47,7 @@ use crate::run::resolve::ConfigError;
                   Preset cpu has teacher_share = 0: its student learns from the labels alone. `quickstart --preset cpu` trains\n\
                   no teacher. Step by step, `train` makes the run folder, with a teacher that this student does not use.\n\
                   docs/presets.md explains every setting of a preset.\n\n\
-                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 130 interrupted."
+                  Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `personalize` keeps the old model, 130 interrupted."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -77,6 +80,8 @@ enum Command {
     Score(score::Arguments),
     /// Show the header of a model file.
     Info(info::Arguments),
+    /// Tune a model file on one person's own recordings, and keep it only if it is not worse.
+    Personalize(personalize::Arguments),
     /// Make the alignment template of a model file anew, from the people whom the model has seen.
     Template(template::Arguments),
     /// Move the operating point of a model file: the margins of its confidence gate.
@@ -102,6 +107,7 @@ impl Cli {
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
+            Command::Personalize(arguments) => personalize::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
@@ -110,10 +116,11 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                progress::log(&format!(
-                    "error: {}",
-                    printable_lines(&format!("{error:#}"))
-                ));
+                // That an old model is kept is an answer.
+                let kept = matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }));
+                let start = if kept { "" } else { "error: " };
+                let message = printable_lines(&format!("{error:#}"));
+                progress::log(&format!("{start}{message}"));
                 let interrupted = is_interrupt(&error);
                 if interrupted {
                     progress::log(advice);
@@ -142,11 +149,13 @@ fn printable_lines(message: &str) -> String {
     lines.join("\n")
 }
 
-/// 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.
+/// 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned model is worse, 1 after any other failure.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
         ExitCode::from(130)
+    } else if matches!(error.downcast_ref(), Some(NotWritten::Worse { .. })) {
+        ExitCode::from(KEPT)
     } else if is_wrong_argument(error) {
         ExitCode::from(2)
     } else {
@@ -159,7 +168,9 @@ pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
 pub fn is_interrupt(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         let run = cause.downcast_ref().is_some_and(RunError::is_interrupt);
+        let personalize = cause.downcast_ref();
         run || cause.downcast_ref().is_some_and(StepError::is_interrupt)
+            || personalize.is_some_and(PersonalizeError::is_interrupt)
     })
 }
 

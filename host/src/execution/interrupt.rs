@@ -25,6 +25,12 @@ impl Interrupt {
         interrupt
     }
 
+    /// A stop that was requested already.
+    #[cfg(test)]
+    pub(crate) fn at_once() -> Self {
+        Self(Arc::new(AtomicBool::new(true)))
+    }
+
     /// Whether a stop was requested.
     #[must_use]
     pub(crate) fn requested(&self) -> bool {

@@ -11,6 +11,7 @@ mod curves;
 mod latencies;
 pub mod model_report;
 mod page;
+pub mod personalization;
 pub mod run_report;
 pub mod scores;
 mod table;

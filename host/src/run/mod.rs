@@ -9,6 +9,7 @@ mod error;
 pub mod evaluate;
 pub(crate) mod lineage;
 pub mod model_evaluation;
+pub mod personalize;
 mod preflight;
 pub mod preset;
 pub mod quantize;

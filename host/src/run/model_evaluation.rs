@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::Serialize;
 use shared::intent::Vocabulary;
-use shared::model::file::Model;
+use shared::model::file::{Model, SmootherDefaults};
 use shared::stream::alignment::Alignment;
 use shared::stream::smoother::AggregationMode;
 use shared::units::Sample;
@@ -280,15 +280,20 @@ fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {
     let checksum = model.bytes[..parsed.length].last_chunk::<4>();
     EvaluatedModel {
         name: model.name.clone(),
-        look_ahead: match (smoother.look_ahead, smoother.aggregation) {
-            (0, _) => LookAhead::None,
-            (_, AggregationMode::AllRowsFrom) => LookAhead::AllRows,
-            (_, AggregationMode::SameInstant) => LookAhead::SameInstant,
-        },
+        look_ahead: look_ahead(smoother),
         git_revision: provenance.git_revision.to_owned(),
         seed: provenance.seed,
         checksum: checksum.map_or_else(String::new, |bytes| {
             format!("{:08x}", u32::from_le_bytes(*bytes))
         }),
+    }
+}
+
+/// Look-ahead and aggregation mode of a model file.
+pub(super) const fn look_ahead(smoother: &SmootherDefaults) -> LookAhead {
+    match (smoother.look_ahead, smoother.aggregation) {
+        (0, _) => LookAhead::None,
+        (_, AggregationMode::AllRowsFrom) => LookAhead::AllRows,
+        (_, AggregationMode::SameInstant) => LookAhead::SameInstant,
     }
 }

@@ -14,6 +14,9 @@ pub(super) const NORM_EPSILON: f64 = 1e-5;
 /// Scale of the sigmoid that approximates GELU.
 pub(super) const GELU_SCALE: f32 = 1.702;
 
+/// Attention heads of every model file.
+pub(super) const HEADS: usize = 4;
+
 /// Dimensions of a student.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -7,9 +7,10 @@ use serde::Serialize;
 
 use super::checkpoint::{Checkpoint, Progress, Store};
 use super::ema::Ema;
+use super::epoch::{Epoch, Trained, finite};
 use super::learner::{Learner, WeightedMetric};
 use super::metrics::{EpochMetrics, RunningMeans, recorded};
-use super::optimizer::{gradients, optimizer};
+use super::optimizer::optimizer;
 use super::schedule::{LearningRate, LrSchedule};
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::interrupt::Interrupt;
@@ -96,28 +97,32 @@ pub fn fit<L: Learner>(
         let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
         rng.set_stream(epoch as u64);
         let title = format!("{name} epoch {epoch}/{}", config.epochs);
-        let items = learner.epoch(&mut rng);
-        let bar = progress::bar(items.len(), &title);
-        let mut means = RunningMeans::default();
-        let mut rate = 0.0;
-        for item in items {
-            if training.interrupt.requested() {
-                return Err(run.interrupted());
-            }
-            rate = schedule.rate(step);
-            let (gradients, metrics) =
-                gradients(learner, &checkpoint.model, learner.shards(&item, &mut rng));
-            finite(name, epoch, "training", &metrics)?;
-            checkpoint.model = checkpoint.optimizer.step(rate, checkpoint.model, gradients);
-            step += 1;
+        let steps = Epoch {
+            title: &title,
+            number: epoch,
+            schedule: &schedule,
+            interrupt: training.interrupt,
+        };
+        let after = |model: &L::Model| {
             if let Some(ema) = &mut ema {
-                ema.add(&checkpoint.model);
+                ema.add(model);
             }
-            means.add(&metrics);
-            bar.set_message(means.to_string());
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+        };
+        let model = checkpoint.model;
+        let done = steps.take(
+            learner,
+            model,
+            &mut checkpoint.optimizer,
+            step,
+            &mut rng,
+            after,
+        )?;
+        let Some(trained) = done else {
+            return Err(run.interrupted());
+        };
+        let Trained { means, rate, .. } = trained;
+        checkpoint.model = trained.model;
+        step += trained.steps;
 
         checkpoint.average = ema.as_ref().map(|ema| ema.apply(checkpoint.model.clone()));
         let kept = checkpoint.average.as_ref().unwrap_or(&checkpoint.model);
@@ -155,27 +160,6 @@ pub fn fit<L: Learner>(
     )?;
     run.save_model(name, training.made_from, &best)?;
     Ok(best)
-}
-
-/// Refuses metrics, each a part of the loss, that are infinite or no number.
-fn finite(
-    name: &str,
-    epoch: usize,
-    what: &str,
-    metrics: &[WeightedMetric],
-) -> Result<(), RunError> {
-    let wrong = metrics
-        .iter()
-        .find(|metric| metric.weight > 0.0 && !metric.mean.is_finite());
-    match wrong {
-        None => Ok(()),
-        Some(metric) => Err(RunError::Diverged {
-            name: name.to_owned(),
-            epoch,
-            what: format!("{what} loss ({})", metric.name),
-            loss: metric.mean,
-        }),
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ pub mod augmentation;
 mod checkpoint;
 pub mod dropout;
 mod ema;
+mod epoch;
 pub mod fit;
 #[cfg(feature = "flex")]
 pub(crate) mod kernels;
@@ -14,3 +15,4 @@ pub(crate) mod metrics;
 pub mod optimizer;
 pub mod schedule;
 pub mod tensor;
+pub(crate) mod tune;

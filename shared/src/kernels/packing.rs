@@ -26,6 +26,24 @@ pub(crate) fn packed(matrix: &[i8], columns: usize) -> Vec<i8> {
     tiles
 }
 
+/// The row-major matrix of `rows` rows and this number of columns whose tiles these are: the inverse of [`packed`].
+///
+/// Tiles of another size than such a matrix has give no matrix: an empty one.
+#[must_use]
+pub(crate) fn unpacked(tiles: &[i8], rows: usize, columns: usize) -> Vec<i8> {
+    if !columns.is_multiple_of(GROUP) || tiles.len() != rows.next_multiple_of(TILE_ROWS) * columns {
+        return Vec::new();
+    }
+    let place = |row: usize, column: usize| {
+        let within = GROUP_ORDER.iter().position(|&own| own == column % GROUP);
+        let group = column / GROUP * TILE_ROWS * GROUP + row % TILE_ROWS * GROUP;
+        row / TILE_ROWS * TILE_ROWS * columns + group + within.unwrap_or(0)
+    };
+    (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| tiles[place(row, column)]))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +70,16 @@ mod tests {
             assert_eq!(packed(&odd, columns), odd);
         }
         assert!(packed(&[], 4).is_empty());
+    }
+
+    #[test]
+    fn unpacked_tiles_are_the_matrix_again() {
+        for (rows, columns) in [(1, 4), (4, 8), (5, 8), (18, 80), (7, 12)] {
+            let matrix: Vec<i8> = (0..rows * columns)
+                .map(|at| (at * 37 % 251) as i8)
+                .collect();
+            assert_eq!(unpacked(&packed(&matrix, columns), rows, columns), matrix);
+        }
+        assert!(unpacked(&[0; 20], 1, 4).is_empty());
     }
 }

@@ -3,6 +3,7 @@
 mod baselines;
 mod cross_validate;
 mod evaluate;
+mod personalization;
 mod shell;
 mod study;
 mod summary;
@@ -17,6 +18,7 @@ use myointent::execution::progress;
 use crate::baselines::settings::SettingsError;
 use crate::baselines::training::TrainingError;
 use crate::job::JobError;
+use crate::personalization::MeasurementError;
 
 /// Baselines and comparisons of the paper, on the recordings and run folders of `myointent`.
 #[derive(Debug, Parser)]
@@ -38,6 +40,8 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Compare presets: every person but the test people held out once, for several seeds.
     CrossValidate(cross_validate::Arguments),
+    /// Measure what tuning a model on a person's own recordings gains, by their duration.
+    Personalization(personalization::Arguments),
     /// Train and evaluate the paper's comparisons, each subject held out once.
     Study(study::Arguments),
     /// Merge the results of a variant's folds.
@@ -52,13 +56,16 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let advice = match &self.command {
             Command::Baselines(_) => "to continue, give the same command and --resume",
-            Command::Study(_) | Command::CrossValidate(_) => "to continue, give the same command",
+            Command::Study(_) | Command::CrossValidate(_) | Command::Personalization(_) => {
+                "to continue, give the same command"
+            }
             _ => "to try again, give the same command",
         };
         let result = match self.command {
             Command::Baselines(arguments) => baselines::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::CrossValidate(arguments) => cross_validate::run(&arguments),
+            Command::Personalization(arguments) => personalization::run(&arguments),
             Command::Study(arguments) => study::run(&arguments),
             Command::Summary(arguments) => summary::run(&arguments),
             Command::Tables(arguments) => tables::run(&arguments),
@@ -96,6 +103,9 @@ fn is_interrupt(error: &anyhow::Error) -> bool {
         || error
             .downcast_ref::<TrainingError>()
             .is_some_and(TrainingError::is_interrupt)
+        || error
+            .downcast_ref::<MeasurementError>()
+            .is_some_and(MeasurementError::is_interrupt)
         || myointent::cli::is_interrupt(error)
 }
 

@@ -9,6 +9,8 @@ mod header;
 mod layout;
 mod names;
 #[cfg(any(test, feature = "write"))]
+mod owned;
+#[cfg(any(test, feature = "write"))]
 pub mod random;
 mod reader;
 mod wire_header;

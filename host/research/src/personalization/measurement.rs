@@ -1,0 +1,204 @@
+//! One person: the shipped model, and models tuned on the first seconds of the recordings, on the same part held back.
+
+use burn::tensor::Device;
+use serde::{Deserialize, Serialize};
+use shared::model::file::Model;
+
+use myointent::dataset::Library;
+use myointent::evaluation::{Measure, Score};
+use myointent::execution::fingerprint::Fingerprint;
+use myointent::execution::interrupt::Interrupt;
+use myointent::execution::progress;
+use myointent::execution::run_folder::{RunError, RunFolder};
+use myointent::run::personalize::{
+    Part, Person, PersonalizeError, TuningSettings, judge, not_worse, tune,
+};
+
+/// Measures that are kept, in this order.
+pub(crate) const MEASURES: [Measure; 5] = [
+    Measure::BalancedAccuracy,
+    Measure::TransitionAccuracy,
+    Measure::Recognition,
+    Measure::FalseActivations,
+    Measure::OtherActivations,
+];
+
+/// Values of [`MEASURES`]; none where the recordings do not have what is counted.
+pub(crate) type Values = [Option<f64>; MEASURES.len()];
+
+/// How people are measured.
+pub(crate) struct Measurement<'a> {
+    /// A file for each person.
+    pub(crate) folder: &'a RunFolder,
+    pub(crate) library: &'a Library,
+    /// Seconds to tune on.
+    pub(crate) amounts: &'a [f64],
+    pub(crate) settings: &'a TuningSettings,
+    /// Whether the command's own choice between the old and the new model is measured too.
+    pub(crate) with_rule: bool,
+    pub(crate) device: Device,
+    pub(crate) interrupt: &'a Interrupt,
+}
+
+/// What a person's recordings gave.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Measured {
+    /// The person.
+    pub(crate) subject: String,
+    /// Seconds that all models are judged on.
+    pub(crate) judged_seconds: f64,
+    /// The model as it was.
+    pub(crate) before: Values,
+    /// A row for each amount that the recordings have.
+    pub(crate) amounts: Vec<Amount>,
+}
+
+/// A model tuned on the first seconds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Amount {
+    /// Seconds asked for.
+    pub(crate) seconds: f64,
+    /// The model tuned on all of them.
+    pub(crate) tuned: Values,
+    /// What `personalize` makes of them, if it was measured.
+    pub(crate) ruled: Option<Outcome>,
+}
+
+/// What `personalize` makes of some recordings: it holds a third of them back.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) enum Outcome {
+    /// They are too short.
+    Refused,
+    /// The old model is kept.
+    Kept,
+    /// The new model is written.
+    Written(Values),
+}
+
+impl Measurement<'_> {
+    /// Measures a person with a model, or reads what an earlier command measured; none if the recordings do not allow it.
+    ///
+    /// # Errors
+    /// When the model is refused, a file cannot be written or the user interrupts.
+    pub(crate) fn person(
+        &self,
+        model: &[u8],
+        subject: &str,
+    ) -> Result<Option<Measured>, MeasurementError> {
+        let header = Model::parse(model).map_err(PersonalizeError::from)?.header;
+        let found = Person::new(self.library, Some(subject), &header);
+        let found = found.and_then(|person| {
+            person.whole().divided()?;
+            Ok(person)
+        });
+        let person = match found {
+            Ok(person) => person,
+            Err(error) => {
+                progress::log(&format!("{subject}: left out, {error}"));
+                return Ok(None);
+            }
+        };
+        let name = format!("{}.json", subject.replace('/', "-"));
+        let made_from = self.made_from(model, &person.whole());
+        if let Ok(kept) = self.folder.load_stamped::<Measured>(&name, made_from) {
+            return Ok(Some(kept.content));
+        }
+        let measured = self.measure(model, &person)?;
+        self.folder.save_stamped(&name, made_from, &measured)?;
+        progress::log(&format!("{subject}: measured"));
+        Ok(Some(measured))
+    }
+
+    fn measure(&self, model: &[u8], person: &Person) -> Result<Measured, PersonalizeError> {
+        let (pool, judged) = person.whole().divided()?;
+        let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
+        let tuned =
+            |part: &Part<'_>| tune(model, part, self.settings, &self.device, self.interrupt);
+        let before = values(model)?;
+        let mut amounts = Vec::new();
+        for &seconds in self.amounts {
+            let part = pool.first(seconds);
+            // A little less is what a recording's last sample costs.
+            if part.seconds() < 0.95 * seconds {
+                continue;
+            }
+            let file = match tuned(&part) {
+                Ok(file) => file,
+                // A few seconds may have no change to learn from.
+                Err(PersonalizeError::NoChange) => continue,
+                Err(error) => return Err(error),
+            };
+            let ruled = match part.divided() {
+                _ if !self.with_rule => None,
+                Err(_) => Some(Outcome::Refused),
+                Ok((first, held_back)) => {
+                    let file = tuned(&first)?;
+                    let [old, new] = [model, &file].map(|file| judge("", file, &held_back));
+                    Some(if not_worse(&old?, &new?) {
+                        Outcome::Written(values(&file)?)
+                    } else {
+                        Outcome::Kept
+                    })
+                }
+            };
+            amounts.push(Amount {
+                seconds,
+                tuned: values(&file)?,
+                ruled,
+            });
+        }
+        Ok(Measured {
+            subject: person.subject().to_owned(),
+            judged_seconds: judged.seconds(),
+            before,
+            amounts,
+        })
+    }
+
+    /// What a person's values depend on.
+    fn made_from(&self, model: &[u8], whole: &Part<'_>) -> Fingerprint {
+        let recordings: Vec<_> = whole
+            .trials()
+            .into_iter()
+            .map(|trial| {
+                let samples = trial.raw.iter().flatten();
+                let samples: Vec<u8> = samples.map(|value| value.cast_unsigned()).collect();
+                let labels = trial.lag_compensated.iter();
+                let labels: Vec<u8> = labels
+                    .map(|label| label.map_or(u8::MAX, |intent| intent as u8))
+                    .collect();
+                [samples, labels].map(|bytes| Fingerprint::of_bytes(&bytes))
+            })
+            .collect();
+        let model = Fingerprint::of_bytes(model);
+        Fingerprint::of(&(
+            model,
+            recordings,
+            self.amounts,
+            self.settings,
+            self.with_rule,
+        ))
+    }
+}
+
+fn values(score: &Score) -> Values {
+    MEASURES.map(|measure| measure.mean(score).map(|own| own.mean))
+}
+
+/// Why a person could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum MeasurementError {
+    /// The model is refused, the training diverged or the user interrupted.
+    #[error(transparent)]
+    Personalize(#[from] PersonalizeError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl MeasurementError {
+    /// Whether the user interrupted.
+    pub(crate) const fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Personalize(error) if error.is_interrupt())
+    }
+}

@@ -1,0 +1,7 @@
+//! What tuning a model on a person's own recordings gains, by their duration: people whom the model has never seen.
+
+mod measurement;
+mod tables;
+
+pub(crate) use measurement::{Measured, Measurement, MeasurementError};
+pub(crate) use tables::{curve, people, rule};

@@ -1,0 +1,176 @@
+//! Tables of the measurement.
+
+use myointent::evaluation::{Difference, Measure};
+use myointent::report::Table;
+
+use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
+
+/// The gain of tuning on each amount, paired over people: by data set, and over all.
+pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
+    let caption = "Tuned less shipped, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell";
+    let names = MEASURES.iter().map(|measure| measure.name().to_owned());
+    let header = ["recordings", "seconds", "n"]
+        .map(str::to_owned)
+        .into_iter();
+    let worse = ["balanced worse", "TA worse"].map(str::to_owned);
+    let mut table = Table::new(caption, header.chain(names).chain(worse));
+    for set in sets(people) {
+        for &seconds in amounts {
+            let own = rows(people, &set, seconds);
+            let pairs: Vec<(&str, Values, Values)> = own
+                .iter()
+                .map(|(person, amount)| (&person.subject[..], person.before, amount.tuned))
+                .collect();
+            push(&mut table, [set.clone(), format!("{seconds}")], &pairs);
+        }
+    }
+    table
+}
+
+/// The same for what `personalize` writes: the old model where it keeps or refuses.
+pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
+    let caption = "What personalize leaves less shipped, on a part that it has not seen; refused: too short to hold a third back; kept: the old model";
+    let names = MEASURES.iter().map(|measure| measure.name().to_owned());
+    let header = ["recordings", "seconds", "n"]
+        .map(str::to_owned)
+        .into_iter();
+    let more = ["balanced worse", "TA worse", "refused", "kept"].map(str::to_owned);
+    let mut table = Table::new(caption, header.chain(names).chain(more));
+    for set in sets(people) {
+        for &seconds in amounts {
+            let mut own = rows(people, &set, seconds);
+            own.retain(|(_, amount)| amount.ruled.is_some());
+            let count = |wanted: fn(&Outcome) -> bool| {
+                let outcomes = own.iter().filter_map(|(_, amount)| amount.ruled.as_ref());
+                outcomes
+                    .filter(|outcome| wanted(outcome))
+                    .count()
+                    .to_string()
+            };
+            let pairs: Vec<(&str, Values, Values)> = own
+                .iter()
+                .map(|(person, amount)| {
+                    let after = match amount.ruled {
+                        Some(Outcome::Written(values)) => values,
+                        _ => person.before,
+                    };
+                    (&person.subject[..], person.before, after)
+                })
+                .collect();
+            push(&mut table, [set.clone(), format!("{seconds}")], &pairs);
+            if let Some(row) = table.rows.last_mut().filter(|_| !pairs.is_empty()) {
+                row.push(count(|outcome| matches!(outcome, Outcome::Refused)));
+                row.push(count(|outcome| matches!(outcome, Outcome::Kept)));
+            }
+        }
+    }
+    table
+}
+
+/// A row for each person and amount.
+pub(crate) fn people(people: &[Measured]) -> Table {
+    let of = |what: &'static str| {
+        let name = move |measure: &Measure| format!("{what} {}", measure.name());
+        MEASURES.iter().map(name)
+    };
+    let start = ["subject", "judged seconds", "seconds", "outcome"].map(str::to_owned);
+    let header = start.into_iter();
+    let header = header
+        .chain(of("before"))
+        .chain(of("tuned"))
+        .chain(of("written"));
+    let mut table = Table::new("", header);
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
+    for person in people {
+        for amount in &person.amounts {
+            let (outcome, written) = match amount.ruled {
+                None => ("", [None; MEASURES.len()]),
+                Some(Outcome::Refused) => ("refused", person.before),
+                Some(Outcome::Kept) => ("kept", person.before),
+                Some(Outcome::Written(values)) => ("written", values),
+            };
+            let start = [
+                person.subject.clone(),
+                format!("{:.1}", person.judged_seconds),
+                amount.seconds.to_string(),
+                outcome.to_owned(),
+            ];
+            let values = [person.before, amount.tuned, written];
+            table.push(
+                start
+                    .into_iter()
+                    .chain(values.into_iter().flatten().map(cell)),
+            );
+        }
+    }
+    table
+}
+
+/// Data sets of the people, then all.
+fn sets(people: &[Measured]) -> Vec<String> {
+    let mut sets: Vec<String> = people
+        .iter()
+        .filter_map(|person| Some(person.subject.split_once('/')?.0.to_owned()))
+        .collect();
+    sets.sort_unstable();
+    sets.dedup();
+    sets.push("all".to_owned());
+    sets
+}
+
+/// The people of a set who have this amount.
+fn rows<'m>(people: &'m [Measured], set: &str, seconds: f64) -> Vec<(&'m Measured, &'m Amount)> {
+    let inside = |person: &&Measured| {
+        set == "all"
+            || person
+                .subject
+                .split_once('/')
+                .is_some_and(|own| own.0 == set)
+    };
+    let own = people.iter().filter(inside);
+    own.filter_map(|person| {
+        let mut amounts = person.amounts.iter();
+        Some((person, amounts.find(|own| own.seconds == seconds)?))
+    })
+    .collect()
+}
+
+/// A row of differences, after less before, unless there is nobody.
+fn push<'p>(table: &mut Table, start: [String; 2], pairs: &[(&'p str, Values, Values)]) {
+    if pairs.is_empty() {
+        return;
+    }
+    let side = |at: usize, after: bool| -> Vec<(&'p str, f64)> {
+        let value = |&(who, ref old, ref new): &(&'p str, Values, Values)| {
+            let values = if after { new } else { old };
+            Some((who, values[at]?))
+        };
+        pairs.iter().filter_map(value).collect()
+    };
+    let shown = |at: usize| match Difference::paired(&side(at, true), &side(at, false)) {
+        None => String::new(),
+        Some(own) => {
+            let mean = own.mean.mean;
+            let interval = own.interval.map_or_else(String::new, |interval| {
+                format!(" [{:+.3}, {:+.3}]", interval.low, interval.high)
+            });
+            let mark = if own.is_shown() { " *" } else { "" };
+            format!("{mean:+.3}{interval}{mark}")
+        }
+    };
+    let worse = |at: usize| {
+        let both = pairs
+            .iter()
+            .filter_map(|(_, old, new)| Some((old[at]?, new[at]?)));
+        let both: Vec<_> = both.collect();
+        let fell = both.iter().filter(|(old, new)| new < old).count();
+        if both.is_empty() {
+            String::new()
+        } else {
+            format!("{fell} of {}", both.len())
+        }
+    };
+    let cells = (0..MEASURES.len()).map(shown).chain([worse(0), worse(1)]);
+    let count = [pairs.len().to_string()];
+    table.push(start.into_iter().chain(count).chain(cells));
+}

@@ -1,0 +1,115 @@
+//! `myointent personalize`: a model file tuned on one person's recordings.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use clap::Args;
+use thiserror::Error;
+
+use crate::cli::arguments::{BackendArguments, every_recording};
+use crate::execution::bounded_read;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::progress;
+use crate::execution::run_folder::write_whole;
+use crate::report::personalization::table;
+use crate::run::personalize::{TuningSettings, personalize};
+
+/// Arguments of `personalize`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A few minutes of rest and of each gesture in turn, with labels, are enough; docs/personalization.md says what they gain.\n\
+    The last third of the recordings is held back: both models are judged on it as `evaluate --model` does. The new file is written\n\
+    only if neither balanced accuracy nor transition accuracy nor the share of gestures recognised is lower there; otherwise\n\
+    nothing is written and the exit code is 3: go on with the old file.\n\n\
+    Example:\n  myointent personalize --model models/three-class.intent --data MINE --out mine.intent"
+)]
+pub struct Arguments {
+    /// Model file to start from.
+    #[arg(long, value_name = "FILE.intent")]
+    model: PathBuf,
+    /// Folder of the person's labelled recordings.
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Model file to write; there must be none of this name.
+    #[arg(long, value_name = "FILE.intent")]
+    out: PathBuf,
+    /// Whose recordings, as data-set/subject or subject alone; needed if the folder has those of several people.
+    #[arg(long, value_name = "NAME")]
+    subject: Option<String>,
+    /// Seed of all draws: the same one gives the same file.
+    #[arg(long, default_value_t = TuningSettings::default().seed)]
+    seed: u64,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// The new model was not written.
+#[derive(Debug, Error)]
+pub(super) enum NotWritten {
+    /// There is a file of that name.
+    #[error("{path} exists already: give another name with --out, or remove it")]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is worse than the old one.
+    #[error(
+        "the tuned model is worse than {model} on the part held back: nothing was written, go on with {model}; more recordings may help"
+    )]
+    Worse {
+        /// The old model file.
+        model: PathBuf,
+    },
+}
+
+/// Exit code if the old model is kept.
+pub(super) const KEPT: u8 = 3;
+
+/// Tunes the model, judges it, and writes it unless it is worse.
+///
+/// # Errors
+/// When the model or the recordings are refused, there is a file already, the new model is worse or the user interrupts.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let (path, out) = (&arguments.model, &arguments.out);
+    if out.exists() {
+        return Err(NotWritten::Exists { path: out.clone() }.into());
+    }
+    let bytes = bounded_read::read(path, bounded_read::MODEL)
+        .with_context(|| path.display().to_string())?;
+    let library = every_recording(&arguments.data, arguments.strict)?;
+    let settings = TuningSettings {
+        seed: arguments.seed,
+        ..TuningSettings::default()
+    };
+    let done = personalize(
+        &bytes,
+        &library,
+        arguments.subject.as_deref(),
+        &settings,
+        &arguments.backend.device(),
+        &Interrupt::listen(),
+    )?;
+    if done.seen_before {
+        progress::log(&format!(
+            "warning: the model was trained on {} already: it scores too well before, so that tuning seems to gain less",
+            done.subject
+        ));
+    }
+    let caption = format!(
+        "{} on the {:.0} s held back, tuned on {:.0} s",
+        done.subject, done.judged_seconds, done.tuned_seconds
+    );
+    let mut stdout = std::io::stdout().lock();
+    writeln!(stdout, "{}", table(&caption, &done.scores).plain())?;
+    if !done.is_not_worse() {
+        let model = path.clone();
+        return Err(NotWritten::Worse { model }.into());
+    }
+    write_whole(out, &done.bytes)?;
+    writeln!(stdout, "{} ({} bytes)", out.display(), done.bytes.len())?;
+    Ok(())
+}

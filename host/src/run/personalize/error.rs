@@ -1,0 +1,107 @@
+//! Why a model cannot be tuned on a person's recordings.
+
+use shared::model::file::ModelError;
+use thiserror::Error;
+
+use crate::evaluation::EvaluationError;
+use crate::execution::run_folder::RunError;
+use crate::run::StepError;
+
+/// Why a model cannot be tuned on a person's recordings.
+#[derive(Debug, Error)]
+pub enum PersonalizeError {
+    /// The recordings are of several people.
+    #[error("the recordings are of {}: say whose the model shall be with --subject", .found.join(", "))]
+    SeveralPeople {
+        /// The people.
+        found: Vec<String>,
+    },
+    /// Nobody has this name.
+    #[error("no recording of {wanted}; there are recordings of {}", .found.join(", "))]
+    UnknownPerson {
+        /// The name given.
+        wanted: String,
+        /// The people.
+        found: Vec<String>,
+    },
+    /// The recordings have no labels.
+    #[error(
+        "no recording of {subject} has a label: record with cues, or give a folder in a layout with labels (docs/recordings.md)"
+    )]
+    NoLabels {
+        /// The person.
+        subject: String,
+    },
+    /// The labels are of other gestures than the model's.
+    #[error(
+        "the model tells {} apart, the recordings have {} alone: give a model of these gestures",
+        .expected.join(", "),
+        .found.join(", ")
+    )]
+    Vocabulary {
+        /// The model's classes.
+        expected: Vec<&'static str>,
+        /// Classes of the recordings.
+        found: Vec<&'static str>,
+    },
+    /// A class of the model is never made.
+    #[error(
+        "no recording has {missing}, which the model would unlearn: record each of {} several times",
+        .expected.join(", ")
+    )]
+    MissingClass {
+        /// The class.
+        missing: &'static str,
+        /// The model's classes.
+        expected: Vec<&'static str>,
+    },
+    /// A part of the recordings has too little of a class.
+    #[error(
+        "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; two thirds are tuned on, the rest is held back, so record each gesture {} times or more",
+        3 * .expected
+    )]
+    TooShort {
+        /// What the part is for.
+        part: &'static str,
+        /// The class.
+        class: &'static str,
+        /// How often it has to be there.
+        expected: usize,
+        /// How often it is.
+        found: usize,
+    },
+    /// The recordings have nothing to be joined from.
+    #[error(
+        "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
+    )]
+    NoChange,
+    /// The user interrupted.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+    /// The model file is invalid, or of a format that this program does not read.
+    #[error("the model file is refused")]
+    Model(#[from] ModelError),
+    /// The tuned weights make no model file.
+    #[error("the tuned weights make no model file; nothing was written")]
+    Tuned(#[source] ModelError),
+    /// The training diverged.
+    #[error(transparent)]
+    Training(RunError),
+    /// The models cannot be judged.
+    #[error(transparent)]
+    Judgement(#[from] StepError),
+}
+
+impl From<EvaluationError> for PersonalizeError {
+    fn from(error: EvaluationError) -> Self {
+        Self::Judgement(error.into())
+    }
+}
+
+impl PersonalizeError {
+    /// Whether the user interrupted.
+    #[must_use]
+    pub const fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Interrupted)
+    }
+}

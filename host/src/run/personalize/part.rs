@@ -1,0 +1,232 @@
+//! Parts of a person's recordings: what is tuned on, and what is held back.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use shared::intent::Intent;
+use shared::units::{SAMPLE_RATE_HZ, WINDOW};
+
+use super::error::PersonalizeError;
+use super::person::Person;
+use crate::dataset::{Movement, Recording, runs};
+use crate::evaluation::Trial;
+
+/// Share that is held back: one over this.
+const HELD_BACK: usize = 3;
+/// Samples between what is tuned on and what is held back of one recording: a window, all that a model remembers.
+const GAP: usize = WINDOW;
+/// How often each class has to be in either part.
+const FEWEST: usize = 2;
+
+/// Samples of one recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Piece {
+    /// Place of the recording.
+    recording: usize,
+    range: Range<usize>,
+}
+
+/// Pieces of a person's recordings, in order.
+#[derive(Clone)]
+pub struct Part<'p> {
+    person: &'p Person,
+    pieces: Vec<Piece>,
+}
+
+impl Person {
+    /// All of the recordings.
+    #[must_use]
+    pub fn whole(&self) -> Part<'_> {
+        let all = self.recordings.iter().enumerate();
+        let pieces = all.map(|(at, own)| Piece {
+            recording: at,
+            range: 0..own.recording.labels.len(),
+        });
+        Part::new(self, pieces.collect())
+    }
+}
+
+impl<'p> Part<'p> {
+    fn new(person: &'p Person, mut pieces: Vec<Piece>) -> Self {
+        pieces.sort_by_key(|piece| (piece.recording, piece.range.start));
+        pieces.retain(|piece| !piece.range.is_empty());
+        Self { person, pieces }
+    }
+
+    /// The person.
+    pub(super) const fn person(&self) -> &'p Person {
+        self.person
+    }
+
+    /// Seconds of it.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        let samples: usize = self.pieces.iter().map(|piece| piece.range.len()).sum();
+        samples as f64 / f64::from(SAMPLE_RATE_HZ)
+    }
+
+    /// The part to tune on, and the part to hold back.
+    ///
+    /// Pieces with the same gestures are divided together. The last ones are held back, as few of them as make three tenths
+    /// of the time, so that of three of about the same length it is one: they were recorded after those that are tuned on. Where there is one alone, its last third is held back,
+    /// less a window of 3 s between the two.
+    ///
+    /// # Errors
+    /// [`PersonalizeError::TooShort`] if either part has a class of the model fewer than twice.
+    pub fn divided(&self) -> Result<(Self, Self), PersonalizeError> {
+        let (mut tuned, mut judged) = (Vec::new(), Vec::new());
+        for pieces in self.by_gestures().into_values() {
+            if let [only] = pieces[..] {
+                let Range { start, end } = only.range;
+                let cut = end - only.range.len() / HELD_BACK;
+                tuned.push(only.with(start..cut));
+                judged.push(only.with((cut + GAP).min(end)..end));
+                continue;
+            }
+            let total: usize = pieces.iter().map(|piece| piece.range.len()).sum();
+            let mut held = 0;
+            for (at, piece) in pieces.iter().enumerate().rev() {
+                let side = if at > 0 && 10 * held < 3 * total {
+                    held += piece.range.len();
+                    &mut judged
+                } else {
+                    &mut tuned
+                };
+                side.push((*piece).clone());
+            }
+        }
+        let (tuned, judged) = (
+            Self::new(self.person, tuned),
+            Self::new(self.person, judged),
+        );
+        tuned.refuse_too_short("tuned on")?;
+        judged.refuse_too_short("held back")?;
+        Ok((tuned, judged))
+    }
+
+    /// The first seconds of it, of pieces with different gestures the same time each, as far as they have it. Pieces
+    /// without a gesture of the model are left out.
+    #[must_use]
+    pub fn first(&self, seconds: f64) -> Self {
+        let mut kinds = self.by_gestures();
+        kinds.retain(|gestures, _| !gestures.is_empty());
+        let mut kinds: Vec<Vec<&Piece>> = kinds.into_values().collect();
+        let time = |pieces: &[&Piece]| pieces.iter().map(|piece| piece.range.len()).sum::<usize>();
+        // The shortest first: what it does not have is shared by the others.
+        kinds.sort_by_key(|pieces| time(pieces));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a time of minutes"
+        )]
+        let mut left = (seconds * f64::from(SAMPLE_RATE_HZ)) as usize;
+        let mut first = Vec::new();
+        let count = kinds.len();
+        for (at, pieces) in kinds.into_iter().enumerate() {
+            let mut own = left / (count - at);
+            for piece in pieces {
+                let taken = own.min(piece.range.len());
+                first.push(piece.with(piece.range.start..piece.range.start + taken));
+                own -= taken;
+                left -= taken;
+            }
+        }
+        Self::new(self.person, first)
+    }
+
+    /// The recordings with the labels of this part alone, as they are evaluated: a model sees what comes before.
+    #[must_use]
+    pub fn trials(&self) -> Vec<Trial> {
+        let mut trials: Vec<Trial> = Vec::new();
+        for (at, own) in self.person.recordings.iter().enumerate() {
+            let pieces = || self.pieces.iter().filter(|piece| piece.recording == at);
+            if pieces().next().is_none() {
+                continue;
+            }
+            let mut trial = own.trial.clone();
+            let inside = |sample: usize| pieces().any(|piece| piece.range.contains(&sample));
+            for (sample, label) in trial.lag_compensated.iter_mut().enumerate() {
+                *label = label.filter(|_| inside(sample));
+            }
+            let cuts = pieces().map(|piece| piece.cut(&own.trial.other_movement, 0));
+            trial.other_movement = cuts.flatten().collect();
+            trial.published = None;
+            trials.push(trial);
+        }
+        trials
+    }
+
+    /// The pieces as recordings of their own.
+    pub(super) fn recordings(&self) -> Vec<Recording> {
+        let cut = |piece: &Piece| {
+            let own = &self.person.recordings[piece.recording].recording;
+            Recording {
+                samples: own.samples[piece.range.clone()].to_vec(),
+                labels: own.labels[piece.range.clone()].to_vec(),
+                other_movement: piece.cut(&own.other_movement, piece.range.start),
+                ..own.clone()
+            }
+        };
+        self.pieces.iter().map(cut).collect()
+    }
+
+    /// The pieces by the gestures in them.
+    fn by_gestures(&self) -> BTreeMap<BTreeSet<Intent>, Vec<&Piece>> {
+        let mut kinds: BTreeMap<BTreeSet<Intent>, Vec<&Piece>> = BTreeMap::new();
+        for piece in &self.pieces {
+            let labels = self.labels(piece).iter().copied().flatten();
+            let gestures = labels.filter(|&intent| intent != Intent::Relax).collect();
+            kinds.entry(gestures).or_default().push(piece);
+        }
+        kinds
+    }
+
+    fn labels(&self, piece: &Piece) -> &'p [Option<Intent>] {
+        &self.person.recordings[piece.recording].recording.labels[piece.range.clone()]
+    }
+
+    /// Refuses a part that has a class of the model too seldom.
+    fn refuse_too_short(&self, part: &'static str) -> Result<(), PersonalizeError> {
+        for intent in self.person.vocabulary.intents() {
+            let pieces = self.pieces.iter();
+            let of = |piece: &Piece| {
+                let all = runs(self.labels(piece)).into_iter();
+                all.filter(|run| run.label == Some(*intent)).count()
+            };
+            let found = pieces.map(of).sum();
+            if found < FEWEST {
+                return Err(PersonalizeError::TooShort {
+                    part,
+                    class: intent.name(),
+                    expected: FEWEST,
+                    found,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Piece {
+    /// Other samples of the same recording.
+    const fn with(&self, range: Range<usize>) -> Self {
+        Self {
+            recording: self.recording,
+            range,
+        }
+    }
+
+    /// What of movements is in it, counted from a sample.
+    fn cut(&self, movements: &[Movement], origin: usize) -> Vec<Movement> {
+        let Range { start, end } = self.range;
+        let inside = |movement: &Movement| {
+            let Range {
+                start: from,
+                end: to,
+            } = movement.samples;
+            let [from, to] = [from, to].map(|at| at.clamp(start, end) - origin);
+            (from < to).then(|| Movement::new(movement.kind, from..to))
+        };
+        movements.iter().filter_map(inside).collect()
+    }
+}

@@ -1,0 +1,155 @@
+//! A person's recordings as a model sees them.
+
+use shared::intent::{Intent, Vocabulary};
+use shared::model::file::Header;
+use shared::units::Sample;
+
+use super::error::PersonalizeError;
+use crate::dataset::{DataSet, Library, Recording};
+use crate::evaluation::Trial;
+use crate::run::model_evaluation::lags;
+use crate::run::trials::trial;
+
+/// One recording, in both forms that are needed.
+pub(super) struct Own {
+    /// Samples as the model's input before preprocessing; labels in its vocabulary, lag-compensated; other movement is all
+    /// outside the vocabulary.
+    pub(super) recording: Recording,
+    /// As it is evaluated.
+    pub(super) trial: Trial,
+}
+
+/// A person's labelled recordings, in path order, as a model sees them: in its vocabulary, normalized to the wearer or not,
+/// labels compensated for their lag.
+///
+/// The lag is estimated on all of the person's recordings, as `evaluate --model` does: one number, which the part held
+/// back decides too.
+pub struct Person {
+    subject: String,
+    pub(super) vocabulary: Vocabulary,
+    pub(super) data_set: DataSet,
+    pub(super) recordings: Vec<Own>,
+    outside: Vec<&'static str>,
+}
+
+impl Person {
+    /// The recordings of a person (`data-set/subject`, or the part after the slash); without a name those of the only one.
+    ///
+    /// # Errors
+    /// When there are several people or none of this name, no labels, or none of a class of the model.
+    pub fn new(
+        library: &Library,
+        subject: Option<&str>,
+        model: &Header<'_>,
+    ) -> Result<Self, PersonalizeError> {
+        let subject = person(library, subject)?;
+        let vocabulary = model.dimensions.vocabulary;
+        let own = || {
+            let recordings = library.recordings.iter();
+            recordings.filter(|recording| recording.subject == subject)
+        };
+        let names = |wanted: &dyn Fn(Intent) -> bool| -> Vec<&'static str> {
+            let present =
+                |intent: &Intent| own().any(|recording| recording.labels.contains(&Some(*intent)));
+            let all = Intent::ALL.into_iter();
+            all.filter(|&intent| wanted(intent))
+                .filter(present)
+                .map(Intent::name)
+                .collect()
+        };
+        let found = names(&|_| true);
+        if found.is_empty() {
+            return Err(PersonalizeError::NoLabels { subject });
+        }
+        let expected: Vec<&'static str> = vocabulary
+            .intents()
+            .iter()
+            .map(|intent| intent.name())
+            .collect();
+        let gestures = &expected[1..];
+        if !found.iter().any(|name| gestures.contains(name)) {
+            return Err(PersonalizeError::Vocabulary { expected, found });
+        }
+        if let Some(&missing) = expected.iter().find(|name| !found.contains(name)) {
+            return Err(PersonalizeError::MissingClass { missing, expected });
+        }
+        let used: Vec<&Recording> = own()
+            .filter(|recording| recording.can_be_evaluated(vocabulary))
+            .collect();
+        let Some(data_set) = used.first().map(|recording| recording.data_set) else {
+            return Err(PersonalizeError::NoLabels { subject });
+        };
+        let lag = lags(&used)[&data_set];
+        let recordings = used
+            .into_iter()
+            .map(|recording| as_seen(recording, vocabulary, model.normalized, lag))
+            .collect();
+        let outside = names(&|intent| !vocabulary.contains(intent));
+        Ok(Self {
+            subject,
+            vocabulary,
+            data_set,
+            recordings,
+            outside,
+        })
+    }
+
+    /// The person, as `data-set/subject`.
+    #[must_use]
+    pub fn subject(&self) -> &str {
+        &self.subject
+    }
+
+    /// Gestures in the recordings that the model does not have.
+    #[must_use]
+    pub fn outside(&self) -> &[&'static str] {
+        &self.outside
+    }
+}
+
+/// A recording as the model sees it.
+fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag: usize) -> Own {
+    let align = |samples: &mut Vec<Sample>| recording.data_set.align(samples);
+    let trial = trial(recording, align, vocabulary, lag);
+    let mut samples = if normalized {
+        recording.normalized_samples()
+    } else {
+        recording.samples.clone()
+    };
+    align(&mut samples);
+    Own {
+        recording: Recording {
+            labels: trial.lag_compensated.clone(),
+            other_movement: trial.other_movement.clone(),
+            samples,
+            ..recording.clone()
+        },
+        trial,
+    }
+}
+
+/// The person of that name.
+fn person(library: &Library, wanted: Option<&str>) -> Result<String, PersonalizeError> {
+    let found = library.subjects();
+    let Some(wanted) = wanted else {
+        return match <[String; 1]>::try_from(found) {
+            Ok([only]) => Ok(only),
+            Err(found) => Err(PersonalizeError::SeveralPeople { found }),
+        };
+    };
+    let named = |subject: &&String| {
+        let after = subject.split_once('/').map(|(_, name)| name);
+        *subject == wanted || after == Some(wanted)
+    };
+    let all: Vec<&String> = found.iter().filter(named).collect();
+    match all[..] {
+        [only] => Ok(only.clone()),
+        [] => Err(PersonalizeError::UnknownPerson {
+            wanted: wanted.to_owned(),
+            found,
+        }),
+        _ => Err(PersonalizeError::SeveralPeople {
+            found: all.into_iter().cloned().collect(),
+        }),
+    }
+}

@@ -1,0 +1,239 @@
+//! What is tuned on and held back, what is refused, and what a tuned file keeps.
+
+use rayon::ThreadPoolBuilder;
+use shared::intent::{Intent, Vocabulary};
+use shared::model::dimensions::Dimensions;
+use shared::model::file::random::random_model;
+use shared::model::file::{Model, ModelParts};
+use shared::units::WINDOW;
+
+use super::*;
+use crate::dataset::synthetic::{self, SynthOptions};
+use crate::dataset::{DataSet, Recording};
+
+const R: Option<Intent> = Some(Intent::Relax);
+const O: Option<Intent> = Some(Intent::Open);
+const C: Option<Intent> = Some(Intent::Close);
+
+/// A small model, as quick to tune as one can be.
+fn parts(vocabulary: Vocabulary) -> ModelParts {
+    let dimensions = Dimensions {
+        width: 16,
+        layers: 1,
+        span: 8,
+        vocabulary,
+        other: false,
+    };
+    let mut parts = random_model(dimensions, 5);
+    parts.provenance.subjects_seen = vec!["roshambo/01".to_owned()];
+    parts.provenance.subjects_left_out = vec!["wang-myo/p".to_owned(), "roshambo/02".to_owned()];
+    parts.provenance.data_sets = vec!["roshambo".to_owned()];
+    parts
+}
+
+fn file() -> Vec<u8> {
+    parts(Vocabulary::Three).to_bytes().unwrap()
+}
+
+/// A recording of runs of labels; its set has no lag.
+fn recording(runs: &[(Option<Intent>, usize)]) -> Recording {
+    let labels: Vec<_> = runs
+        .iter()
+        .flat_map(|&(label, samples)| std::iter::repeat_n(label, samples))
+        .collect();
+    let sample = |(at, label): (usize, &Option<Intent>)| {
+        let gain = label.map_or(9, |intent| 4 + 20 * intent as i8);
+        [if at % 2 == 0 { gain } else { -gain }; 8]
+    };
+    let samples = labels.iter().enumerate().map(sample).collect();
+    Recording::new(DataSet::WangMyo, "wang-myo/p", samples, labels)
+}
+
+fn library(recordings: impl IntoIterator<Item = Recording>) -> Library {
+    Library {
+        recordings: recordings.into_iter().collect(),
+        ..Library::default()
+    }
+}
+
+fn person(library: &Library, subject: Option<&str>) -> Result<Person, PersonalizeError> {
+    let file = file();
+    Person::new(library, subject, &Model::parse(&file).unwrap().header)
+}
+
+/// Rest and both gestures in turn, so often.
+fn turns(times: usize) -> Recording {
+    recording(&[(R, 400), (O, 400), (R, 400), (C, 400)].repeat(times))
+}
+
+/// Numbers of the samples of each recording that have a label in a part.
+fn labelled(part: &Part<'_>) -> Vec<(usize, usize)> {
+    let span = |trial: &crate::evaluation::Trial| {
+        let labels = &trial.lag_compensated;
+        let first = labels.iter().position(Option::is_some).unwrap();
+        let last = labels.iter().rposition(Option::is_some).unwrap();
+        (first, last + 1)
+    };
+    part.trials().iter().map(span).collect()
+}
+
+#[test]
+fn whole_recordings_are_held_back_and_they_are_the_last_ones() {
+    let library = library([turns(2), turns(2), turns(2), turns(3), turns(2)]);
+    let person = person(&library, None).unwrap();
+    let (tuned, judged) = person.whole().divided().unwrap();
+    let (short, long) = (2 * 1600, 3 * 1600);
+    assert_eq!(labelled(&tuned), [(0, short); 3]);
+    assert_eq!(labelled(&judged), [(0, long), (0, short)]);
+    assert_eq!(tuned.seconds(), 3.0 * short as f64 / 200.0);
+}
+
+#[test]
+fn a_single_recording_is_cut_with_a_window_between_the_parts() {
+    let library = library([turns(9)]);
+    let person = person(&library, None).unwrap();
+    let (tuned, judged) = person.whole().divided().unwrap();
+    let [(0, cut)] = labelled(&tuned)[..] else {
+        panic!("{:?}", labelled(&tuned));
+    };
+    assert_eq!(cut, 9 * 1600 * 2 / 3);
+    assert_eq!(labelled(&judged), [(cut + WINDOW, 9 * 1600)]);
+}
+
+#[test]
+fn recordings_of_one_gesture_are_divided_gesture_by_gesture() {
+    let of = |label| recording(&[(R, 400), (label, 400)].repeat(8));
+    let library = library([of(O), of(O), of(O), of(C)]);
+    let person = person(&library, None).unwrap();
+    let (tuned, judged) = person.whole().divided().unwrap();
+    let cut = 6400 - 6400 / 3;
+    assert_eq!(labelled(&tuned), [(0, 6400), (0, 6400), (0, cut)]);
+    assert_eq!(labelled(&judged), [(0, 6400), (cut + WINDOW, 6400)]);
+    // The first seconds have the same time of either gesture, as far as there is.
+    assert_eq!(labelled(&tuned.first(20.0)), [(0, 2000), (0, 2000)]);
+    let most = (cut + 6400 + 600) as f64 / 200.0;
+    assert_eq!(
+        labelled(&tuned.first(most)),
+        [(0, 6400), (0, 600), (0, cut)]
+    );
+}
+
+#[test]
+fn what_cannot_teach_is_refused_by_name() {
+    let refused = |recordings: Vec<Recording>, subject: Option<&str>| {
+        let library = library(recordings);
+        let person = match person(&library, subject) {
+            Ok(person) => person,
+            Err(error) => return error,
+        };
+        person.whole().divided().err().unwrap()
+    };
+    let other = Recording {
+        subject: "wang-myo/q".to_owned(),
+        ..turns(9)
+    };
+    let several = refused(vec![turns(9), other.clone()], None);
+    assert!(matches!(several, PersonalizeError::SeveralPeople { found } if found.len() == 2));
+    let unknown = refused(vec![turns(9), other], Some("x"));
+    assert!(matches!(unknown, PersonalizeError::UnknownPerson { .. }));
+    let unlabelled = refused(vec![recording(&[(None, 900)])], None);
+    assert!(matches!(unlabelled, PersonalizeError::NoLabels { .. }));
+    let rest_and_open = recording(&[(R, 400), (O, 400)].repeat(9));
+    let missing = refused(vec![rest_and_open], None);
+    assert!(matches!(
+        missing,
+        PersonalizeError::MissingClass {
+            missing: "close",
+            ..
+        }
+    ));
+    let waves = recording(&[(R, 400), (Some(Intent::WaveIn), 400)].repeat(9));
+    let vocabulary = refused(vec![waves], None);
+    assert!(matches!(vocabulary, PersonalizeError::Vocabulary { .. }));
+    // The part held back has one opening.
+    let short = refused(vec![turns(3)], None);
+    let PersonalizeError::TooShort { part, found, .. } = short else {
+        panic!("{short}");
+    };
+    assert_eq!((part, found), ("held back", 1));
+}
+
+#[test]
+fn a_person_is_named_with_or_without_the_data_set() {
+    let other = Recording {
+        subject: "wang-myo/q".to_owned(),
+        ..turns(9)
+    };
+    let library = library([turns(9), other]);
+    for name in ["q", "wang-myo/q"] {
+        let found = person(&library, Some(name)).unwrap();
+        assert_eq!(found.subject(), "wang-myo/q");
+    }
+}
+
+/// Recordings of one synthetic person.
+fn synthetic() -> Library {
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 3,
+        seconds: 40,
+        ..SynthOptions::default()
+    };
+    library(synthetic::generate(&options))
+}
+
+const SETTINGS: fn() -> TuningSettings = || TuningSettings {
+    steps: 6,
+    batch: 4,
+    ..TuningSettings::default()
+};
+
+fn tuned(settings: &TuningSettings) -> Personalized {
+    let device = Device::default().autodiff();
+    let interrupt = Interrupt::default();
+    personalize(&file(), &synthetic(), None, settings, &device, &interrupt).unwrap()
+}
+
+#[test]
+fn a_tuned_file_keeps_all_but_the_weights_and_says_whom_it_saw() {
+    let done = tuned(&SETTINGS());
+    let (old, new) = (file(), &done.bytes);
+    let [old, new] = [&old, new].map(|bytes| Model::parse(bytes).unwrap().to_parts());
+    assert_ne!(new.head, old.head);
+    assert_eq!(new.smoother, old.smoother);
+    assert_eq!(new.template, old.template);
+    assert!(new.template.is_some());
+    assert_eq!(
+        (new.dimensions, new.normalized),
+        (old.dimensions, old.normalized)
+    );
+    let provenance = &new.provenance;
+    assert_eq!(provenance.subjects_seen, ["roshambo/01", "synthetic/s1"]);
+    assert_eq!(provenance.data_sets, ["roshambo", "synthetic"]);
+    assert_eq!(provenance.subjects_left_out, ["wang-myo/p", "roshambo/02"]);
+    assert!(!done.seen_before);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_file_with_any_number_of_threads() {
+    let with = |threads, seed| {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let settings = TuningSettings { seed, ..SETTINGS() };
+        pool.install(|| tuned(&settings).bytes)
+    };
+    let one = with(1, 42);
+    assert!(one == with(3, 42));
+    assert!(one != with(1, 43));
+}
+
+#[test]
+fn an_interrupt_stops_the_tuning() {
+    let device = Device::default().autodiff();
+    let interrupt = Interrupt::at_once();
+    let settings = SETTINGS();
+    let stopped = personalize(&file(), &synthetic(), None, &settings, &device, &interrupt);
+    assert!(stopped.unwrap_err().is_interrupt());
+}

@@ -1,0 +1,35 @@
+//! Fine-tuning of a small model on few recordings: one pass of steps, no files, no choice of a checkpoint.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::epoch::Epoch;
+use super::fit::TrainConfig;
+use super::learner::Learner;
+use super::optimizer::optimizer;
+use super::schedule::LearningRate;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::run_folder::RunError;
+
+/// The model after the steps of one epoch; none if the user interrupts.
+///
+/// # Errors
+/// When a loss is infinite or no number.
+pub(crate) fn tune<L: Learner>(
+    learner: &L,
+    model: L::Model,
+    config: TrainConfig,
+    interrupt: &Interrupt,
+) -> Result<Option<L::Model>, RunError> {
+    let schedule = LearningRate::new(config.learning_rate, config.lr_schedule, learner.steps());
+    let epoch = Epoch {
+        title: learner.name(),
+        number: 1,
+        schedule: &schedule,
+        interrupt,
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
+    let mut optimizer = optimizer(config.weight_decay);
+    let done = epoch.take(learner, model, &mut optimizer, 0, &mut rng, |_| {})?;
+    Ok(done.map(|trained| trained.model))
+}

@@ -1,0 +1,139 @@
+//! From a file back to a student that owns its tensors.
+
+use alloc::{borrow::ToOwned, vec::Vec};
+
+use super::layout::{LinearWeights, NormWeights};
+use super::reader::Model;
+use super::writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts};
+use crate::kernels::packing::unpacked;
+use crate::units::{CHANNELS, PATCH};
+
+impl Model<'_> {
+    /// The model with tensors of its own: [`ModelParts::to_bytes`] gives the same file again, byte for byte.
+    #[must_use]
+    pub fn to_parts(&self) -> ModelParts {
+        let header = &self.header;
+        let width = header.dimensions.width;
+        let provenance = &header.provenance;
+        let layers = &self.weights.layers[..header.dimensions.layers];
+        ModelParts {
+            dimensions: header.dimensions,
+            companding: header.companding,
+            normalized: header.normalized,
+            smoother: header.smoother,
+            template: header.template,
+            provenance: ProvenanceParts {
+                data_sets: provenance.data_sets.iter().map(ToOwned::to_owned).collect(),
+                subjects_seen: provenance
+                    .subjects_seen
+                    .iter()
+                    .map(ToOwned::to_owned)
+                    .collect(),
+                subjects_left_out: provenance
+                    .subjects_left_out
+                    .iter()
+                    .map(ToOwned::to_owned)
+                    .collect(),
+                git_revision: provenance.git_revision.to_owned(),
+                seed: provenance.seed,
+                metrics: provenance
+                    .metrics
+                    .iter()
+                    .map(|(name, value)| (name.to_owned(), value))
+                    .collect(),
+            },
+            embed: linear(&self.weights.embed, PATCH * CHANNELS),
+            layers: layers
+                .iter()
+                .map(|layer| LayerParts {
+                    norm1: norm(&layer.norm1),
+                    qkv: linear(&layer.qkv, width),
+                    relative_bias: layer.relative_bias.to_vec(),
+                    out: linear(&layer.out, width),
+                    norm2: norm(&layer.norm2),
+                    ff1: linear(&layer.ff1, width),
+                    ff2: linear(&layer.ff2, 2 * width),
+                })
+                .collect(),
+            final_norm: norm(&self.weights.final_norm),
+            head: linear(&self.weights.head, width),
+        }
+    }
+}
+
+impl LinearParts {
+    /// The weights as numbers, row-major `[outputs][inputs]`: each integer times its row's scale.
+    ///
+    /// [`LinearParts::quantized`] makes the same integers of them again, and each scale to within one unit in the last
+    /// place, in rows that have an integer of 127 or -127, as every row that was quantized has, or are all zeros.
+    #[must_use]
+    pub fn dequantized(&self) -> Vec<f32> {
+        let columns = self.weights.len().checked_div(self.scales.len());
+        let rows = self.weights.chunks(columns.unwrap_or(0).max(1));
+        rows.zip(&self.scales)
+            .flat_map(|(row, &scale)| row.iter().map(move |&weight| f32::from(weight) * scale))
+            .collect()
+    }
+}
+
+fn linear(weights: &LinearWeights<'_>, inputs: usize) -> LinearParts {
+    LinearParts {
+        weights: unpacked(weights.weights, weights.bias.len(), inputs),
+        scales: weights.scales.to_vec(),
+        bias: weights.bias.to_vec(),
+    }
+}
+
+fn norm(weights: &NormWeights<'_>) -> NormParts {
+    NormParts {
+        gain: weights.gain.to_vec(),
+        bias: weights.bias.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intent::Vocabulary;
+    use crate::model::dimensions::Dimensions;
+    use crate::model::file::random::random_model;
+
+    fn parts() -> ModelParts {
+        let dimensions = Dimensions {
+            width: 24,
+            layers: 2,
+            span: 9,
+            vocabulary: Vocabulary::Five,
+            other: true,
+        };
+        let mut parts = random_model(dimensions, 11);
+        parts.normalized = true;
+        parts.provenance.subjects_seen = ["a/1", "b/2"].map(ToOwned::to_owned).to_vec();
+        parts.provenance.metrics = [("a raw accuracy".to_owned(), 0.5)].to_vec();
+        parts
+    }
+
+    #[test]
+    fn a_file_taken_apart_and_written_again_is_the_same_file() {
+        let parts = parts();
+        let file = parts.to_bytes().unwrap();
+        let again = Model::parse(&file).unwrap().to_parts();
+        assert_eq!(again, parts);
+        assert_eq!(again.to_bytes().unwrap(), file);
+    }
+
+    #[test]
+    fn weights_dequantized_and_quantized_again_are_the_same_integers() {
+        let parts = parts();
+        for linear in [&parts.embed, &parts.head, &parts.layers[1].ff2] {
+            let again = LinearParts::quantized(&linear.dequantized(), linear.bias.clone());
+            assert_eq!(again.weights, linear.weights);
+            for (scale, own) in again.scales.iter().zip(&linear.scales) {
+                assert!(
+                    scale.to_bits().abs_diff(own.to_bits()) <= 1,
+                    "{scale} {own}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! A model tuned on one person's recordings, through the command line itself.
+
+#[path = "small.rs"]
+#[expect(dead_code, reason = "nothing is trained from the start here")]
+mod small;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use myointent::cli::Cli;
+use myointent::dataset::synthetic::{self, SynthOptions};
+use myointent::dataset::{LoadOptions, load};
+use myointent::evaluation::Measure;
+use myointent::run::personalize::{Person, judge};
+use myointent_tests::data;
+use shared::model::file::Model;
+use shared::units::CHANNELS;
+use small::folder;
+
+/// Exit code of a command that keeps the old model.
+const KEPT: u8 = 3;
+
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent")
+}
+
+fn personalize(model: &Path, data: &Path, out: &Path, more: &[&str]) -> ExitCode {
+    let [model, data, out] = [model, data, out].map(|path| path.to_str().unwrap());
+    let mut line = vec![
+        "myointent",
+        "personalize",
+        "--model",
+        model,
+        "--data",
+        data,
+        "--out",
+        out,
+    ];
+    line.extend(more);
+    Cli::try_parse_from(line).unwrap().run()
+}
+
+/// Recordings of one synthetic person in a folder of their own, in the order in which they are read.
+fn person(folder: &Path) -> Vec<PathBuf> {
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 3,
+        seconds: 60,
+        ..SynthOptions::default()
+    };
+    synthetic::write(&options, folder).unwrap()
+}
+
+fn seen(file: &Path) -> Vec<String> {
+    let bytes = fs::read(file).unwrap();
+    let model = Model::parse(&bytes).unwrap();
+    let seen = model.header.provenance.subjects_seen.iter();
+    seen.map(str::to_owned).collect()
+}
+
+/// Changes each line of a recording: the label, eight channels, and what follows.
+fn rewrite(path: &Path, change: impl Fn(&mut [&str])) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let mut rewritten = vec![lines.next().unwrap().to_owned()];
+    for line in lines {
+        let mut fields: Vec<&str> = line.split(',').collect();
+        change(&mut fields);
+        rewritten.push(fields.join(","));
+    }
+    fs::write(path, rewritten.join("\n")).unwrap();
+}
+
+/// Turns the armband by three places: gestures are then unlike those of most people of the training.
+fn turn(path: &Path) {
+    rewrite(path, |fields| fields[1..=CHANNELS].rotate_left(3));
+}
+
+/// Takes open for close and close for open.
+fn swap_gestures(path: &Path) {
+    rewrite(path, |fields| {
+        fields[0] = match fields[0] {
+            "1" => "2",
+            "2" => "1",
+            other => other,
+        };
+    });
+}
+
+/// Balanced accuracy of a model on the part of a person's recordings that `personalize` holds back.
+fn on_the_part_held_back(model: &Path, recordings: &Path) -> f64 {
+    let bytes = fs::read(model).unwrap();
+    let header = Model::parse(&bytes).unwrap().header;
+    let library = load(recordings, &LoadOptions::default()).unwrap();
+    let person = Person::new(&library, None, &header).unwrap();
+    let (_, held_back) = person.whole().divided().unwrap();
+    let score = judge("model", &bytes, &held_back).unwrap();
+    Measure::BalancedAccuracy.mean(&score).unwrap().mean
+}
+
+#[test]
+fn who_is_unlike_the_people_of_the_training_gets_a_better_model() {
+    let folder = folder("personalize");
+    let recordings = folder.join("recordings");
+    person(&recordings).iter().for_each(|path| turn(path));
+    let out = folder.join("new.intent");
+    let code = personalize(&shipped(), &recordings, &out, &[]);
+    assert_eq!(code, ExitCode::SUCCESS);
+    let [before, after] = [&shipped(), &out].map(|file| on_the_part_held_back(file, &recordings));
+    assert!(after > before + 0.02, "{before} {after}");
+    let mut expected = seen(&shipped());
+    expected.push("synthetic/s1".to_owned());
+    assert_eq!(seen(&out), expected);
+
+    // A file is not replaced, whatever it is.
+    let again = personalize(&shipped(), &recordings, &out, &[]);
+    assert_eq!(again, ExitCode::FAILURE);
+    assert_eq!(seen(&out), expected);
+}
+
+#[test]
+fn the_old_model_is_kept_if_the_new_one_is_worse() {
+    let folder = folder("personalize-worse");
+    let recordings = folder.join("recordings");
+    let files = person(&recordings);
+    // What is tuned on says the opposite of what is held back, the last recording.
+    files[..2].iter().for_each(|path| swap_gestures(path));
+    let out = folder.join("new.intent");
+    let code = personalize(&shipped(), &recordings, &out, &[]);
+    assert_eq!(code, ExitCode::from(KEPT));
+    let names = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name());
+    assert_eq!(
+        names.collect::<Vec<_>>(),
+        ["recordings"],
+        "nothing was written"
+    );
+}
+
+#[test]
+fn what_is_no_model_or_nobodys_recordings_is_refused() {
+    let folder = folder("personalize-refused");
+    let recordings = folder.join("recordings");
+    let files = person(&recordings);
+    let out = folder.join("new.intent");
+    let refused = |model: &Path, data: &Path, more: &[&str]| {
+        assert_eq!(personalize(model, data, &out, more), ExitCode::FAILURE);
+        assert!(!out.exists());
+    };
+    refused(&files[0], &recordings, &[]);
+    refused(&shipped(), &folder.join("nowhere"), &[]);
+    refused(&shipped(), &recordings, &["--subject", "s2"]);
+    let other_format = folder.join("other.intent");
+    let mut bytes = fs::read(shipped()).unwrap();
+    bytes[8] -= 1;
+    fs::write(&other_format, bytes).unwrap();
+    refused(&other_format, &recordings, &[]);
+    let empty = folder.join("empty");
+    fs::create_dir(&empty).unwrap();
+    refused(&shipped(), &empty, &[]);
+}
+
+#[test]
+fn real_recordings_are_tuned_on_and_the_file_says_so() {
+    let Some(data) = data("real_recordings_are_tuned_on_and_the_file_says_so") else {
+        return;
+    };
+    let folder = folder("personalize-real");
+    let out = folder.join("new.intent");
+    // A person of development whom the shipped model has not seen.
+    let (data, person) = (data.join("wang-myo"), "wang-myo/S8");
+    assert!(!seen(&shipped()).iter().any(|seen| seen == person));
+    let code = personalize(&shipped(), &data, &out, &["--subject", "S8"]);
+    if code == ExitCode::SUCCESS {
+        assert_eq!(seen(&out).last().map(String::as_str), Some(person));
+    } else {
+        assert_eq!(code, ExitCode::from(KEPT));
+        assert!(!out.exists());
+    }
+}
