@@ -712,6 +712,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         looks_back: true,
         logits: logits.collect(),
         entry_margins: model.header.smoother.entry_margins,
+        other_margin: model.header.smoother.other_margin,
     };
     let detector = EnergyDetector::fit(&training).unwrap();
     let candidates = [own, constant(&trials), detector.candidate(&trials)];
@@ -808,6 +809,7 @@ fn the_lead_in_decides_the_first_labels() {
             looks_back: true,
             logits: all.iter().map(logits).collect(),
             entry_margins: [0.0; MAX_CLASSES],
+            other_margin: None,
         }
     };
     let candidates = [

@@ -59,6 +59,7 @@ fn training(criterion: &mut Criterion) {
     let stream = Stream::new(recording.samples, labels);
     let corpus = Corpus {
         vocabulary: Vocabulary::Three,
+        other: false,
         streams: vec![stream],
     };
     let mut group = criterion.benchmark_group("training step");
@@ -107,7 +108,7 @@ fn training(criterion: &mut Criterion) {
                 &mut group,
                 &title,
                 &learner,
-                preset.student.init(3, &device),
+                preset.student.init(3, false, &device),
             );
         }
     }

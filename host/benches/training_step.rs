@@ -57,6 +57,7 @@ fn main() -> anyhow::Result<()> {
     let labels = recording.labels_in(Vocabulary::Three);
     let corpus = Corpus {
         vocabulary: Vocabulary::Three,
+        other: false,
         streams: vec![Stream::new(recording.samples, labels)],
     };
     let device = Device::default().autodiff();
