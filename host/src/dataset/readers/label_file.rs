@@ -54,7 +54,8 @@ pub(crate) fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>,
     parse(bytes, purpose).map_err(|damage| damage.in_file(path))
 }
 
-fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
+/// The same of its bytes.
+pub(crate) fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
     if npy::looks_like(bytes) {
         return array(bytes);
     }

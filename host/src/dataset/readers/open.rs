@@ -94,32 +94,49 @@ pub(crate) fn open(
     path: &Path,
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
-    let extension = path.extension().and_then(|e| e.to_str());
     // What only the name decides: headerless binary could be anything.
-    let Some(extension @ ("npy" | "csv" | "txt" | "dat" | "json" | "mat")) = extension else {
+    if extension(path).is_none() {
         return Ok(Found::Nothing(Why::Ending));
-    };
+    }
     let bytes = bounded_read::read(path, bounded_read::RECORDING);
     let bytes = bytes.map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
     })?;
+    of_bytes(path, &bytes, request)
+}
+
+/// The ending of a path that may be a recording.
+fn extension(path: &Path) -> Option<&str> {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.filter(|e| matches!(*e, "npy" | "csv" | "txt" | "dat" | "json" | "mat"))
+}
+
+/// The same, of a file's bytes; files beside it are read from where `path` is.
+pub(crate) fn of_bytes(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let Some(extension) = extension(path) else {
+        return Ok(Found::Nothing(Why::Ending));
+    };
     if bytes.is_empty() {
         return Err(Damage::of_file(Fault::Empty).in_file(path));
     }
     let damage = |damage: Damage| damage.in_file(path);
     if extension == "dat" {
         return request.one(DataSet::CoteAllard, || {
-            cote_allard::read(path, &bytes).map_err(damage)
+            cote_allard::read(path, bytes).map_err(damage)
         });
     }
-    if extension == "npy" || npy::looks_like(&bytes) {
-        return array(path, &bytes, request);
+    if extension == "npy" || npy::looks_like(bytes) {
+        return array(path, bytes, request);
     }
-    if extension == "mat" || mat::looks_like(&bytes) {
-        return matrices(path, &bytes, request);
+    if extension == "mat" || mat::looks_like(bytes) {
+        return matrices(path, bytes, request);
     }
-    let text = match Text::of(&bytes) {
+    let text = match Text::of(bytes) {
         Text::Utf8(text) => text,
         Text::Utf16(beginning) if Layout::of(&beginning).is_some() => {
             return Err(damage(Damage::of_file(Fault::Utf16)));
