@@ -328,6 +328,11 @@ mod tests {
             &framed("OK,ALIGN,begin"),
             &framed("ERR,unknown"),
             &framed("EMG,0,0011223344556677,8899AABBCCDDEEFF"),
+            // As a command begins, and longer than any command.
+            "$ALIGN,97,2550,aligned,2,5,0,214,1130*2E\r\n",
+            &framed("ALIGN,4294967295,4294967295,poor-distance,255,7,1,4294967295,4294967295"),
+            &framed("LABEL,4294967295,4294967295,4294967295,wave-out,1,-,4294967295,4294967295,0"),
+            &framed("OK,COUNTERS,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,4294967295,4294967295"),
         ] {
             assert_eq!(read(line.as_bytes()), [], "{line}");
         }

@@ -200,4 +200,11 @@ mod tests {
             assert!(matches!(fault, Fault::Column { .. }), "{fault:?}");
         }
     }
+
+    #[test]
+    fn an_array_of_no_labels_is_refused() {
+        let none = npy::encode("|i1", &[0], &[]);
+        let damage = parse(&none, Purpose::Truth).unwrap_err();
+        assert_eq!(damage.fault, Fault::Empty);
+    }
 }

@@ -247,6 +247,18 @@ mod tests {
         assert!(parse(&bytes).is_err());
     }
 
+    #[test]
+    fn many_small_variables_do_not_unpack_without_end_either() {
+        // 16 MiB of zeros each, together more than a file may have.
+        let axis = 16 << 20;
+        let zeros = vec![0; axis];
+        let variable = compressed(&variable("data", [axis as i32, 1], 8, 1, &zeros));
+        let bytes = file(&vec![variable; 9]);
+        assert!(bytes.len() < 1 << 20);
+        let fault = parse(&bytes).err().map(|error| error.fault.to_string());
+        assert!(fault.is_some_and(|fault| fault.contains("unpacked")));
+    }
+
     proptest::proptest! {
         #[test]
         fn arbitrary_bytes_never_panic(changes: Vec<(u8, u8)>, tail: Vec<u8>) {

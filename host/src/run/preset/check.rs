@@ -316,4 +316,46 @@ mod tests {
         assert_eq!(refused("patch = 20", "patch = 7"), "teacher.patch");
         assert_eq!(refused("patch = 20", "patch = 0"), "teacher.patch");
     }
+
+    #[test]
+    fn a_receptive_field_beyond_all_numbers_is_refused() {
+        assert_eq!(
+            refused(
+                "layers = 2\nspan = 27",
+                "layers = 9\nspan = 4611686018427387904"
+            ),
+            "student.span"
+        );
+    }
+
+    #[test]
+    fn numbers_that_no_training_survives_are_refused() {
+        for (from, to, key) in [
+            ("dropout = 0.15", "dropout = nan", "teacher.dropout"),
+            (
+                "weight_decay = 0.01",
+                "weight_decay = nan",
+                "teacher_training.weight_decay",
+            ),
+            (
+                "warm-up = 0.05",
+                "warm-up = -1.0",
+                "teacher_training.lr_schedule",
+            ),
+            ("warm_up = 0.05", "warm_up = inf", "distillation.warm_up"),
+            ("alpha = 8.0", "alpha = nan", "fine_tuning.lora.alpha"),
+            (
+                "rank = 16",
+                "rank = 9223372036854775807",
+                "fine_tuning.lora.rank",
+            ),
+            (
+                "feed_forward = 256",
+                "feed_forward = 0",
+                "teacher.feed_forward",
+            ),
+        ] {
+            assert_eq!(refused(from, to), key, "{to}");
+        }
+    }
 }

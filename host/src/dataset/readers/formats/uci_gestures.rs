@@ -224,4 +224,13 @@ mod tests {
             assert!(matches!(damage.fault, Fault::Times { .. }), "{damage:?}");
         }
     }
+
+    #[test]
+    fn times_that_last_longer_than_an_hour_are_refused_and_not_filled() {
+        let lines = (0..3602).map(|second| line(1000 * second, (second % 2) as i32, 0));
+        let text = HEADER.to_owned() + &lines.collect::<String>();
+        let damage = read(Path::new("/d/07/2_raw_data_13.txt"), &text).err();
+        let fault = damage.map(|damage| damage.fault.to_string());
+        assert!(fault.is_some_and(|fault| fault.contains("3600 s")));
+    }
 }
