@@ -103,7 +103,7 @@ impl Command {
             None => (body, None),
         };
         let command = match (name, arguments) {
-            ("OK" | "ERR" | "LABEL" | "STATE" | "EMG", _) => return Ok(None),
+            _ if is_own(body) => return Ok(None),
             ("IDENTIFY", None) => Self::Identify,
             ("COUNTERS", None) => Self::Counters,
             ("ALIGN", Some(arguments)) => Self::Align(align(arguments)?),
@@ -116,6 +116,18 @@ impl Command {
             _ => return Err(Refusal::Unknown),
         };
         Ok(Some(command))
+    }
+}
+
+/// Whether a line with this body is one that the device writes.
+///
+/// An alignment is reported under the name of its command: with the number of the line behind it, which no command has.
+fn is_own(body: &str) -> bool {
+    let (name, arguments) = body.split_once(',').unwrap_or((body, ""));
+    match name {
+        "OK" | "ERR" | "LABEL" | "STATE" | "EMG" => true,
+        "ALIGN" => arguments.starts_with(|first: char| first.is_ascii_digit()),
+        _ => false,
     }
 }
 
@@ -217,7 +229,10 @@ impl CommandReader {
         }
         let Some(free) = self.line.get_mut(self.length) else {
             self.length = 0;
-            return Some(Err(Refusal::TooLong));
+            // Most of the device's own lines are longer than any command.
+            let body = core::str::from_utf8(&self.line[1..]);
+            let is_own = body.is_ok_and(is_own);
+            return (!is_own).then_some(Err(Refusal::TooLong));
         };
         *free = byte;
         self.length += 1;

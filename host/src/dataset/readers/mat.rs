@@ -10,6 +10,8 @@ use flate2::read::ZlibDecoder;
 use super::error::{Damage, Fault};
 use crate::execution::bounded_read::RECORDING;
 
+const _: () = assert!(RECORDING == 128 << 20, "as an error says");
+
 /// Bytes of the head: text, place of subsystem data, version and byte order.
 const HEAD: usize = 128;
 /// Type numbers of elements.
@@ -65,6 +67,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
         _ => return Err(bad(bytes.len().min(124), "its head is missing")),
     }
     let mut matrices = Vec::new();
+    // A few kilobytes of zlib can hold gigabytes of zeros, and a file many such variables.
+    let mut room = RECORDING;
     let mut file = Elements { bytes, at: HEAD };
     while let Some(byte) = file.more() {
         let element = file
@@ -72,8 +76,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
             .ok_or_else(|| bad(byte, "it ends in a variable"))?;
         let unpacked;
         let element = if element.kind == COMPRESSED {
-            unpacked =
-                unpack(element.data).ok_or_else(|| bad(byte, "its compressed data are damaged"))?;
+            unpacked = unpack(element.data, room).map_err(|what| bad(byte, what))?;
+            room -= unpacked.len() as u64;
             let mut inner = Elements {
                 bytes: &unpacked,
                 at: 0,
@@ -92,12 +96,16 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
     Ok(matrices)
 }
 
-fn unpack(data: &[u8]) -> Option<Vec<u8>> {
+/// The content of a compressed element, of at most `room` bytes.
+fn unpack(data: &[u8], room: u64) -> Result<Vec<u8>, &'static str> {
     let mut unpacked = Vec::new();
-    // A few kilobytes of zlib can hold gigabytes of zeros.
-    let mut decoder = ZlibDecoder::new(data).take(RECORDING + 1);
-    decoder.read_to_end(&mut unpacked).ok()?;
-    (unpacked.len() as u64 <= RECORDING).then_some(unpacked)
+    let mut decoder = ZlibDecoder::new(data).take(room + 1);
+    let read = decoder.read_to_end(&mut unpacked);
+    read.map_err(|_| "its compressed data are damaged")?;
+    if unpacked.len() as u64 > room {
+        return Err("its variables have more than 128 MiB when they are unpacked");
+    }
+    Ok(unpacked)
 }
 
 /// One element: type and content.

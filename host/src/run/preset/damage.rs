@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{BUILT_IN, Preset};
 
 /// Presets tried; `MYOINTENT_PRESET_CASES` tries more.
-const CASES: usize = 20_000;
+const CASES: usize = 100_000;
 
 /// Values that no preset has.
 const WILD: [&str; 22] = [
