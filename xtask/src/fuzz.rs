@@ -20,6 +20,8 @@ const COVERAGE: [&str; 5] = [
     "-Cllvm-args=-sanitizer-coverage-pc-table",
     "-Cllvm-args=-sanitizer-coverage-trace-compares",
 ];
+/// Seconds of a target where nothing else is said.
+const SECONDS: u32 = 10;
 /// Longest input, in bytes.
 const LONGEST: &str = "-max_len=4096";
 /// Seconds that one input may take.
@@ -30,10 +32,10 @@ const MEMORY_KIB: u32 = 2 << 20;
 /// What to fuzz, and for how long.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Seconds for each target.
-    #[arg(long, value_name = "N", default_value_t = 10, conflicts_with = "runs")]
-    seconds: u32,
-    /// Executions of each target, instead of seconds.
+    /// Seconds of each target at most; 10 without `--runs`.
+    #[arg(long, value_name = "N")]
+    seconds: Option<u32>,
+    /// Executions of each target at most.
     #[arg(long, value_name = "N")]
     runs: Option<u64>,
     /// A target to run, instead of all; may be given again.
@@ -161,17 +163,26 @@ fn fuzz(program: &Path, name: &str, arguments: &Arguments) -> Result<Outcome> {
     for folder in [&corpus, &findings] {
         fs::create_dir_all(folder)?;
     }
-    let limit = arguments.runs.map_or_else(
-        || format!("-max_total_time={}", arguments.seconds),
-        |runs| format!("-runs={runs}"),
-    );
+    let seconds = match (arguments.seconds, arguments.runs) {
+        (Some(seconds), _) => seconds,
+        (None, Some(_)) => 0,
+        (None, None) => SECONDS,
+    };
+    // No limit: 0 seconds, or -1 runs.
+    let limits = [
+        format!("-max_total_time={seconds}"),
+        arguments
+            .runs
+            .map_or_else(|| "-runs=-1".to_owned(), |runs| format!("-runs={runs}")),
+    ];
     let start = Instant::now();
     let output = Command::new("sh")
         .arg("-c")
         .arg(format!("ulimit -v {MEMORY_KIB} && exec \"$0\" \"$@\""))
         .arg(program)
         .args([LONGEST, TIMEOUT, "-print_final_stats=1", "-verbosity=1"])
-        .args([limit, format!("-artifact_prefix={}/", findings.display())])
+        .args(limits)
+        .arg(format!("-artifact_prefix={}/", findings.display()))
         .args([&corpus, &crate_folder().join("corpus").join(name)])
         .env("MYOINTENT_FUZZ_TARGET", name)
         .env("RUST_BACKTRACE", "1")
