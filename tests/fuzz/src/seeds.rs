@@ -133,7 +133,7 @@ fn commands() -> Vec<Vec<u8>> {
     let line = |command: &Command| command.to_string().into_bytes();
     let body = |command: &Command| {
         let line = command.to_string();
-        line[1..line.len() - 5].as_bytes().to_vec()
+        line.as_bytes()[1..line.len() - 5].to_vec()
     };
     let mut seeds: Vec<_> = commands.iter().map(body).collect();
     seeds.push(commands.iter().flat_map(line).collect());

@@ -1,6 +1,5 @@
 //! One file: which format it has, and the recordings in it.
 
-use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
@@ -11,6 +10,7 @@ use super::formats::{
 use super::layout::Layout;
 use super::npy::{self, Values};
 use super::text::Text;
+use super::why::Why;
 use super::{mat, table};
 use crate::dataset::recording::{DataSet, Recording};
 use crate::execution::bounded_read;
@@ -22,36 +22,6 @@ pub(crate) enum Found {
     Part,
     /// No recording that is read.
     Nothing(Why),
-}
-
-/// Why a file is not read.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Why {
-    /// By its ending: licences, notes, settings.
-    Ending,
-    /// The content is in none of the layouts.
-    Layout,
-    /// Eight channels, but of no known set, and labels or person are unknown.
-    UnknownSet,
-    /// Of a data set that is not wanted.
-    NotWanted,
-    /// Another copy of what is read: untrimmed, or a copy of another person's file.
-    Copy,
-}
-
-impl fmt::Display for Why {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ending => "no npy, csv, txt, dat, json or mat",
-            Self::Layout => "in none of the layouts",
-            Self::UnknownSet => {
-                "eight channels, but of no known set and without labels: give such a file by itself"
-            }
-            Self::NotWanted => "of a data set that is not asked for",
-            Self::Copy => "a copy of another file",
-        })
-    }
 }
 
 impl DataSet {
