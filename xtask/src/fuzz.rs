@@ -1,7 +1,7 @@
 //! Coverage-guided fuzzing: builds the program of tests/fuzz and runs its targets one after another.
 //!
-//! Stable Rust suffices: the compiler's coverage counters are those of LLVM, and libFuzzer is compiled from the sources
-//! in its crate by any C++ compiler. No sanitizer: there is no unsafe code to watch.
+//! Stable Rust suffices: the coverage counters are LLVM's, and any C++ compiler compiles libFuzzer from the sources in
+//! its crate. No sanitizer: there is no unsafe code to watch.
 
 use std::{
     env, fmt, fs,
@@ -92,6 +92,11 @@ fn folder() -> PathBuf {
 
 fn build() -> Result<PathBuf> {
     let host = host()?;
+    let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
+    ensure!(
+        Command::new(&compiler).arg("--version").output().is_ok(),
+        "no C++ compiler, which libFuzzer is compiled with: apt-get install g++"
+    );
     let mut flags = env::var("RUSTFLAGS").unwrap_or_default();
     for flag in COVERAGE {
         flags = format!("{flags} {flag}");
