@@ -229,7 +229,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let rows = self.encoder.step(self.state, patch);
         let window_full = self.ring.contiguous() as usize / PATCH >= WINDOW_PATCHES + behind;
         // The labels that older windows take part in were emitted under the alignment before.
-        if !window_full || behind >= LOOK_BACK {
+        if !window_full || behind > self.smoother.look_ahead() {
             return;
         }
         let after = (behind * PATCH) as u32;

@@ -1,4 +1,4 @@
-//! Build steps that plain cargo cannot express: cross builds, sizes, instruction counts, checks of the sources.
+//! Build steps that plain cargo cannot express: cross builds, sizes, instruction counts, fuzzing, checks of the sources.
 //!
 //! A library as well as a command: the tests that start an emulator build its images with it.
 #![deny(missing_docs)]
@@ -10,6 +10,7 @@ mod debian;
 pub mod device;
 pub mod emulator;
 pub mod firmware;
+pub mod fuzz;
 pub mod modules;
 #[cfg(test)]
 mod pages;

@@ -26,7 +26,7 @@ pub use library::{Ignored, Library, LoadOptions, Repeat, load};
 pub use movement::{Movement, MovementKind};
 pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;
-pub use readers::open::Why;
+pub use readers::why::Why;
 pub(crate) use recording::by_data_set;
 pub use recording::{DataSet, Recording};
 pub use split::folds;

@@ -1,6 +1,8 @@
 //! Presets: the settings of a whole run, from recordings to a model file, as TOML.
 
 mod check;
+#[cfg(test)]
+mod damage;
 mod memory;
 mod source;
 

@@ -44,7 +44,9 @@ impl StudentConfig {
     /// Number of patches that influence an output of the encoder.
     #[must_use]
     pub(crate) fn receptive_field(&self) -> usize {
-        self.layers * self.span.saturating_sub(1) + 1
+        // A preset may hold any integers.
+        let before = self.layers.saturating_mul(self.span.saturating_sub(1));
+        before.saturating_add(1)
     }
 
     /// A model with random weights for `classes` intents and, with `other`, movement that is none of them.

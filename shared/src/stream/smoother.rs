@@ -99,6 +99,11 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         })
     }
 
+    /// Rows of look-ahead.
+    pub(crate) const fn look_ahead(&self) -> usize {
+        self.settings.look_ahead
+    }
+
     /// Forgets all windows, as after a gap: the next one is the first.
     pub fn restart(&mut self) {
         self.seen = 0;

@@ -103,7 +103,7 @@ impl Command {
             None => (body, None),
         };
         let command = match (name, arguments) {
-            ("OK" | "ERR" | "LABEL" | "STATE" | "EMG", _) => return Ok(None),
+            _ if is_own(body) => return Ok(None),
             ("IDENTIFY", None) => Self::Identify,
             ("COUNTERS", None) => Self::Counters,
             ("ALIGN", Some(arguments)) => Self::Align(align(arguments)?),
@@ -116,6 +116,18 @@ impl Command {
             _ => return Err(Refusal::Unknown),
         };
         Ok(Some(command))
+    }
+}
+
+/// Whether a line with this body is one that the device writes.
+///
+/// An alignment is reported under the name of its command: with the number of the line behind it, which no command has.
+fn is_own(body: &str) -> bool {
+    let (name, arguments) = body.split_once(',').unwrap_or((body, ""));
+    match name {
+        "OK" | "ERR" | "LABEL" | "STATE" | "EMG" => true,
+        "ALIGN" => arguments.starts_with(|first: char| first.is_ascii_digit()),
+        _ => false,
     }
 }
 
@@ -217,7 +229,10 @@ impl CommandReader {
         }
         let Some(free) = self.line.get_mut(self.length) else {
             self.length = 0;
-            return Some(Err(Refusal::TooLong));
+            // Most of the device's own lines are longer than any command.
+            let body = core::str::from_utf8(&self.line[1..]);
+            let is_own = body.is_ok_and(is_own);
+            return (!is_own).then_some(Err(Refusal::TooLong));
         };
         *free = byte;
         self.length += 1;
@@ -328,6 +343,11 @@ mod tests {
             &framed("OK,ALIGN,begin"),
             &framed("ERR,unknown"),
             &framed("EMG,0,0011223344556677,8899AABBCCDDEEFF"),
+            // As a command begins, and longer than any command.
+            "$ALIGN,97,2550,aligned,2,5,0,214,1130*2E\r\n",
+            &framed("ALIGN,4294967295,4294967295,poor-distance,255,7,1,4294967295,4294967295"),
+            &framed("LABEL,4294967295,4294967295,4294967295,wave-out,1,-,4294967295,4294967295,0"),
+            &framed("OK,COUNTERS,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,4294967295,4294967295"),
         ] {
             assert_eq!(read(line.as_bytes()), [], "{line}");
         }

@@ -9,7 +9,7 @@ use shared::units::{CHANNELS, SAMPLE_RATE_HZ, WINDOW};
 use super::Library;
 use crate::dataset::labels::lag::{self, LagEstimate};
 use crate::dataset::labels::runs::{Run, runs};
-use crate::dataset::readers::open::Why;
+use crate::dataset::readers::why::Why;
 use crate::dataset::recording::{DataSet, Recording, by_data_set};
 
 /// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.

@@ -11,7 +11,8 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use super::readers::error::LoadError;
-use super::readers::open::{Found, Request, Why, open};
+use super::readers::open::{Found, Request, open};
+use super::readers::why::Why;
 use super::recording::{DataSet, Recording};
 
 /// What to read.

@@ -134,6 +134,14 @@ pub enum Fault {
         /// Gestures in the file.
         found: usize,
     },
+    /// Times that last too long.
+    #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
+    Duration {
+        /// Longest recording.
+        most: f64,
+        /// From the first row to this one.
+        seconds: f64,
+    },
     /// Times that go back or leave a gap.
     #[error(
         "expected times that rise by at most {most} ms from row to row, found {from} and then {to}"

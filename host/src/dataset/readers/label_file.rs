@@ -54,9 +54,10 @@ pub(crate) fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>,
     parse(bytes, purpose).map_err(|damage| damage.in_file(path))
 }
 
-fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
+/// The same of its bytes.
+pub(crate) fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
     if npy::looks_like(bytes) {
-        return array(bytes);
+        return not_empty(array(bytes)?);
     }
     let text = std::str::from_utf8(bytes)
         .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
@@ -81,7 +82,7 @@ fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> 
         return Err(Damage::at_line(1, fault));
     }
     let (column, expected) = (column.unwrap_or(0), names.len());
-    let labels: Vec<_> = rows
+    let labels = rows
         .map(|(line, row)| {
             let fields: Vec<&str> = row.split(',').map(str::trim).collect();
             if fields.len() != expected {
@@ -94,11 +95,14 @@ fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> 
             from_text(fields[column]).map_err(|fault| Damage::at_line(line, fault))
         })
         .collect::<Result<_, _>>()?;
+    not_empty(labels)
+}
+
+fn not_empty(labels: Vec<Option<Intent>>) -> Result<Vec<Option<Intent>>, Damage> {
     if labels.is_empty() {
-        Err(Damage::of_file(Fault::Empty))
-    } else {
-        Ok(labels)
+        return Err(Damage::of_file(Fault::Empty));
     }
+    Ok(labels)
 }
 
 fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
@@ -198,5 +202,12 @@ mod tests {
             let fault = parse(csv, purpose).unwrap_err().fault;
             assert!(matches!(fault, Fault::Column { .. }), "{fault:?}");
         }
+    }
+
+    #[test]
+    fn an_array_of_no_labels_is_refused() {
+        let none = npy::encode("|i1", &[0], &[]);
+        let damage = parse(&none, Purpose::Truth).unwrap_err();
+        assert_eq!(damage.fault, Fault::Empty);
     }
 }

@@ -10,6 +10,8 @@ use flate2::read::ZlibDecoder;
 use super::error::{Damage, Fault};
 use crate::execution::bounded_read::RECORDING;
 
+const _: () = assert!(RECORDING == 128 << 20, "as an error says");
+
 /// Bytes of the head: text, place of subsystem data, version and byte order.
 const HEAD: usize = 128;
 /// Type numbers of elements.
@@ -65,6 +67,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
         _ => return Err(bad(bytes.len().min(124), "its head is missing")),
     }
     let mut matrices = Vec::new();
+    // A few kilobytes of zlib can hold gigabytes of zeros, and a file many such variables.
+    let mut room = RECORDING;
     let mut file = Elements { bytes, at: HEAD };
     while let Some(byte) = file.more() {
         let element = file
@@ -72,8 +76,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
             .ok_or_else(|| bad(byte, "it ends in a variable"))?;
         let unpacked;
         let element = if element.kind == COMPRESSED {
-            unpacked =
-                unpack(element.data).ok_or_else(|| bad(byte, "its compressed data are damaged"))?;
+            unpacked = unpack(element.data, room).map_err(|what| bad(byte, what))?;
+            room -= unpacked.len() as u64;
             let mut inner = Elements {
                 bytes: &unpacked,
                 at: 0,
@@ -92,12 +96,16 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
     Ok(matrices)
 }
 
-fn unpack(data: &[u8]) -> Option<Vec<u8>> {
+/// The content of a compressed element, of at most `room` bytes.
+fn unpack(data: &[u8], room: u64) -> Result<Vec<u8>, &'static str> {
     let mut unpacked = Vec::new();
-    // A few kilobytes of zlib can hold gigabytes of zeros.
-    let mut decoder = ZlibDecoder::new(data).take(RECORDING + 1);
-    decoder.read_to_end(&mut unpacked).ok()?;
-    (unpacked.len() as u64 <= RECORDING).then_some(unpacked)
+    let mut decoder = ZlibDecoder::new(data).take(room + 1);
+    let read = decoder.read_to_end(&mut unpacked);
+    read.map_err(|_| "its compressed data are damaged")?;
+    if unpacked.len() as u64 > room {
+        return Err("its variables have more than 128 MiB when they are unpacked");
+    }
+    Ok(unpacked)
 }
 
 /// One element: type and content.
@@ -194,64 +202,8 @@ fn numbers(element: &Element<'_>) -> Option<Vec<f64>> {
     })
 }
 
-/// Files as MATLAB writes them, for the tests of readers.
 #[cfg(test)]
-pub(crate) mod fixture {
-    use std::io::Write as _;
-
-    fn element(kind: u32, data: &[u8]) -> Vec<u8> {
-        let mut bytes = kind.to_le_bytes().to_vec();
-        bytes.extend((data.len() as u32).to_le_bytes());
-        bytes.extend(data);
-        bytes.resize(bytes.len().next_multiple_of(8), 0);
-        bytes
-    }
-
-    /// A variable: its name, shape, and elements column after column, of a class and packed type.
-    pub fn variable(name: &str, shape: [i32; 2], class: u8, kind: u32, data: &[u8]) -> Vec<u8> {
-        let mut content = element(6, &[class, 0, 0, 0, 0, 0, 0, 0]);
-        let axes: Vec<u8> = shape.iter().flat_map(|axis| axis.to_le_bytes()).collect();
-        content.extend(element(5, &axes));
-        if name.len() <= 4 {
-            // Packed into its tag, as MATLAB does.
-            content.extend((1 | (name.len() as u32) << 16).to_le_bytes());
-            let mut short = name.as_bytes().to_vec();
-            short.resize(4, 0);
-            content.extend(short);
-        } else {
-            content.extend(element(1, name.as_bytes()));
-        }
-        content.extend(element(kind, data));
-        element(14, &content)
-    }
-
-    /// A variable of doubles.
-    pub fn doubles(name: &str, shape: [i32; 2], values: &[f64]) -> Vec<u8> {
-        let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        variable(name, shape, 6, 9, &data)
-    }
-
-    /// The same, compressed.
-    pub fn compressed(variable: &[u8]) -> Vec<u8> {
-        let mut encoder =
-            flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
-        encoder.write_all(variable).unwrap();
-        let packed = encoder.finish().unwrap();
-        let mut bytes = 15_u32.to_le_bytes().to_vec();
-        bytes.extend((packed.len() as u32).to_le_bytes());
-        bytes.extend(packed);
-        bytes
-    }
-
-    /// A file of variables.
-    pub fn file(variables: &[Vec<u8>]) -> Vec<u8> {
-        let mut bytes = b"MATLAB 5.0 MAT-file, Platform: PCWIN64".to_vec();
-        bytes.resize(124, b' ');
-        bytes.extend([0, 1, b'I', b'M']);
-        bytes.extend(variables.concat());
-        bytes
-    }
-}
+pub(crate) mod fixture;
 
 #[cfg(test)]
 mod tests {
@@ -301,6 +253,18 @@ mod tests {
         let bytes = file(&[compressed(&zeros)]);
         assert!(bytes.len() < 1 << 20);
         assert!(parse(&bytes).is_err());
+    }
+
+    #[test]
+    fn many_small_variables_do_not_unpack_without_end_either() {
+        // 16 MiB of zeros each, together more than a file may have.
+        let axis = 16 << 20;
+        let zeros = vec![0; axis];
+        let variable = compressed(&variable("data", [axis as i32, 1], 8, 1, &zeros));
+        let bytes = file(&vec![variable; 9]);
+        assert!(bytes.len() < 1 << 20);
+        let fault = parse(&bytes).err().map(|error| error.fault.to_string());
+        assert!(fault.is_some_and(|fault| fault.contains("unpacked")));
     }
 
     proptest::proptest! {

@@ -12,3 +12,4 @@ pub(crate) mod open;
 mod path;
 mod table;
 mod text;
+pub(crate) mod why;

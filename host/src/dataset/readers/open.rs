@@ -1,6 +1,5 @@
 //! One file: which format it has, and the recordings in it.
 
-use std::fmt;
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
@@ -11,6 +10,7 @@ use super::formats::{
 use super::layout::Layout;
 use super::npy::{self, Values};
 use super::text::Text;
+use super::why::Why;
 use super::{mat, table};
 use crate::dataset::recording::{DataSet, Recording};
 use crate::execution::bounded_read;
@@ -22,36 +22,6 @@ pub(crate) enum Found {
     Part,
     /// No recording that is read.
     Nothing(Why),
-}
-
-/// Why a file is not read.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Why {
-    /// By its ending: licences, notes, settings.
-    Ending,
-    /// The content is in none of the layouts.
-    Layout,
-    /// Eight channels, but of no known set, and labels or person are unknown.
-    UnknownSet,
-    /// Of a data set that is not wanted.
-    NotWanted,
-    /// Another copy of what is read: untrimmed, or a copy of another person's file.
-    Copy,
-}
-
-impl fmt::Display for Why {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ending => "no npy, csv, txt, dat, json or mat",
-            Self::Layout => "in none of the layouts",
-            Self::UnknownSet => {
-                "eight channels, but of no known set and without labels: give such a file by itself"
-            }
-            Self::NotWanted => "of a data set that is not asked for",
-            Self::Copy => "a copy of another file",
-        })
-    }
 }
 
 impl DataSet {
@@ -94,32 +64,49 @@ pub(crate) fn open(
     path: &Path,
     request: &Request<impl Fn(DataSet) -> bool>,
 ) -> Result<Found, LoadError> {
-    let extension = path.extension().and_then(|e| e.to_str());
     // What only the name decides: headerless binary could be anything.
-    let Some(extension @ ("npy" | "csv" | "txt" | "dat" | "json" | "mat")) = extension else {
+    if extension(path).is_none() {
         return Ok(Found::Nothing(Why::Ending));
-    };
+    }
     let bytes = bounded_read::read(path, bounded_read::RECORDING);
     let bytes = bytes.map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
     })?;
+    of_bytes(path, &bytes, request)
+}
+
+/// The ending of a path that may be a recording.
+fn extension(path: &Path) -> Option<&str> {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.filter(|e| matches!(*e, "npy" | "csv" | "txt" | "dat" | "json" | "mat"))
+}
+
+/// The same, of a file's bytes; files beside it are read from where `path` is.
+pub(crate) fn of_bytes(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let Some(extension) = extension(path) else {
+        return Ok(Found::Nothing(Why::Ending));
+    };
     if bytes.is_empty() {
         return Err(Damage::of_file(Fault::Empty).in_file(path));
     }
     let damage = |damage: Damage| damage.in_file(path);
     if extension == "dat" {
         return request.one(DataSet::CoteAllard, || {
-            cote_allard::read(path, &bytes).map_err(damage)
+            cote_allard::read(path, bytes).map_err(damage)
         });
     }
-    if extension == "npy" || npy::looks_like(&bytes) {
-        return array(path, &bytes, request);
+    if extension == "npy" || npy::looks_like(bytes) {
+        return array(path, bytes, request);
     }
-    if extension == "mat" || mat::looks_like(&bytes) {
-        return matrices(path, &bytes, request);
+    if extension == "mat" || mat::looks_like(bytes) {
+        return matrices(path, bytes, request);
     }
-    let text = match Text::of(&bytes) {
+    let text = match Text::of(bytes) {
         Text::Utf8(text) => text,
         Text::Utf16(beginning) if Layout::of(&beginning).is_some() => {
             return Err(damage(Damage::of_file(Fault::Utf16)));

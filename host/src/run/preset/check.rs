@@ -1,5 +1,7 @@
 //! Which values of a preset are valid.
 
+mod numbers;
+
 use shared::intent::Vocabulary;
 use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
 
@@ -57,6 +59,7 @@ impl Preset {
             .or_else(|| self.invalid_augmentation())
             .or_else(|| self.invalid_smoother())
             .or_else(|| self.invalid_data())
+            .or_else(|| self.invalid_numbers())
             .or_else(|| self.too_large())
     }
 
@@ -81,6 +84,13 @@ impl Preset {
                 teacher.heads,
                 "a divisor of d_model",
             ),
+            require(teacher.layers > 0, "teacher.layers", 0, "1 or more"),
+            require(
+                teacher.feed_forward > 0,
+                "teacher.feed_forward",
+                0,
+                "1 or more",
+            ),
         ]
         .into_iter()
         .flatten()
@@ -95,12 +105,6 @@ impl Preset {
                 "teacher_training",
                 0,
                 "stride, batch and epochs of 1 or more",
-            ),
-            require(
-                self.fine_tuning.lora.rank > 0,
-                "fine_tuning.lora.rank",
-                0,
-                "1 or more",
             ),
             require(
                 !training.tasks.is_empty(),
@@ -132,7 +136,7 @@ impl Preset {
             require(
                 student.span > 0
                     && student.layers > 0
-                    && student.receptive_field() + LOOK_BACK - 1 <= WINDOW_PATCHES,
+                    && student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK,
                 "student.span",
                 student.receptive_field(),
                 "layers * (span - 1) + 1 of at most 55 patches",
@@ -325,5 +329,47 @@ mod tests {
     fn a_patch_that_does_not_divide_the_window_is_refused() {
         assert_eq!(refused("patch = 20", "patch = 7"), "teacher.patch");
         assert_eq!(refused("patch = 20", "patch = 0"), "teacher.patch");
+    }
+
+    #[test]
+    fn a_receptive_field_beyond_all_numbers_is_refused() {
+        assert_eq!(
+            refused(
+                "layers = 2\nspan = 27",
+                "layers = 9\nspan = 4611686018427387904"
+            ),
+            "student.span"
+        );
+    }
+
+    #[test]
+    fn numbers_that_no_training_survives_are_refused() {
+        for (from, to, key) in [
+            ("dropout = 0.15", "dropout = nan", "teacher.dropout"),
+            (
+                "weight_decay = 0.01",
+                "weight_decay = nan",
+                "teacher_training.weight_decay",
+            ),
+            (
+                "warm-up = 0.05",
+                "warm-up = -1.0",
+                "teacher_training.lr_schedule",
+            ),
+            ("warm_up = 0.05", "warm_up = inf", "distillation.warm_up"),
+            ("alpha = 8.0", "alpha = nan", "fine_tuning.lora.alpha"),
+            (
+                "rank = 16",
+                "rank = 9223372036854775807",
+                "fine_tuning.lora.rank",
+            ),
+            (
+                "feed_forward = 256",
+                "feed_forward = 0",
+                "teacher.feed_forward",
+            ),
+        ] {
+            assert_eq!(refused(from, to), key, "{to}");
+        }
     }
 }

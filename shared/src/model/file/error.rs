@@ -243,6 +243,16 @@ pub enum ModelError {
         /// The number.
         found: f32,
     },
+    /// A scale of zero, which silences a row of weights.
+    #[error(
+        "{tensor} holds 0 at {index}, where the row has weights; expected more than 0: quantize the model again"
+    )]
+    ZeroScale {
+        /// Which tensor.
+        tensor: TensorName,
+        /// Position in it: the row.
+        index: usize,
+    },
     /// Infinity, NaN, or a number so large that a sum could overflow.
     #[error(
         "{tensor} holds {found} at {index}, expected a number from -{LARGEST} to {LARGEST}: train the model again"

@@ -8,7 +8,7 @@ use super::{
     names::TensorName,
     wire_header::WireHeader,
 };
-use crate::kernels::TILE_ROWS;
+use crate::kernels::{GROUP, TILE_ROWS};
 use crate::model::dimensions::HEADS;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
@@ -135,9 +135,15 @@ impl<'m> Tensors<'m> {
         outputs: usize,
         inputs: usize,
     ) -> Result<LinearWeights<'m>, ModelError> {
+        let weights = self.integers(group, outputs.next_multiple_of(TILE_ROWS) * inputs)?;
+        let scales = self.scales(group, outputs)?;
+        if let Some(index) = silenced(weights, scales, inputs) {
+            let tensor = self.name(group, "scales");
+            return Err(ModelError::ZeroScale { tensor, index });
+        }
         Ok(LinearWeights {
-            weights: self.integers(group, outputs.next_multiple_of(TILE_ROWS) * inputs)?,
-            scales: self.scales(group, outputs)?,
+            weights,
+            scales,
             bias: self.floats(group, "bias", outputs)?,
         })
     }
@@ -217,4 +223,17 @@ impl<'m> Tensors<'m> {
             part,
         }
     }
+}
+
+/// The first row with a scale of zero and a weight that is none; the quantizer writes such a scale for rows of zeros alone.
+fn silenced(weights: &[i8], scales: &[f32], inputs: usize) -> Option<usize> {
+    let tiles = weights.chunks_exact(TILE_ROWS * inputs);
+    let mut rows = tiles
+        .flat_map(|tile| (0..TILE_ROWS).map(move |row| (tile, row)))
+        .zip(scales);
+    rows.position(|((tile, row), &scale)| {
+        // A row's columns come by four, in turn with those of the other rows.
+        let mut columns = tile.chunks_exact(GROUP).skip(row).step_by(TILE_ROWS);
+        scale == 0.0 && columns.any(|four| four != [0; GROUP])
+    })
 }

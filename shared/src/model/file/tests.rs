@@ -542,6 +542,24 @@ fn missing_and_surplus_tensors_are_refused() {
 }
 
 #[test]
+fn a_scale_of_zero_is_refused_unless_its_row_is_zero() {
+    let message = refusal(|parts| parts.layers[0].qkv.scales[7] = 0.0).to_string();
+    assert!(
+        message.starts_with("layers[0].qkv.scales holds 0 at 7"),
+        "{message}"
+    );
+    // As the quantizer writes a row of zeros.
+    let mut parts = small();
+    let columns = parts.dimensions.width;
+    parts.layers[0].qkv.scales[7] = 0.0;
+    parts.layers[0].qkv.weights[7 * columns..][..columns].fill(0);
+    assert!(parts.to_bytes().is_ok());
+    // One weight that is none, in the row's last column.
+    parts.layers[0].qkv.weights[8 * columns - 1] = 1;
+    assert!(parts.to_bytes().is_err());
+}
+
+#[test]
 fn numbers_that_would_break_the_arithmetic_are_refused() {
     let tensor = |layer, group, part| TensorName { layer, group, part };
     assert_eq!(

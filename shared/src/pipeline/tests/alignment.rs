@@ -251,3 +251,37 @@ fn the_phase_is_that_of_the_newest_alignment_that_succeeded() {
     pipeline.disconnected(Millis(9000));
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
 }
+
+#[test]
+fn labels_of_a_shorter_look_ahead_do_not_come_twice_after_an_alignment() {
+    for look_ahead in 0..LOOK_BACK {
+        for begun in 800..810 {
+            let instants = instants(look_ahead, begun);
+            assert!(instants.len() > 20);
+            let rising = instants.is_sorted_by(|one, next| one < next);
+            assert!(rising, "look-ahead {look_ahead}, at {begun}: {instants:?}");
+        }
+    }
+}
+
+/// Reference times of the labels of a stream that is aligned at a sample.
+fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
+    let state = Box::leak(Box::new(SumModel.fresh()));
+    let settings = Settings {
+        look_ahead,
+        ..SETTINGS
+    };
+    let mut pipeline = Pipeline::new(SumModel, state, settings, Start::Boot).unwrap();
+    let mut instants = Vec::new();
+    for index in 0..1000 {
+        if index == aligned_at {
+            pipeline.set_alignment(Alignment::new(3, false));
+        }
+        let reports = pipeline.sample(at(index), constant(1));
+        let labels = reports
+            .into_iter()
+            .filter(|report| report.kind == Kind::Label);
+        instants.extend(labels.map(|label| label.instant.0));
+    }
+    instants
+}

@@ -18,6 +18,9 @@ use crate::dataset::recording::{DataSet, Recording};
 
 /// Largest gap between two rows, in ms: 175 in the published files.
 const GAP: f64 = 1000.0;
+/// Longest recording, in ms; the published ones last a minute or two. A row may stand for many samples, so the file's
+/// length is no bound.
+const LONGEST: f64 = 3_600_000.0;
 /// Rows of one burst follow each other within this, in ms.
 const BURST: f64 = 2.0;
 
@@ -88,6 +91,11 @@ fn rows(text: &str) -> Result<Vec<Row>, Damage> {
             return Err(Damage::at_line(line, fault));
         }
         before = Some(time);
+        let seconds = (time - rows.first().map_or(time, |first| first.time)) / 1000.0;
+        if seconds > LONGEST / 1000.0 {
+            let most = LONGEST / 1000.0;
+            return Err(Damage::at_line(line, Fault::Duration { most, seconds }));
+        }
         if !(class.fract() == 0.0 && (0.0..=7.0).contains(&class)) {
             let fault = Fault::Label {
                 expected: "0 to 7",
@@ -223,5 +231,14 @@ mod tests {
             let damage = rows(&text).unwrap_err();
             assert!(matches!(damage.fault, Fault::Times { .. }), "{damage:?}");
         }
+    }
+
+    #[test]
+    fn times_that_last_longer_than_an_hour_are_refused_and_not_filled() {
+        let lines = (0..3602).map(|second| line(1000 * second, (second % 2) as i32, 0));
+        let text = HEADER.to_owned() + &lines.collect::<String>();
+        let damage = read(Path::new("/d/07/2_raw_data_13.txt"), &text).err();
+        let fault = damage.map(|damage| damage.fault.to_string());
+        assert!(fault.is_some_and(|fault| fault.contains("3600 s")));
     }
 }

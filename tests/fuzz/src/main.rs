@@ -1,0 +1,54 @@
+//! Coverage-guided fuzzing of what meets the outside: `cargo xtask fuzz`.
+//!
+//! One program for all targets; `MYOINTENT_FUZZ_TARGET` names the one that it runs. A target takes any bytes, checks
+//! what must hold of the answer, and panics if it does not: libFuzzer looks for bytes that make it.
+//!
+//! | module | content |
+//! | --- | --- |
+//! | [`targets`] | the targets, each a file; registered in [`targets::ALL`] |
+//! | [`input`] | reads an input's bytes as numbers and choices |
+//! | [`radio`] | a session with an armband, and what must hold of its actions |
+//! | [`seeds`] | the first inputs, made by the project's own writers: `MYOINTENT_FUZZ_SEEDS=DIR` writes them |
+//! | `dataset`, `execution`, `statistics` | sources of the host's readers, without what trains networks |
+#![no_main]
+#![forbid(unsafe_code)]
+
+mod dataset;
+mod execution;
+mod input;
+mod radio;
+mod seeds;
+#[allow(dead_code, reason = "readers need one function of it")]
+#[path = "../../../host/src/statistics.rs"]
+mod statistics;
+mod targets;
+
+use std::sync::LazyLock;
+
+use targets::Target;
+
+/// The target that the environment names.
+static TARGET: LazyLock<Target> = LazyLock::new(|| {
+    let name = std::env::var("MYOINTENT_FUZZ_TARGET").unwrap_or_default();
+    let found = targets::ALL.into_iter().find(|target| target.name == name);
+    found.unwrap_or_else(|| {
+        let names = targets::ALL.map(|target| target.name).join(", ");
+        panic!("MYOINTENT_FUZZ_TARGET is \"{name}\", expected one of {names}")
+    })
+});
+
+/// Answers what xtask asks instead of fuzzing.
+fn asked() {
+    if std::env::var_os("MYOINTENT_FUZZ_LIST").is_some() {
+        targets::ALL
+            .iter()
+            .for_each(|target| println!("{}", target.name));
+        std::process::exit(0);
+    }
+    if let Some(folder) = std::env::var_os("MYOINTENT_FUZZ_SEEDS") {
+        seeds::write(folder.as_ref()).expect("a folder that can be written");
+        std::process::exit(0);
+    }
+}
+
+libfuzzer_sys::fuzz_target!(init: asked(), |data: &[u8]| (TARGET.run)(data));

@@ -1,0 +1,238 @@
+//! A session with armbands as its radio sees it, and what must hold of its actions.
+
+use std::collections::HashSet;
+
+use shared::myo::{
+    Action, Address, AddressKind, Characteristic, Event, Following, Found, MyoSession, Phase,
+    Progress, Settings, Uuid,
+};
+use shared::stream::link_sequence::{GapDetector, Sequencer};
+use shared::units::Millis;
+
+/// Notifications that a session holds back, and the actions of one event beside them.
+const MOST_ACTIONS: usize = 2 * 27 + 4;
+/// Bytes of an EMG notification.
+const EMG_BYTES: usize = 16;
+
+/// The service by which an armband is recognised.
+pub const CONTROL: Uuid = Uuid::Vendor(0x0001);
+
+/// An armband's address.
+pub const fn address(last: u8) -> Address {
+    Address {
+        kind: AddressKind::Public,
+        bytes: [last, 0, 0, 0, 0, 0xfa],
+    }
+}
+
+/// What an armband advertises.
+pub fn advertisement() -> [u8; 18] {
+    let mut data = [0; 18];
+    data[..2].copy_from_slice(&[17, 0x06]);
+    data[2..].copy_from_slice(&CONTROL.to_le_bytes());
+    data
+}
+
+/// Every characteristic.
+pub fn everything() -> Found {
+    Characteristic::ALL.into_iter().collect()
+}
+
+/// A session, its clock, and the checks of its actions.
+pub struct Link {
+    pub session: MyoSession,
+    now: Millis,
+    progress: Progress,
+    /// The operation without an answer.
+    outstanding: Option<Action>,
+    /// Whether samples may be delivered.
+    stream: bool,
+    /// Number of the next EMG notification, which is in its bytes.
+    number: u64,
+    delivered: HashSet<u64>,
+    lost: u64,
+    sequencer: Sequencer,
+    detector: GapDetector,
+    /// Samples delivered and missing so far.
+    position: u32,
+}
+
+impl Link {
+    /// A session before its first event, at a time of any clock.
+    pub fn new(settings: Settings, now: u32) -> Self {
+        Self {
+            session: MyoSession::new(settings),
+            now: Millis(now),
+            progress: Progress::new(),
+            outstanding: None,
+            stream: false,
+            number: 0,
+            delivered: HashSet::new(),
+            lost: 0,
+            sequencer: Sequencer::new(),
+            detector: GapDetector::new(),
+            position: 0,
+        }
+    }
+
+    /// A session that streams.
+    pub fn streaming(now: u32) -> Self {
+        let mut link = Self::new(
+            Settings {
+                bound: Some(address(1)),
+                ..Settings::default()
+            },
+            now,
+        );
+        link.handle(Event::Tick);
+        link.advertise(1, -40, &advertisement());
+        while link.session.phase() != Phase::Streaming {
+            link.answer();
+        }
+        link
+    }
+
+    /// Time passes.
+    pub fn wait(&mut self, milliseconds: u32) {
+        self.now = self.now.plus(milliseconds);
+    }
+
+    /// An advertisement is received.
+    pub fn advertise(&mut self, last: u8, rssi: i8, data: &[u8]) {
+        let address = address(last);
+        self.handle(Event::Advertisement {
+            address,
+            rssi,
+            data,
+        });
+    }
+
+    /// The outstanding operation succeeds.
+    pub fn answer(&mut self) {
+        self.handle(match self.outstanding {
+            Some(Action::Connect(_)) => Event::Connected,
+            Some(Action::Discover) => Event::Discovered(everything()),
+            Some(Action::Read(_)) => Event::Read(&[1, 0, 5, 0, 0, 0, 2, 0]),
+            Some(_) => Event::Done,
+            None => Event::Tick,
+        });
+    }
+
+    /// An EMG notification of a lane, with a number of its own inside.
+    pub fn emg(&mut self, lane: usize) {
+        let mut bytes = [0x55; EMG_BYTES];
+        bytes[..8].copy_from_slice(&self.number.to_le_bytes());
+        self.number += 1;
+        self.handle(Event::Notification {
+            characteristic: Characteristic::ALL[2 + lane % 4],
+            bytes: &bytes,
+        });
+    }
+
+    /// Passes an event on and checks what the session does.
+    pub fn handle(&mut self, event: Event<'_>) {
+        let streamed = self.session.phase() == Phase::Streaming;
+        let mut actions = Vec::new();
+        self.session
+            .handle(self.now, event, &mut |action| actions.push(action));
+        assert!(actions.len() <= MOST_ACTIONS, "{} actions", actions.len());
+        self.progress.handled(self.now, event, &self.session);
+        let _ = self.progress.is_alive(self.now);
+
+        if is_answer(self.outstanding, event) {
+            self.outstanding = None;
+        }
+        let streams = self.session.phase() == Phase::Streaming;
+        self.stream |= streams || (actions.contains(&Action::StreamEnded) && !streamed);
+        for action in actions {
+            self.act(action);
+        }
+        assert_eq!(self.stream, streams, "every stream ends once");
+        assert_ne!(self.session.phase(), Phase::Idle);
+        let lost = u64::from(self.session.counters().lost);
+        assert_eq!(
+            lost,
+            self.lost.min(u64::from(u32::MAX)),
+            "the counter of lost samples"
+        );
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Connect(armband) => {
+                let followed = self.session.following();
+                let wanted = followed.address();
+                assert!(wanted.is_none_or(|wanted| wanted.bytes == armband.bytes));
+                assert!(wanted.is_some() || followed == Following::Strongest);
+                self.operation(action);
+            }
+            Action::Discover | Action::Read(_) | Action::Subscribe(_) => self.operation(action),
+            Action::Write(_, payload) => {
+                assert!(!payload.as_slice().is_empty());
+                self.operation(action);
+            }
+            Action::Disconnect => self.outstanding = None,
+            Action::Deliver(pair) => {
+                assert!(self.stream, "samples outside a stream");
+                let number = pair[0].map(i8::cast_unsigned);
+                let is_numbered = pair[1] == [0x55; 8];
+                let number = u64::from_le_bytes(number);
+                assert!(
+                    !is_numbered || self.delivered.insert(number),
+                    "delivered twice"
+                );
+                let packet = self.sequencer.samples(pair);
+                assert_eq!(packet.first.0, self.position, "positions never go back");
+                let received = self.detector.receive(packet);
+                assert_eq!((received.missing, received.samples), (0, Some(pair)));
+                self.position = self.position.wrapping_add(2);
+            }
+            Action::Gap { missing } => {
+                assert!(self.stream && missing > 0);
+                self.lost += u64::from(missing);
+                self.sequencer.gap(missing);
+                // What the queue's other end finds out by itself.
+                self.detector = GapDetector::new();
+                let mut skipped = self.sequencer;
+                let first = skipped.end().first;
+                assert_eq!(
+                    first.since(shared::units::SampleIndex(self.position)),
+                    missing
+                );
+                self.position = first.0;
+                self.detector.receive(skipped.end());
+            }
+            Action::StreamEnded => {
+                assert!(self.stream);
+                self.stream = false;
+                let packet = self.sequencer.end();
+                assert!(self.detector.receive(packet).disconnected);
+            }
+            Action::Keep(armband) => assert_eq!(armband, self.session.bound()),
+            Action::Scan | Action::StopScan => {}
+        }
+    }
+
+    /// At most one is outstanding.
+    fn operation(&mut self, action: Action) {
+        assert_eq!(self.outstanding, None, "and then {action:?}");
+        self.outstanding = Some(action);
+    }
+}
+
+/// Whether an event ends an operation.
+fn is_answer(outstanding: Option<Action>, event: Event<'_>) -> bool {
+    matches!(
+        (outstanding, event),
+        (
+            Some(Action::Connect(_)),
+            Event::Connected | Event::ConnectFailed
+        ) | (Some(Action::Discover), Event::Discovered(_) | Event::Failed)
+            | (Some(Action::Read(_)), Event::Read(_) | Event::Failed)
+            | (
+                Some(Action::Subscribe(_) | Action::Write(..)),
+                Event::Done | Event::Failed
+            )
+            | (_, Event::Disconnected)
+    )
+}

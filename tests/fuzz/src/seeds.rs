@@ -1,0 +1,321 @@
+//! The first inputs of every target, made by the project's own writers. Nothing is cut from recordings.
+
+use std::fs;
+use std::path::Path;
+
+use shared::intent::{Intent, Vocabulary};
+use shared::model::dimensions::Dimensions;
+use shared::model::file::{Model, random};
+use shared::myo::Characteristic;
+use shared::myo::binding::to_record;
+use shared::stream::alignment::Alignment;
+use shared::stream::safe_state::{Cause, Status};
+use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command};
+use shared::uart_line::emg::EmgReport;
+use shared::uart_line::{Counters, Kind, Report};
+use shared::units::SampleIndex;
+
+use crate::dataset::mat_fixture::{compressed, doubles, file, variable};
+use crate::dataset::readers::npy::encode;
+use crate::radio::{CONTROL, address, advertisement};
+use crate::targets::recording::PATHS;
+
+/// Rows of a recording.
+const ROWS: usize = 24;
+
+/// Writes a folder for each target.
+pub fn write(folder: &Path) -> std::io::Result<()> {
+    for (target, seeds) in all() {
+        let folder = folder.join(target);
+        fs::create_dir_all(&folder)?;
+        for (number, seed) in seeds.iter().enumerate() {
+            fs::write(folder.join(format!("seed-{number:02}")), seed)?;
+        }
+    }
+    Ok(())
+}
+
+fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
+    vec![
+        ("advertisement", advertisements()),
+        ("discovery", vec![attributes()]),
+        ("notification", vec![notifications()]),
+        ("session", sessions()),
+        ("binding", vec![to_record(address(7)).to_vec()]),
+        ("pipeline", pipelines()),
+        ("command", commands()),
+        ("report", reports()),
+        ("answer", (0..6).map(|kind| vec![kind; 70]).collect()),
+        ("model", models()),
+        ("template", vec![template()]),
+        ("npy", arrays()),
+        ("mat", matrices()),
+        ("recording", recordings()),
+        ("labels", labels()),
+    ]
+}
+
+fn advertisements() -> Vec<Vec<u8>> {
+    let named = [b"\x04\x09Myo\x02\x01\x06", &advertisement()[..]].concat();
+    vec![advertisement().to_vec(), named]
+}
+
+/// Declarations with their values and descriptors, as an armband has them.
+fn attributes() -> Vec<u8> {
+    let mut seed = Vec::new();
+    let mut handle = 1;
+    for characteristic in Characteristic::ALL {
+        let mut declaration = vec![0x10, handle + 1, 0];
+        let uuid = characteristic.uuid().to_le_bytes();
+        declaration.extend(uuid);
+        seed.push(declaration.len() as u8);
+        seed.extend(declaration);
+        // The value is not read; a description, then the descriptor.
+        seed.extend([3, b'E', b'M', b'G', 2, 0, 0]);
+        handle += 4;
+    }
+    seed.push(CONTROL.to_le_bytes().len() as u8);
+    seed.extend(CONTROL.to_le_bytes());
+    seed
+}
+
+/// Four lanes in turn, a loss, a swap, a battery level.
+fn notifications() -> Vec<u8> {
+    let mut seed = vec![0; 4];
+    for number in 0..40_u8 {
+        seed.extend([number % 4, 10]);
+    }
+    seed.extend([2, 30, 0, 10, 1, 10, 3, 10, 202, 10, 1, 80]);
+    seed
+}
+
+fn sessions() -> Vec<Vec<u8>> {
+    let set_up = |bits: u8| {
+        let mut seed = vec![bits, 0, 0, 0, 0, 31, 0, 17, 1, 2, 0xd8, 31, 220];
+        (0..16).for_each(|_| seed.extend([0, 1]));
+        (0..30).for_each(|number| seed.extend([8 + number % 4, 10]));
+        seed
+    };
+    let mut paired = set_up(0);
+    paired.extend([28, 1, 17, 1, 1, 0xd0, 31, 250, 31, 250, 31, 250, 31, 250]);
+    let mut ended = set_up(4);
+    ended.extend([27, 1, 29, 1, 1, 31, 201]);
+    vec![set_up(2), set_up(4), paired, ended]
+}
+
+fn pipelines() -> Vec<Vec<u8>> {
+    let samples = |seed: &mut Vec<u8>, count: u8| {
+        seed.extend([0x20, count, 3, 9, 27, 81, 243, 217, 139, 161]);
+    };
+    let mut long = vec![0, 5, 1, 0, 0, 0, 0, 0];
+    (0..3).for_each(|_| samples(&mut long, 255));
+    let mut lossy = vec![0x31, 5, 1, 2, 0, 0, 0, 0];
+    for _ in 0..8 {
+        samples(&mut lossy, 100);
+        lossy.extend([6, 2]);
+    }
+    lossy.extend([13, 10, 210, 15, 3, 1]);
+    samples(&mut lossy, 200);
+    vec![long, lossy]
+}
+
+fn commands() -> Vec<Vec<u8>> {
+    let commands = [
+        Command::Identify,
+        Command::Counters,
+        Command::Raw(true),
+        Command::Align(AlignCommand::Begin),
+        Command::Align(AlignCommand::Set(Alignment::new(5, true))),
+        Command::Bind(BindCommand::Set(address(1))),
+        Command::Bind(BindCommand::Forget),
+    ];
+    let line = |command: &Command| command.to_string().into_bytes();
+    let body = |command: &Command| {
+        let line = command.to_string();
+        line.as_bytes()[1..line.len() - 5].to_vec()
+    };
+    let mut seeds: Vec<_> = commands.iter().map(body).collect();
+    seeds.push(commands.iter().flat_map(line).collect());
+    seeds
+}
+
+fn reports() -> Vec<Vec<u8>> {
+    let report = Report {
+        kind: Kind::Label,
+        sequence: 2,
+        instant: SampleIndex(609),
+        emitted: SampleIndex(660),
+        status: Status::Valid(Intent::Close),
+        counters: Counters::default(),
+    };
+    let safe = Report {
+        kind: Kind::State,
+        status: Status::Safe(Cause::ModelRefused),
+        sequence: u32::MAX,
+        ..report
+    };
+    let alignment = AlignmentReport {
+        sequence: 97,
+        emitted: SampleIndex(2550),
+        state: AlignmentState::Aligned,
+        gestures: 2,
+        alignment: Alignment::new(5, false),
+        quality: Some((214, 1130)),
+    };
+    let emg = EmgReport {
+        first: SampleIndex(1200),
+        samples: [
+            [0, 1, -1, 127, -128, 5, 6, 7],
+            [8, 9, 10, 11, 12, 13, 14, 15],
+        ],
+    };
+    let lines = [
+        report.to_string(),
+        safe.to_string(),
+        alignment.to_string(),
+        emg.to_string(),
+    ];
+    let bodies = lines.clone().map(|line| line[1..line.len() - 5].to_owned());
+    lines
+        .into_iter()
+        .chain(bodies)
+        .map(String::into_bytes)
+        .collect()
+}
+
+fn smallest() -> Vec<u8> {
+    let dimensions = Dimensions {
+        width: 16,
+        layers: 1,
+        span: 1,
+        vocabulary: Vocabulary::Three,
+    };
+    let model = random::random_model(dimensions, 1);
+    model.to_bytes().expect("a model as the trainer writes it")
+}
+
+fn models() -> Vec<Vec<u8>> {
+    let file = smallest();
+    // Behind the prefix and before the checksum; the first kilobyte, which ends within a tensor.
+    let body = [&[1], &file[13..1024]].concat();
+    let changes = (0..8_u8).map(|kind| vec![2, kind % 4, kind | 0x80, 10 * kind, 0, kind, kind]);
+    let tensors = (0..8_u8).map(|kind| vec![2, kind % 4, kind, 77 * (kind % 3), kind, kind, 9]);
+    let mut seeds: Vec<_> = changes.chain(tensors).collect();
+    seeds.push(body);
+    seeds
+}
+
+fn template() -> Vec<u8> {
+    let file = smallest();
+    // A file in a vector begins at a multiple of four on every platform that fuzzes.
+    let model = Model::parse(&file).expect("a model");
+    let template = model.header.template.expect("a template");
+    let mut seed = template.to_bytes().to_vec();
+    seed.extend((1..=8_u32).flat_map(|mean| (mean * 100).to_le_bytes()));
+    seed
+}
+
+fn arrays() -> Vec<Vec<u8>> {
+    vec![
+        encode("|i1", &[3, 8], &[7; 24]),
+        encode("<f8", &[2, 3], &[0; 48]),
+        encode("|S7", &[2], b"rock\0\0\0paper\0\0"),
+        encode("<U7", &[1], &[0; 28]),
+        encode("<i8", &[0, 8], &[]),
+        [&[1, 2, 3, 8][..], &[5; 48]].concat(),
+    ]
+}
+
+fn matrices() -> Vec<Vec<u8>> {
+    let plain = doubles("data", [2, 3], &[1.0, 4.0, 2.0, 5.0, 3.0, -0.5]);
+    let small = variable("pulse", [3, 1], 6, 1, &[0, 100, 0x80]);
+    let text = variable("note", [1, 2], 4, 4, &[65, 0, 66, 0]);
+    let compressed = compressed(&plain);
+    vec![
+        file(&[compressed, text.clone(), small]),
+        [plain, text].concat(),
+        b"\x84data\x02\0\0\0\x03\x06\x09\x30\0\0\0\0\0\0\xf0?".to_vec(),
+    ]
+}
+
+/// A file of each layout, behind the number of its path.
+fn recordings() -> Vec<Vec<u8>> {
+    let counts = [2_i8, -3, 40, 5, -60, 7, 8, -9].map(i8::cast_unsigned);
+    let array = encode("|i1", &[ROWS, 8], &counts.repeat(ROWS));
+    let labelled = encode(
+        "|i1",
+        &[ROWS, 9],
+        &[&[1], &counts[..]].concat().repeat(ROWS),
+    );
+    let words: Vec<u8> = counts
+        .iter()
+        .flat_map(|&count| [count, if count > 127 { 255 } else { 0 }])
+        .collect();
+    let uci = "time\tchannel1\tchannel2\tchannel3\tchannel4\tchannel5\tchannel6\tchannel7\tchannel8\tclass\n";
+    let row = |number: usize| {
+        format!(
+            "{}\t1e-05\t{number}e-05\t0\t0\t0\t0\t0\t-1e-05\t2\n",
+            40 * number
+        )
+    };
+    let uci: String = std::iter::once(uci.to_owned())
+        .chain((0..ROWS).map(row))
+        .collect();
+    let emg = "\"ch1\":[1,2],\"ch2\":[1,2],\"ch3\":[1,2],\"ch4\":[1,2],\"ch5\":[1,2],\"ch6\":[1,2],\"ch7\":[1,2],\"ch8\":[1,2]";
+    let json = format!(
+        "{{\"trainingSamples\":{{\"idx_1\":{{\"gestureName\":\"open\",\"groundTruthIndex\":[1,2],\"emg\":{{{emg}}}}},\
+         \"idx_2\":{{\"gestureName\":\"noGesture\",\"emg\":{{{emg}}}}},\"idx_3\":{{\"gestureName\":\"fist\",\
+         \"groundTruth\":[0,1],\"emg\":{{{emg}}}}}}},\"testingSamples\":{{}}}}"
+    );
+    let mat = file(&[compressed(&doubles(
+        "data",
+        [ROWS as i32, 8],
+        &[0.5; 8 * ROWS],
+    ))]);
+    let pulses = file(&[
+        variable("emg", [ROWS as i32, 8], 6, 1, &counts.repeat(ROWS)),
+        variable("pulse", [ROWS as i32, 1], 6, 1, &[100; ROWS]),
+    ]);
+    let files: [Vec<u8>; PATHS.len()] = [
+        [
+            &b"gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n"[..],
+            &b"2,1,2,3,4,5,6,7,-128\n".repeat(ROWS),
+        ]
+        .concat(),
+        [
+            &b"index,timestamp,0,1,2,3,4,5,6,7\r\n"[..],
+            &b"0,5,1,2,3,4,5,6,7,8\r\n".repeat(ROWS),
+        ]
+        .concat(),
+        uci.into_bytes(),
+        b"1,2,3,4,5,6,7,8,7\n".repeat(ROWS),
+        b"0.5,0,0,0,0,0,0,-1\n".repeat(ROWS),
+        b"5,0,0,0,0,0,0,-1\n".repeat(ROWS),
+        words.repeat(ROWS),
+        json.into_bytes(),
+        array.clone(),
+        array.clone(),
+        labelled,
+        array.clone(),
+        array,
+        mat,
+        pulses,
+        b"1,2,3,4,5,6,7,8,3\n".repeat(ROWS),
+    ];
+    files
+        .into_iter()
+        .enumerate()
+        .map(|(number, file)| [&[number as u8], &file[..]].concat())
+        .collect()
+}
+
+fn labels() -> Vec<Vec<u8>> {
+    vec![
+        b"relax\nopen\nnone\n-1\n2\n".to_vec(),
+        b"time,gt,prediction\n0,1,open\n5,-1,wave-in\n".to_vec(),
+        encode("|i1", &[4], &[0, 1, 2, 255]),
+        encode("|i1", &[2, 9], &[1; 18]),
+        encode("|S7", &[2], b"open\0\0\0close\0\0"),
+    ]
+}

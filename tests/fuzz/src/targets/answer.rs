@@ -1,0 +1,109 @@
+//! The answers to commands: of any counters and armbands, each a line that is no command.
+
+use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
+use shared::stream::alignment::Alignment;
+use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
+use shared::uart_line::command::AlignCommand;
+
+use super::report::is_not_answered;
+use crate::input::Input;
+
+/// An answer of any content.
+pub fn run(data: &[u8]) {
+    let input = &mut Input(data);
+    let line = answer(input).to_string();
+    assert!(line.len() <= 256 && line.is_ascii(), "{line}");
+    assert!(line.starts_with('$') && line.ends_with("\r\n"), "{line}");
+    assert_eq!(
+        line.matches(['\r', '\n', '$', '*']).count(),
+        4,
+        "one line: {line}"
+    );
+    let (body, sum) = line[1..line.len() - 2]
+        .rsplit_once('*')
+        .expect("a checksum");
+    let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    assert_eq!(sum, format!("{expected:02X}"));
+    is_not_answered(&line);
+}
+
+fn answer(input: &mut Input<'_>) -> Answer<'static> {
+    match input.below(6) {
+        0 => Answer::Identity(Identity {
+            version: env!("CARGO_PKG_VERSION"),
+            revision: "0123456789ab-modified",
+            image: "nrf52840-trouble",
+            model: input.flag().then(|| input.word()),
+            armband: input.flag().then(|| address(input)),
+            firmware: input.flag().then(|| firmware(input)),
+            battery: input.flag().then(|| input.byte()),
+        }),
+        1 => Answer::Counts(Counts {
+            session: Counters {
+                connections: input.word(),
+                failed_connects: input.word(),
+                timeouts: input.word(),
+                stalls: input.word(),
+                failed_set_ups: input.word(),
+                refused: input.word(),
+                notifications: input.word(),
+                lost: input.word(),
+                given_up: input.word(),
+                duplicates: input.word(),
+                reordered: input.word(),
+                malformed: input.word(),
+                foreign: input.word(),
+            },
+            packets_dropped: input.word(),
+            lines_dropped: input.word(),
+            emg_dropped: input.word(),
+        }),
+        2 => Answer::Align(match input.below(3) {
+            0 => AlignCommand::Begin,
+            1 => AlignCommand::Cancel,
+            _ => AlignCommand::Set(Alignment::new(input.byte(), input.flag())),
+        }),
+        3 => Answer::Raw(input.flag()),
+        4 => Answer::Binding(Binding {
+            following: match input.below(5) {
+                0 => Following::Pinned(address(input)),
+                1 => Following::Bound(address(input)),
+                2 => Following::Strongest,
+                3 => Following::Nobody,
+                _ => Following::Pairing,
+            },
+            is_kept: input.flag(),
+        }),
+        _ => Answer::Refused(match input.below(9) {
+            0 => Refusal::TooLong,
+            1 => Refusal::Frame,
+            2 => Refusal::Checksum(input.byte()),
+            3 => Refusal::Unknown,
+            4 => Refusal::Arguments,
+            5 => Refusal::NoModel,
+            6 => Refusal::NoStream,
+            7 => Refusal::BuiltIn,
+            _ => Refusal::Busy,
+        }),
+    }
+}
+
+fn address(input: &mut Input<'_>) -> Address {
+    let kind = if input.flag() {
+        AddressKind::Random
+    } else {
+        AddressKind::Public
+    };
+    let bytes = input.array();
+    Address { kind, bytes }
+}
+
+fn firmware(input: &mut Input<'_>) -> FirmwareVersion {
+    let [major, minor, patch, hardware] = [(); 4].map(|()| u16::from_le_bytes(input.array()));
+    FirmwareVersion {
+        major,
+        minor,
+        patch,
+        hardware,
+    }
+}

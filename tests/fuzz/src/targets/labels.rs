@@ -1,0 +1,21 @@
+//! Files of labels, true and predicted: csv, text and npy.
+
+use crate::dataset::readers::label_file::{Purpose, parse};
+
+/// A file.
+pub fn run(data: &[u8]) {
+    let [truth, prediction] =
+        [Purpose::Truth, Purpose::Prediction].map(|purpose| parse(data, purpose));
+    let Ok(labels) = truth else { return };
+    assert!(!labels.is_empty(), "at least one label");
+    // A csv may name both; what names neither is the same for either purpose.
+    if let Ok(prediction) = prediction {
+        assert_eq!(prediction.len(), labels.len());
+    }
+    let text: String = labels
+        .iter()
+        .map(|label| label.map_or("none", |intent| intent.name()).to_owned() + "\n")
+        .collect();
+    let again = parse(text.as_bytes(), Purpose::Truth);
+    assert_eq!(again.ok(), Some(labels), "written and read again");
+}

@@ -1,0 +1,86 @@
+//! Files of recordings, under the names of every published layout: what is accepted has a label a sample, movements
+//! inside it, and is the same after it was written and read again.
+
+use std::path::Path;
+
+use crate::dataset::readers::npy;
+use crate::dataset::readers::open::{Found, Request, of_bytes};
+use crate::dataset::{DataSet, Recording};
+use crate::input::Input;
+
+/// A path of each layout. No such folder exists: what would be read beside a file is not there.
+pub const PATHS: [&str; 16] = [
+    "/nowhere/s3/s3_grasp_1.csv",
+    "/nowhere/s1_r_1/s1_r_1-rock-0-emg.csv",
+    "/nowhere/01/1_raw_data_13-12_22.03.16.txt",
+    "/nowhere/12345-1/7.txt",
+    "/nowhere/sub1/M2T1.csv",
+    "/nowhere/stream/raw_emg.csv",
+    "/nowhere/EvaluationDataset/Male3/training0/classe_12.dat",
+    "/nowhere/user3.json",
+    "/nowhere/EMG_S1/1_fist.npy",
+    "/nowhere/user10/training/001_fist.npy",
+    "/nowhere/own.npy",
+    "/nowhere/subject03_session01_emg.npy",
+    "/nowhere/s3/e2_emg.npy",
+    "/nowhere/EMG_S1/fist_1_x.mat",
+    "/nowhere/MyoUP/E2/s1e2.mat",
+    "/nowhere/12345-1/3.txt",
+];
+
+/// Samples of the longest recording that a file of a few kilobytes may hold: `uci-gestures` names its times, 200 samples a row.
+const MOST: usize = 200;
+
+/// A byte for the path, then the file.
+pub fn run(data: &[u8]) {
+    let mut input = Input(data);
+    let path = Path::new(PATHS[input.below(PATHS.len())]);
+    let request = Request {
+        wants: |_: DataSet| true,
+        alone: true,
+    };
+    let bytes = input.0;
+    let found = of_bytes(path, bytes, &request);
+    if let Err(error) = &found {
+        assert!(error.to_string().len() < 1000, "a message of a line");
+    }
+    let Ok(Found::Recordings(recordings)) = found else {
+        return;
+    };
+    for recording in recordings {
+        check(&recording);
+        assert!(recording.samples.len() <= MOST * bytes.len());
+    }
+}
+
+fn check(recording: &Recording) {
+    let count = recording.samples.len();
+    assert!(count > 0);
+    assert_eq!(recording.labels.len(), count, "{}", recording.full_name());
+    for movement in &recording.other_movement {
+        assert!(!movement.samples.is_empty() && movement.samples.end <= count);
+    }
+    read_again(recording);
+}
+
+/// Written as label and eight counts a row, which any recording can be.
+fn read_again(recording: &Recording) {
+    let rows = recording.samples.iter().zip(&recording.labels);
+    let data: Vec<u8> = rows
+        .flat_map(|(sample, label)| {
+            let label = label.map_or(-1, |intent| intent.class() as i8);
+            std::iter::once(label).chain(*sample).map(i8::cast_unsigned)
+        })
+        .collect();
+    let bytes = npy::encode("|i1", &[recording.samples.len(), 9], &data);
+    let request = Request {
+        wants: |_: DataSet| true,
+        alone: true,
+    };
+    let Ok(Found::Recordings(again)) = of_bytes(Path::new("/nowhere/s1_x.npy"), &bytes, &request)
+    else {
+        panic!("{} is not read again", recording.full_name());
+    };
+    assert_eq!(again[0].samples, recording.samples);
+    assert_eq!(again[0].labels, recording.labels);
+}

@@ -1,0 +1,64 @@
+//! The session with armbands: any events in any order at any time.
+
+use shared::myo::{Characteristic, Event, Found, Settings};
+
+use crate::input::Input;
+use crate::radio::{Link, address, advertisement};
+
+/// Settings and first time, then events: a byte for the kind, the time since the one before, what belongs to it.
+pub fn run(data: &[u8]) {
+    let mut input = Input(data);
+    let bits = input.byte();
+    let setting = |bit: u8, last| (bits & bit != 0).then(|| address(last));
+    let settings = Settings {
+        pinned: setting(1, 1),
+        bound: setting(2, 2),
+        follow_strongest: bits & 4 != 0,
+        ..Settings::default()
+    };
+    let mut link = Link::new(settings, input.word());
+    while !input.is_empty() {
+        let kind = input.byte();
+        link.wait(input.pause());
+        match kind % 32 {
+            0..=7 => link.answer(),
+            8..=15 => link.emg(usize::from(kind % 4)),
+            16 => {
+                let (last, rssi) = (input.byte(), input.byte().cast_signed());
+                link.advertise(last, rssi, input.short());
+            }
+            17 | 18 => {
+                let (last, rssi) = (input.byte() % 4, input.byte().cast_signed());
+                link.advertise(last, rssi, &advertisement());
+            }
+            19 => link.handle(Event::ScanEnded),
+            20 => link.handle(Event::Connected),
+            21 => link.handle(Event::ConnectFailed),
+            22 => link.handle(Event::Discovered(found(input.byte()))),
+            23 => link.handle(Event::Read(input.short())),
+            24 => link.handle(Event::Done),
+            25 => link.handle(Event::Failed),
+            26 => {
+                let characteristic = Characteristic::ALL[input.below(7)];
+                let bytes = input.short();
+                link.handle(Event::Notification {
+                    characteristic,
+                    bytes,
+                });
+            }
+            27 => link.handle(Event::Disconnected),
+            28 => link.handle(Event::Pair),
+            29 => {
+                let armband = input.flag().then(|| address(2));
+                link.handle(Event::Bind(armband));
+            }
+            _ => link.handle(Event::Tick),
+        }
+    }
+}
+
+/// The characteristics of a set's bits.
+fn found(bits: u8) -> Found {
+    let all = Characteristic::ALL.into_iter();
+    all.filter(|one| bits & (1 << one.index()) != 0).collect()
+}

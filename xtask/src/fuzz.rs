@@ -1,0 +1,306 @@
+//! Coverage-guided fuzzing: builds the program of tests/fuzz and runs its targets one after another.
+//!
+//! Stable Rust suffices: the coverage counters are LLVM's, and any C++ compiler compiles libFuzzer from the sources in
+//! its crate. No sanitizer: there is no unsafe code to watch.
+
+use std::{
+    env, fmt, fs,
+    path::{Path, PathBuf},
+    process::Command,
+    time::Instant,
+};
+
+use anyhow::{Context as _, Result, bail, ensure};
+
+/// What counts branches and shows libFuzzer the operands of comparisons; the flags of `cargo fuzz`.
+const COVERAGE: [&str; 5] = [
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+];
+/// Seconds of a target where nothing else is said.
+const SECONDS: u32 = 10;
+/// Longest input, in bytes.
+const LONGEST: &str = "-max_len=4096";
+/// Seconds that one input may take.
+const TIMEOUT: &str = "-timeout=10";
+/// KiB of address space: an allocation by a number in the input fails instead of being left unused.
+const MEMORY_KIB: u32 = 2 << 20;
+
+/// What to fuzz, and for how long.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Seconds of each target at most; 10 without `--runs`.
+    #[arg(long, value_name = "N")]
+    seconds: Option<u32>,
+    /// Executions of each target at most.
+    #[arg(long, value_name = "N")]
+    runs: Option<u64>,
+    /// A target to run, instead of all; may be given again.
+    #[arg(long, value_name = "NAME")]
+    target: Vec<String>,
+    /// Writes the seeds of all targets to tests/fuzz/corpus, and runs none.
+    #[arg(long)]
+    seeds: bool,
+}
+
+/// Runs the targets and prints a table: executions, executions a second, branches reached, result.
+///
+/// # Errors
+/// When a target found an input that fails, or cannot be built.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let program = build()?;
+    if arguments.seeds {
+        let written = Command::new(&program)
+            .env("MYOINTENT_FUZZ_SEEDS", crate_folder().join("corpus"))
+            .status()?;
+        ensure!(written.success(), "the seeds cannot be written");
+        return Ok(());
+    }
+    let known = targets(&program)?;
+    for name in &arguments.target {
+        let all = known.join(", ");
+        ensure!(known.contains(name), "no target {name}; there are {all}");
+    }
+    let wanted = |name: &&String| arguments.target.is_empty() || arguments.target.contains(name);
+    println!("target             executions  a second  branches  inputs  result");
+    let mut findings = Vec::new();
+    for name in known.iter().filter(wanted) {
+        let outcome = fuzz(&program, name, arguments)?;
+        println!("{name:<16} {outcome}");
+        if let Some(finding) = outcome.finding {
+            findings.push(format!("{name}: {finding}"));
+        }
+    }
+    if !findings.is_empty() {
+        bail!("{}", findings.join("\n"));
+    }
+    Ok(())
+}
+
+/// Where the targets are.
+fn crate_folder() -> PathBuf {
+    crate::workspace().join("tests/fuzz")
+}
+
+/// A folder of its own: compiled with other flags than everything else.
+fn folder() -> PathBuf {
+    crate::target().join("fuzz")
+}
+
+fn build() -> Result<PathBuf> {
+    let host = host()?;
+    let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
+    ensure!(
+        Command::new(&compiler).arg("--version").output().is_ok(),
+        "no C++ compiler, which libFuzzer is compiled with: apt-get install g++"
+    );
+    let mut flags = env::var("RUSTFLAGS").unwrap_or_default();
+    for flag in COVERAGE {
+        flags = format!("{flags} {flag}");
+    }
+    let built = Command::new(env!("CARGO"))
+        // With a target named, the flags are not those of build scripts and macros.
+        .args(["build", "--quiet", "--locked", "--release", "--target"])
+        .arg(&host)
+        .arg("--manifest-path")
+        .arg(crate_folder().join("Cargo.toml"))
+        .arg("--target-dir")
+        .arg(folder())
+        .env("RUSTFLAGS", flags.trim())
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(built.success(), "the fuzz targets cannot be built");
+    Ok(folder().join(host).join("release/myointent-fuzz"))
+}
+
+/// The platform that this program runs on, as rustc names it.
+fn host() -> Result<String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).arg("-vV").output()?;
+    let text = String::from_utf8(output.stdout)?;
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    Ok(host.context("rustc names no host")?.to_owned())
+}
+
+fn targets(program: &Path) -> Result<Vec<String>> {
+    let output = Command::new(program)
+        .env("MYOINTENT_FUZZ_LIST", "1")
+        .output()
+        .with_context(|| format!("{} cannot be run", program.display()))?;
+    let text = String::from_utf8(output.stdout)?;
+    ensure!(!text.is_empty(), "no targets");
+    Ok(text.lines().map(str::to_owned).collect())
+}
+
+/// What became of a target.
+struct Outcome {
+    figures: Figures,
+    seconds: f64,
+    finding: Option<String>,
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Figures {
+            executions,
+            branches,
+            inputs,
+        } = self.figures;
+        let rate = executions as f64 / self.seconds.max(0.001);
+        let result = if self.finding.is_some() {
+            "FOUND"
+        } else {
+            "ok"
+        };
+        write!(
+            f,
+            "{executions:>12}  {rate:>8.0}  {branches:>8}  {inputs:>6}  {result}"
+        )
+    }
+}
+
+fn fuzz(program: &Path, name: &str, arguments: &Arguments) -> Result<Outcome> {
+    let corpus = folder().join("corpus").join(name);
+    let findings = folder().join("findings").join(name);
+    for folder in [&corpus, &findings] {
+        fs::create_dir_all(folder)?;
+    }
+    let seconds = match (arguments.seconds, arguments.runs) {
+        (Some(seconds), _) => seconds,
+        (None, Some(_)) => 0,
+        (None, None) => SECONDS,
+    };
+    // No limit: 0 seconds, or -1 runs.
+    let limits = [
+        format!("-max_total_time={seconds}"),
+        arguments
+            .runs
+            .map_or_else(|| "-runs=-1".to_owned(), |runs| format!("-runs={runs}")),
+    ];
+    let start = Instant::now();
+    let output = Command::new("sh")
+        .arg("-c")
+        .arg(format!("ulimit -v {MEMORY_KIB} && exec \"$0\" \"$@\""))
+        .arg(program)
+        .args([LONGEST, TIMEOUT, "-print_final_stats=1", "-verbosity=1"])
+        .args(limits)
+        .arg(format!("-artifact_prefix={}/", findings.display()))
+        .args([&corpus, &crate_folder().join("corpus").join(name)])
+        .env("MYOINTENT_FUZZ_TARGET", name)
+        .env("RUST_BACKTRACE", "1")
+        .output()
+        .context("sh cannot be run")?;
+    let seconds = start.elapsed().as_secs_f64();
+    let log = String::from_utf8_lossy(&output.stderr);
+    let file = findings.join("log");
+    fs::write(&file, log.as_bytes())?;
+    let finding = (!output.status.success()).then(|| reason(&log, &file));
+    Ok(Outcome {
+        figures: Figures::of(&log),
+        seconds,
+        finding,
+    })
+}
+
+/// What a log says of a failure.
+fn reason(log: &str, file: &Path) -> String {
+    let lines: Vec<&str> = log.lines().collect();
+    let panic = lines.iter().position(|line| line.contains("panicked at"));
+    let place = panic.map(|at| lines[at..lines.len().min(at + 4)].join("\n  "));
+    let error = lines.iter().find(|line| line.contains("ERROR:"));
+    let what = place.or_else(|| error.map(|line| (*line).to_owned()));
+    let input = lines
+        .iter()
+        .find_map(|line| line.split("written to ").nth(1));
+    format!(
+        "{}\n  input: {}\n  log: {}",
+        what.unwrap_or_else(|| "ended without a word".to_owned()),
+        input.unwrap_or("none"),
+        file.display()
+    )
+}
+
+/// Numbers of libFuzzer's log.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+struct Figures {
+    executions: u64,
+    branches: u64,
+    inputs: u64,
+}
+
+impl Figures {
+    /// Of the last line `#N KIND cov: N ft: N corp: N/...` with each; the final count counts all.
+    fn of(log: &str) -> Self {
+        let mut figures = Self::default();
+        for line in log.lines() {
+            let mut words = line.split_whitespace().peekable();
+            if let Some(number) = line.strip_prefix("stat::number_of_executed_units:") {
+                figures.executions = number.trim().parse().unwrap_or(figures.executions);
+            }
+            let first = words.peek().and_then(|word| word.strip_prefix('#'));
+            let Some(executions) = first.and_then(|word| word.parse().ok()) else {
+                continue;
+            };
+            figures.executions = figures.executions.max(executions);
+            while let Some(word) = words.next() {
+                let number = words
+                    .peek()
+                    .and_then(|next| next.split('/').next()?.parse().ok());
+                match (word, number) {
+                    ("cov:", Some(number)) => figures.branches = number,
+                    ("corp:", Some(number)) => figures.inputs = number,
+                    _ => {}
+                }
+            }
+        }
+        figures
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_those_of_the_last_line() {
+        let log = "INFO: Seed: 1\n#2\tINITED cov: 14 ft: 15 corp: 1/1b exec/s: 0 rss: 28Mb\n\
+                   #4798095\tDONE   cov: 44 ft: 116 corp: 50/14998b lim: 4096 exec/s: 533121 rss: 28Mb\n\
+                   stat::number_of_executed_units: 4798096\n";
+        let expected = Figures {
+            executions: 4_798_096,
+            branches: 44,
+            inputs: 50,
+        };
+        assert_eq!(Figures::of(log), expected);
+        assert_eq!(Figures::of("nothing\n"), Figures::default());
+    }
+
+    #[test]
+    fn a_finding_names_the_panic_and_the_input() {
+        let log = "#7\tNEW cov: 1 ft: 1 corp: 1/1b\nthread '<unnamed>' panicked at src/x.rs:1:2:\nno\n\
+                   artifact_prefix='a/'; Test unit written to a/crash-1\n";
+        let reason = reason(log, Path::new("log"));
+        assert!(
+            reason.contains("src/x.rs:1:2") && reason.contains("a/crash-1"),
+            "{reason}"
+        );
+    }
+
+    #[test]
+    fn every_target_has_seeds_in_the_repository() {
+        let registered = fs::read_to_string(crate_folder().join("src/targets/mod.rs")).unwrap();
+        let names = registered.split("target(\"").skip(1);
+        let names: Vec<_> = names.filter_map(|rest| rest.split('"').next()).collect();
+        assert!(names.len() > 10, "{names:?}");
+        for name in names {
+            let seeds = fs::read_dir(crate_folder().join("corpus").join(name));
+            assert!(
+                seeds.is_ok_and(|mut seeds| seeds.next().is_some()),
+                "{name}"
+            );
+        }
+    }
+}
