@@ -689,7 +689,7 @@ fn trials(library: &Library) -> Vec<Trial> {
 #[test]
 fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made() {
     let test = "the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_made";
-    let Some(library) = read(test, "roshambo") else {
+    let Some(library) = read(test, "wang-myo") else {
         return;
     };
     let all = trials(&library);
@@ -701,9 +701,12 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         let mut names = provenance.subjects_left_out.iter();
         names.any(|name| name == trial.subject)
     };
-    let (trials, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
-    // The model was trained on the others.
-    assert!(!trials.is_empty() && !training.is_empty());
+    let (mut trials, training): (Vec<_>, Vec<_>) = all.into_iter().partition(left_out);
+    // The model was trained on the others. Nobody looks at the test people here.
+    trials.retain(|trial| !is_test(&trial.subject));
+    let people: BTreeSet<_> = trials.iter().map(|trial| &trial.subject).collect();
+    assert_eq!(people.len(), 3);
+    assert!(!training.is_empty());
     let logits = trials
         .iter()
         .map(|trial| integer_logits(&model, trial.input(model.header.normalized)).unwrap());
@@ -734,16 +737,14 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
         ),
         (0, 0.0)
     );
-    // Ten gestures a recording, of which the first is often cut.
-    let most = 10 * trials.len();
-    assert!((most - trials.len()..=most).contains(&constant.events.gestures));
+    assert!(constant.events.gestures > 30 * people.len());
     for look_ahead in LookAhead::ALL {
         let score = of("model", look_ahead);
         assert!(balanced(score) > balanced(energy) && balanced(energy) > balanced(constant));
         let difference = Difference::of(Measure::Recognition, score, constant).unwrap();
         assert!(difference.mean.mean > 0.3, "{difference:?}");
-        // Two people show nothing, however clear their numbers.
-        assert_eq!((difference.people, difference.is_shown()), (2, false));
+        // Three people show nothing, however clear their numbers.
+        assert_eq!((difference.people, difference.is_shown()), (3, false));
         // The hand moves 50 ms or more before a label of the newest patch, and 0.25 s before one with look-ahead.
         let latency = score.events.latency.unwrap();
         let Latency::Ms(median) = latency.median else {
