@@ -190,6 +190,7 @@ fn smallest() -> Vec<u8> {
         layers: 1,
         span: 1,
         vocabulary: Vocabulary::Three,
+        other: true,
     };
     let model = random::random_model(dimensions, 1);
     model.to_bytes().expect("a model as the trainer writes it")

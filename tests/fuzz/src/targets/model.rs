@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::LazyLock;
 
-use shared::intent::{MAX_CLASSES, Vocabulary};
+use shared::intent::{MAX_LOGITS, Vocabulary};
 use shared::model::Encode;
 use shared::model::dimensions::Dimensions;
 use shared::model::encoder::{DeviceEncoder, DeviceState, HostEncoder};
@@ -53,6 +53,7 @@ static BASES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
             layers,
             span,
             vocabulary,
+            other: span < 4,
         };
         let model = random::random_model(dimensions, width as u64 + span as u64);
         model.to_bytes().expect("a model as the trainer writes it")
@@ -185,8 +186,9 @@ fn encode(model: &Model<'_>, host: &mut HostState, device: &mut DeviceState) {
     let encoder = HostEncoder::new(model).expect("room for every model");
     let on_device = DeviceEncoder::new(model).ok();
     let classes = encoder.classes();
+    let outputs = model.header.dimensions.row_outputs();
     let settings = model.header.smoother.in_patches();
-    let smoother = Smoother::<MAX_CLASSES, LOOK_BACK>::new(settings, classes);
+    let smoother = Smoother::<MAX_LOGITS, LOOK_BACK>::new(settings, classes);
     let mut smoother = smoother.expect("settings that were checked");
     encoder.reset(host);
     device.reset();
@@ -194,7 +196,7 @@ fn encode(model: &Model<'_>, host: &mut HostState, device: &mut DeviceState) {
         let rows = encoder.step(host, &patch(number));
         for row in rows {
             assert!(row.iter().all(|logit| logit.is_finite()), "{row:?}");
-            assert!(row[classes..].iter().all(|&logit| logit == 0.0));
+            assert!(row[outputs..].iter().all(|&logit| logit == 0.0));
         }
         if let Some(on_device) = &on_device {
             assert_eq!(

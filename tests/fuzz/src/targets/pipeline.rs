@@ -1,6 +1,6 @@
 //! The pipeline from samples to labels: samples, losses, silences and alignments in any order at any time.
 
-use shared::intent::{Intent, MAX_CLASSES};
+use shared::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Pipeline, Reports};
 use shared::stream::alignment::{Alignment, Template};
@@ -34,7 +34,7 @@ impl Encode for Plain {
 
     fn step(&self, state: &mut u32, patch: &Patch) -> LookBackLogits {
         *state += 1;
-        let mut rows = [[0.0; MAX_CLASSES]; LOOK_BACK];
+        let mut rows = [[0.0; MAX_LOGITS]; LOOK_BACK];
         for (row, sample) in rows.iter_mut().zip(patch) {
             for (logit, channel) in row[..self.classes].iter_mut().zip(sample) {
                 *logit = f32::from(*channel);
@@ -69,6 +69,7 @@ pub fn run(data: &[u8]) {
         look_ahead: input.below(LOOK_BACK),
         hold: 1 + input.below(20),
         entry_margins: [f32::from(input.byte()); MAX_CLASSES],
+        other_margin: (bits & 0x40 != 0).then(|| f32::from(input.byte()) - 128.0),
         ..Settings::PAPER_IN_PATCHES
     };
     let pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot);
