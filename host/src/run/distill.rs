@@ -11,14 +11,11 @@ use crate::student::learner::StudentLearner;
 use crate::teacher;
 use crate::training::fit::fit;
 
-/// Trains the student; before it the members of the ensemble that it learns from, if the preset has one.
+/// Trains the student.
 ///
 /// # Errors
 /// When the teacher is missing, the folder cannot be written or the user interrupts.
 pub fn distill(context: &RunContext) -> Result<(), StepError> {
-    for member in context.config.preset.distillation.members() {
-        train(context, member)?;
-    }
     train(context, distillation::NAME)
 }
 
@@ -54,7 +51,7 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     } else {
         None
     };
-    let seed = context.config.student_seed(name);
+    let seed = preset.seed;
     context.device.seed(seed);
     let model = preset
         .student

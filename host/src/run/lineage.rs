@@ -51,7 +51,7 @@ struct StudentInputs<'a> {
     distillation: &'a Distillation,
     /// Seed of its weights and batches.
     seed: u64,
-    /// Weights of the teacher, or of the ensemble's members, that it learns from; none if from the labels alone.
+    /// Weights of the teacher that it learns from; none if from the labels alone.
     teacher: Option<Fingerprint>,
 }
 
@@ -109,27 +109,12 @@ impl ResolvedConfig {
         settings
     }
 
-    /// The seed that a student is trained with, by the name of its files: each member of an ensemble has its own.
-    pub(super) fn student_seed(&self, name: &str) -> u64 {
-        let member = distillation::MEMBERS.iter().position(|own| *own == name);
-        let offset = member.map_or(0, |member| member as u64 + 1);
-        self.preset.seed.wrapping_add(offset)
-    }
-
-    /// Fingerprint of the weights that the run's student learns from: the teacher's, or those of the ensemble.
+    /// Fingerprint of the weights that the run's student learns from, the teacher's.
     ///
     /// # Errors
-    /// When one of them is missing or not this run's.
+    /// When they are missing or not this run's.
     pub(super) fn teaching_weights(&self, run: &RunFolder) -> Result<Fingerprint, RunError> {
-        let members = self.preset.distillation.members();
-        if members.is_empty() {
-            return run.weights_fingerprint(teacher::training::NAME, self.teacher_lineage());
-        }
-        let weights = members
-            .iter()
-            .map(|member| run.weights_fingerprint(member, self.student_lineage(member, run)?))
-            .collect::<Result<Vec<_>, _>>()?;
-        Ok(Fingerprint::of(&weights))
+        run.weights_fingerprint(teacher::training::NAME, self.teacher_lineage())
     }
 
     /// What the teacher is made from.
@@ -158,7 +143,7 @@ impl ResolvedConfig {
             streams: self.streams(),
             student: &self.preset.student,
             distillation: &distillation,
-            seed: self.student_seed(name),
+            seed: self.preset.seed,
             teacher,
         }))
     }

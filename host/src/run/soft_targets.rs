@@ -1,5 +1,4 @@
-//! Soft targets: the logits of the teacher, or of an ensemble of students, over the training streams, computed once and
-//! kept in the run folder.
+//! Soft targets: the logits of the teacher over the training streams, computed once and kept in the run folder.
 
 use shared::model::LookBackLogits;
 use shared::units::{CleanSample, PATCH};
@@ -9,12 +8,12 @@ use super::error::StepError;
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::parallel;
 use crate::execution::run_folder::{Artefact, RunError};
-use crate::inference::{student_logits, teacher_logits};
+use crate::inference::teacher_logits;
 
 const FILE: &str = "soft-targets.bin";
 const LOGITS: &str = "logits";
 
-/// The logits of the teacher, or of the ensemble, at every patch of the training streams.
+/// The logits of the teacher at every patch of the training streams.
 ///
 /// # Errors
 /// When there is none, the folder cannot be written or the user interrupts.
@@ -34,12 +33,7 @@ pub(super) fn soft_targets(
     {
         return Ok(targets);
     }
-    let members = config.preset.distillation.members();
-    let targets = if members.is_empty() {
-        of_teacher(context, streams)?
-    } else {
-        of_ensemble(context, members, streams)?
-    };
+    let targets = of_teacher(context, streams)?;
     let artefact = Artefact::new(made_from, &())
         .map_err(|error| RunError::content(&path, error))?
         .with(LOGITS, pack(&targets));
@@ -62,56 +56,6 @@ fn of_teacher(
         &context.interrupt,
         |emg| teacher_logits(&model, shape, emg, &device),
     )?)
-}
-
-/// Logarithms of the mean of the members' probabilities.
-fn of_ensemble(
-    context: &RunContext,
-    members: &[&str],
-    streams: &[&[CleanSample]],
-) -> Result<Vec<Vec<LookBackLogits>>, StepError> {
-    let device = context.inference_device();
-    let classes = context.config.preset.classes;
-    let students = members
-        .iter()
-        .map(|member| context.student(member))
-        .collect::<Result<Vec<_>, _>>()?;
-    Ok(parallel::map(
-        "soft targets",
-        streams,
-        &context.folder,
-        &context.interrupt,
-        |emg| {
-            let each = students.iter();
-            let each: Vec<_> = each
-                .map(|student| student_logits(student, emg, &device))
-                .collect();
-            (0..emg.len() / PATCH)
-                .map(|patch| {
-                    let own: Vec<&LookBackLogits> = each.iter().map(|all| &all[patch]).collect();
-                    mean(&own, classes)
-                })
-                .collect()
-        },
-    )?)
-}
-
-/// Logarithm of the mean probability of each class, row by row; 0 for unused classes.
-fn mean(members: &[&LookBackLogits], classes: usize) -> LookBackLogits {
-    let mut rows = LookBackLogits::default();
-    for (back, row) in rows.iter_mut().enumerate() {
-        for logits in members.iter().map(|member| &member[back][..classes]) {
-            let largest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            let total: f32 = logits.iter().map(|logit| (logit - largest).exp()).sum();
-            for (sum, logit) in row.iter_mut().zip(logits) {
-                *sum += (logit - largest).exp() / (total * members.len() as f32);
-            }
-        }
-        for probability in &mut row[..classes] {
-            *probability = probability.max(f32::MIN_POSITIVE).ln();
-        }
-    }
-    rows
 }
 
 fn pack(targets: &[Vec<LookBackLogits>]) -> Vec<u8> {
@@ -139,37 +83,6 @@ fn unpack(bytes: &[u8], streams: &[&[CleanSample]]) -> Option<Vec<Vec<LookBackLo
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_ensemble_is_the_mean_of_probabilities() {
-        let logits = |probabilities: [f32; 3]| {
-            let mut rows = LookBackLogits::default();
-            for (back, row) in rows.iter_mut().enumerate() {
-                // A constant added to all logits changes no probability.
-                for (to, probability) in row.iter_mut().zip(probabilities) {
-                    *to = probability.ln() + 30.0 * back as f32;
-                }
-            }
-            rows
-        };
-        let members = [logits([0.8, 0.1, 0.1]), logits([0.2, 0.3, 0.5])];
-        let found = mean(&members.each_ref(), 3);
-        for row in found {
-            for (logit, expected) in row.iter().zip([0.5, 0.2, 0.3]) {
-                assert!((logit.exp() - expected).abs() < 1e-5, "{row:?}");
-            }
-            assert_eq!(row[3..], [0.0; 4]);
-        }
-        // A class that no member believes in has no infinite logit.
-        let mut sure = LookBackLogits::default();
-        sure[0][0] = 1000.0;
-        assert!(
-            mean(&[&sure], 3)
-                .iter()
-                .flatten()
-                .all(|logit| logit.is_finite())
-        );
-    }
 
     #[test]
     fn kept_targets_are_used_for_the_same_streams_alone() {

@@ -11,11 +11,6 @@ pub const NAME: &str = "student";
 /// Name of the files of a second student that is trained on the labels alone.
 pub(crate) const LABELS_ONLY: &str = "student-alone";
 
-/// Names of the files of an ensemble's members.
-pub(crate) const MEMBERS: [&str; 8] = [
-    "member-1", "member-2", "member-3", "member-4", "member-5", "member-6", "member-7", "member-8",
-];
-
 /// How a student is trained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -39,36 +34,17 @@ pub struct Distillation {
     pub ema_decay: f64,
     /// Weight of the distillation loss, 0..=1; the loss on the labels has the rest. 0 trains without a teacher.
     pub teacher_share: f64,
-    /// Number of students, each trained on the labels alone from a seed of its own, whose mean is the teacher; 0: the
-    /// run's teacher, a masked transformer.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub ensemble: usize,
     /// Temperature of both distributions in the distillation loss.
     pub temperature: f64,
     /// Augmentation of the student's input; the teacher's input is the EMG as recorded.
     pub augmentation: Option<Augmentation>,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
-const fn is_zero(value: &usize) -> bool {
-    *value == 0
-}
-
 impl Distillation {
     /// Whether the student learns from the run's teacher.
     #[must_use]
     pub fn needs_teacher(&self) -> bool {
-        self.teacher_share > 0.0 && self.ensemble == 0
-    }
-
-    /// Names of the ensemble's members that the student learns from; none without an ensemble.
-    #[must_use]
-    pub(crate) fn members(&self) -> &'static [&'static str] {
-        if self.teacher_share > 0.0 {
-            &MEMBERS[..self.ensemble.min(MEMBERS.len())]
-        } else {
-            &[]
-        }
+        self.teacher_share > 0.0
     }
 
     /// The settings of the training loop.

@@ -1,8 +1,7 @@
 //! Data augmentation for training, and samples as a model's input.
 
-use rand::{RngExt, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, LogNormal, StandardNormal};
+use rand::RngExt;
+use rand_distr::{Distribution, LogNormal};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, CleanSample};
 
@@ -14,81 +13,34 @@ pub struct Augmentation {
     pub gain: f64,
     /// Largest rotation of the electrodes, in electrodes, in either direction.
     pub rotation: usize,
-    /// Largest further rotation, in parts of the distance of two electrodes, in either direction: amplitudes in between
-    /// are interpolated.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub shift: f64,
-    /// As `gain`, for each electrode by itself: contact with the skin, fat below it.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub electrode_gain: f64,
-    /// Probability that one electrode, drawn at random, is silent.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub silent_electrode: f64,
-    /// Largest standard deviation, in counts, of noise added to every sample; it is drawn once per example.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub noise: f64,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// One draw of an augmentation, applied to a whole window or sequence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Variation {
-    /// Gain of each electrode, after the rotation.
-    gains: [f32; CHANNELS],
+    gain: f32,
     rotation: usize,
-    /// Share of the next electrode (of the one before, if negative) in each electrode's amplitude.
-    shift: f32,
-    noise: Option<Noise>,
-}
-
-/// Noise on every sample.
-#[derive(Clone, Copy, Debug)]
-struct Noise {
-    /// Standard deviation, in counts / 128.
-    deviation: f32,
-    seed: u64,
 }
 
 impl Variation {
     /// No change: gain 1, no rotation.
     pub(crate) const NONE: Self = Self {
-        gains: [1.0; CHANNELS],
+        gain: 1.0,
         rotation: 0,
-        shift: 0.0,
-        noise: None,
     };
 }
 
 impl Augmentation {
-    /// Draws a variation. What is 0 draws nothing.
+    /// Draws a variation; a gain of deviation 0 draws nothing.
     ///
     /// # Panics
     /// Never: a preset with a negative or infinite gain is refused when it is read.
     pub(crate) fn draw(&self, rng: &mut impl RngExt) -> Variation {
-        let common = gain(self.gain, rng);
+        let gain = gain(self.gain, rng);
         let places = rng.random_range(0..=2 * self.rotation);
-        let mut gains = std::array::from_fn(|_| common * gain(self.electrode_gain, rng));
-        if self.silent_electrode > 0.0 && rng.random_bool(self.silent_electrode) {
-            gains[rng.random_range(0..CHANNELS)] = 0.0;
-        }
-        let shift = if self.shift > 0.0 {
-            rng.random_range(-self.shift..=self.shift) as f32
-        } else {
-            0.0
-        };
-        let noise = (self.noise > 0.0).then(|| Noise {
-            deviation: rng.random_range(0.0..=self.noise) as f32 / 128.0,
-            seed: rng.random(),
-        });
         Variation {
-            gains,
+            gain,
             rotation: (places + CHANNELS - self.rotation) % CHANNELS,
-            shift,
-            noise,
         }
     }
 }
@@ -106,26 +58,10 @@ fn gain(deviation: f64, rng: &mut impl RngExt) -> f32 {
 impl Variation {
     /// Appends samples as a model's input: value / 128 times the gain, at most 1, channel after channel.
     pub(crate) fn write(self, samples: &[CleanSample], input: &mut Vec<f32>) {
-        let mut noise = self
-            .noise
-            .map(|noise| (noise.deviation, ChaCha8Rng::seed_from_u64(noise.seed)));
-        let neighbour = if self.shift < 0.0 { CHANNELS - 1 } else { 1 };
-        let share = self.shift.abs();
         for sample in samples {
             for channel in 0..CHANNELS {
-                let of = |place: usize| f32::from(sample[place % CHANNELS]) / 128.0;
-                let place = channel + self.rotation;
-                let mut value = of(place);
-                if share > 0.0 {
-                    value += share * (of(place + neighbour) - value);
-                }
-                value *= self.gains[channel];
-                if let Some((deviation, rng)) = &mut noise {
-                    // The sign of the EMG is lost, but noise has either sign as often.
-                    let added: f32 = StandardNormal.sample(rng);
-                    value = (value + *deviation * added).abs();
-                }
-                input.push(value.min(1.0));
+                let value = f32::from(sample[(channel + self.rotation) % CHANNELS]) / 128.0;
+                input.push((value * self.gain).min(1.0));
             }
         }
     }
@@ -133,6 +69,9 @@ impl Variation {
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
 
     fn written(variation: Variation, sample: CleanSample) -> Vec<f32> {
@@ -154,7 +93,7 @@ mod tests {
     #[test]
     fn gain_saturates_where_the_armband_does() {
         let variation = Variation {
-            gains: [2.0; CHANNELS],
+            gain: 2.0,
             ..Variation::NONE
         };
         let input = written(variation, [100, 10, 0, 0, 0, 0, 0, 0]);
@@ -162,64 +101,21 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_is_between_two_electrodes() {
-        let shifted = |shift| {
-            let variation = Variation {
-                shift,
-                ..Variation::NONE
-            };
-            written(variation, [64, 0, 0, 0, 0, 0, 0, 32])
-        };
-        assert_eq!(shifted(0.25)[..2], [0.375, 0.0]);
-        assert_eq!(shifted(0.25)[7], 0.25 * 0.75 + 0.5 * 0.25);
-        assert_eq!(shifted(-0.25)[..2], [0.5 * 0.75 + 0.25 * 0.25, 0.125]);
-        // A whole place is a rotation.
-        let rotated = Variation {
-            rotation: 1,
-            ..Variation::NONE
-        };
-        assert_eq!(shifted(1.0), written(rotated, [64, 0, 0, 0, 0, 0, 0, 32]));
-    }
-
-    #[test]
-    fn what_is_nought_draws_nothing() {
-        let old = Augmentation {
+    fn gains_have_their_deviation_and_rotations_reach_both_ways() {
+        let augmentation = Augmentation {
             gain: 0.25,
             rotation: 1,
-            ..Augmentation::default()
-        };
-        let (mut one, mut other) = (ChaCha8Rng::seed_from_u64(1), ChaCha8Rng::seed_from_u64(1));
-        let variation = old.draw(&mut one);
-        let expected = gain(0.25, &mut other);
-        assert_eq!(variation.gains, [expected; CHANNELS]);
-        let _: usize = other.random_range(0..=2);
-        assert_eq!(one.random::<u64>(), other.random::<u64>());
-    }
-
-    #[test]
-    fn electrodes_differ_one_is_silent_and_noise_has_its_deviation() {
-        let worn = Augmentation {
-            electrode_gain: 0.3,
-            silent_electrode: 1.0,
-            noise: 8.0,
-            ..Augmentation::default()
         };
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let variation = worn.draw(&mut rng);
-        let silent = variation.gains.iter().filter(|&&gain| gain == 0.0).count();
-        assert_eq!(silent, 1);
-        let mut gains = variation.gains.to_vec();
-        gains.sort_unstable_by(f32::total_cmp);
-        gains.dedup();
-        assert_eq!(gains.len(), CHANNELS);
-        let mut input = Vec::new();
-        variation.write(&[[0; CHANNELS]; 2000], &mut input);
-        let mean_square = input.iter().map(|v| v * v).sum::<f32>() / input.len() as f32;
-        let deviation = variation.noise.unwrap().deviation;
-        assert!((0.0..=8.0 / 128.0).contains(&deviation));
-        assert!((mean_square.sqrt() / deviation - 1.0).abs() < 0.05);
-        let mut again = Vec::new();
-        variation.write(&[[0; CHANNELS]; 2000], &mut again);
-        assert_eq!(input, again);
+        let drawn: Vec<_> = (0..4000).map(|_| augmentation.draw(&mut rng)).collect();
+        let squares = drawn.iter().map(|own| own.gain.ln().powi(2));
+        let deviation = (squares.sum::<f32>() / drawn.len() as f32).sqrt();
+        assert!((deviation - 0.25).abs() < 0.01, "{deviation}");
+        for rotation in [7, 0, 1] {
+            let count = drawn.iter().filter(|own| own.rotation == rotation).count();
+            assert!((1200..1470).contains(&count), "{rotation}: {count}");
+        }
+        let still = Augmentation::default().draw(&mut rng);
+        assert_eq!((still.gain, still.rotation), (1.0, 0));
     }
 }

@@ -25,8 +25,8 @@ use crate::cross_validation::{
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A job is one fold of one preset with one seed: it trains the student (and before it the teacher or\n\
-    the ensemble that it learns from) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
+    after_help = "A job is one fold of one preset with one seed: it trains the student (and before it the teacher\n\
+    that it learns from) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
     all data sets found, also of those that the preset does not train on; test people are in none. The seed decides folds,\n\
     validation people and training. A person's value is the mean over seeds; intervals are over people.\n\n\
     Baselines are trained on the recordings and people of the first preset, by its table [baselines] (comparison has one: cpu's\n\

@@ -85,11 +85,10 @@ pub fn tune(
         weight_decay: 0.0,
         ema_decay: 0.0,
         teacher_share: settings.keep,
-        ensemble: 0,
         temperature: 1.0,
         augmentation: Some(Augmentation {
             gain: GAIN,
-            ..Augmentation::default()
+            rotation: 0,
         }),
     };
     let nothing = Corpus {

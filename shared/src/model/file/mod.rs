@@ -13,6 +13,8 @@ mod owned;
 #[cfg(any(test, feature = "write"))]
 pub mod random;
 mod reader;
+#[cfg(any(test, feature = "write"))]
+mod rewriter;
 mod wire_header;
 #[cfg(any(test, feature = "write"))]
 mod writer;

@@ -8,7 +8,6 @@ use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
     header::SmootherDefaults, reader::Model, wire_header::WireHeader,
 };
-use crate::intent::Intent;
 use crate::kernels::packing::packed;
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
@@ -163,70 +162,8 @@ impl ModelParts {
     }
 }
 
-impl Model<'_> {
-    /// The file with another alignment template, or with none; everything else is as it was.
-    ///
-    /// # Errors
-    ///
-    /// As [`Model::parse`].
-    pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
-        let template = bytes_of(template.copied());
-        Self::with_header(file, |header| header.template = &template)
-    }
-
-    /// The file with another confidence gate: the margin of every class but relax, and that over movement outside the
-    /// vocabulary, which only a model that knows such movement has. What is none stays as it was.
-    ///
-    /// # Errors
-    ///
-    /// As [`Model::parse`], and [`ModelError::NoOther`].
-    pub fn with_gate(
-        file: &[u8],
-        entry: Option<f32>,
-        other: Option<f32>,
-    ) -> Result<Vec<u8>, ModelError> {
-        if other.is_some() && !Model::parse(file)?.header.dimensions.other {
-            return Err(ModelError::NoOther);
-        }
-        Self::with_header(file, |header| {
-            if let Some(entry) = entry {
-                header.entry_margins[Intent::Relax.class() + 1..].fill(entry);
-            }
-            header.other_margin = other.or(header.other_margin);
-        })
-    }
-
-    fn with_header<'h>(
-        file: &'h [u8],
-        change: impl FnOnce(&mut WireHeader<'h>),
-    ) -> Result<Vec<u8>, ModelError> {
-        let model = Model::parse(file)?;
-        let body = &file[PREFIX_BYTES..model.length - CHECKSUM_BYTES];
-        let (mut header, mut rest) = postcard::take_from_bytes::<WireHeader<'_>>(body)
-            .map_err(|_| ModelError::Header { field: "header" })?;
-        change(&mut header);
-        let mut out = prefix();
-        append(&mut out, &header);
-        while !rest.is_empty() {
-            let end = PREFIX_BYTES + body.len();
-            let (field, after) = postcard::take_from_bytes::<&[u8]>(rest)
-                .map_err(|_| ModelError::Header { field: "tensors" })?;
-            let start = end - after.len() - field.len();
-            // Zeros stand before the tensor where its place in the old file asked for them.
-            append_tensor(
-                &mut out,
-                &field[start.next_multiple_of(ALIGNMENT) - start..],
-            );
-            rest = after;
-        }
-        seal(&mut out);
-        Model::parse(&out)?;
-        Ok(out)
-    }
-}
-
 /// A template as the header has it: no bytes for none.
-fn bytes_of(template: Option<Template>) -> Vec<u8> {
+pub(super) fn bytes_of(template: Option<Template>) -> Vec<u8> {
     template.map_or_else(Vec::new, |template| template.to_bytes().to_vec())
 }
 
@@ -308,7 +245,7 @@ fn append_floats(file: &mut Vec<u8>, floats: &[f32]) {
 }
 
 /// Appends the bytes behind as many zeros as align them to four bytes.
-fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
+pub(super) fn append_tensor(file: &mut Vec<u8>, bytes: &[u8]) {
     // The length that comes first includes the zeros. They never make it a byte longer: tensors are whole
     // words, and the largest lengths of one and two bytes, 127 and 16 383, are a multiple of four plus 3.
     let start = file.len() + list([bytes.len()]).len();

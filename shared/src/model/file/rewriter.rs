@@ -1,0 +1,75 @@
+//! A file with another header, its tensors as they are.
+
+use alloc::vec::Vec;
+
+use super::{
+    ALIGNMENT, CHECKSUM_BYTES, PREFIX_BYTES,
+    error::ModelError,
+    reader::Model,
+    wire_header::WireHeader,
+    writer::{append, append_tensor, bytes_of, prefix, seal},
+};
+use crate::intent::Intent;
+use crate::stream::alignment::Template;
+
+impl Model<'_> {
+    /// The file with another alignment template, or with none; everything else is as it was.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::parse`].
+    pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
+        let template = bytes_of(template.copied());
+        Self::with_header(file, |header| header.template = &template)
+    }
+
+    /// The file with another confidence gate: the margin of every class but relax, and that over movement outside the
+    /// vocabulary, which only a model that knows such movement has. What is none stays as it was.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::parse`], and [`ModelError::NoOther`].
+    pub fn with_gate(
+        file: &[u8],
+        entry: Option<f32>,
+        other: Option<f32>,
+    ) -> Result<Vec<u8>, ModelError> {
+        if other.is_some() && !Model::parse(file)?.header.dimensions.other {
+            return Err(ModelError::NoOther);
+        }
+        Self::with_header(file, |header| {
+            if let Some(entry) = entry {
+                header.entry_margins[Intent::Relax.class() + 1..].fill(entry);
+            }
+            header.other_margin = other.or(header.other_margin);
+        })
+    }
+
+    fn with_header<'h>(
+        file: &'h [u8],
+        change: impl FnOnce(&mut WireHeader<'h>),
+    ) -> Result<Vec<u8>, ModelError> {
+        let model = Model::parse(file)?;
+        let body = &file[PREFIX_BYTES..model.length - CHECKSUM_BYTES];
+        let (mut header, mut rest) = postcard::take_from_bytes::<WireHeader<'_>>(body)
+            .map_err(|_| ModelError::Header { field: "header" })?;
+        change(&mut header);
+        let mut out = prefix();
+        append(&mut out, &header);
+        while !rest.is_empty() {
+            let end = PREFIX_BYTES + body.len();
+            let (field, after) = postcard::take_from_bytes::<&[u8]>(rest)
+                .map_err(|_| ModelError::Header { field: "tensors" })?;
+            let start = end - after.len() - field.len();
+            // Zeros stand before the tensor where its place in the old file asked for them.
+            append_tensor(
+                &mut out,
+                &field[start.next_multiple_of(ALIGNMENT) - start..],
+            );
+            rest = after;
+        }
+        seal(&mut out);
+        Model::parse(&out)?;
+        Ok(out)
+    }
+}
