@@ -6,8 +6,8 @@ use shared::uart_line::emg::EmgReport;
 
 use super::queue::Queue;
 
-/// 80 ms of them: the longest line takes 22 ms.
-static SAMPLES: Queue<EmgReport, 8> = Queue::new();
+/// 60 ms of them: the longest line takes 22 ms.
+static SAMPLES: Queue<EmgReport, 6> = Queue::new();
 static WANTED: AtomicBool = AtomicBool::new(false);
 
 /// Whether they are written from now on.

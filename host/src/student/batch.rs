@@ -163,7 +163,7 @@ mod tests {
         let samples = 20 * PATCH;
         let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
         stream.labels[..50].fill(Some(Intent::Open));
-        stream.other_movement = vec![100..150];
+        stream.other_movement = [100..150].to_vec();
         let corpus = |other| Corpus {
             vocabulary: Vocabulary::Three,
             other,

@@ -5,6 +5,9 @@ use crate::run::preset::Preset;
 use crate::teacher::lora::LoraConfig;
 use crate::training::schedule::LrSchedule;
 
+/// Largest learning rate that single precision holds with room for a step. A training that diverges with less is stopped by
+/// its loss.
+const MOST_RATE: f64 = 1e30;
 /// Largest rank of adapters: more than any layer is wide.
 const MOST_RANK: usize = 1024;
 
@@ -49,8 +52,14 @@ impl Preset {
             ("fine_tuning.lora_learning_rate", tuning.lora_learning_rate),
             ("distillation.learning_rate", student.learning_rate),
         ];
-        let rate =
-            |(key, rate)| require(rate > 0.0 && rate <= 1.0, key, rate, "above 0, at most 1");
+        let rate = |(key, rate)| {
+            require(
+                rate > 0.0 && rate <= MOST_RATE,
+                key,
+                rate,
+                "above 0, at most 1e30",
+            )
+        };
         let decays = [
             ("teacher_training.weight_decay", teacher.weight_decay),
             ("distillation.weight_decay", student.weight_decay),
