@@ -163,7 +163,7 @@ mod tests {
         let samples = 20 * PATCH;
         let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
         stream.labels[..50].fill(Some(Intent::Open));
-        stream.other_movement = [100..150].to_vec();
+        stream.other_movement.push(100..150);
         let corpus = |other| Corpus {
             vocabulary: Vocabulary::Three,
             other,
