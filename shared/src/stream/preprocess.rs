@@ -32,6 +32,7 @@ impl Preprocessor {
     }
 
     /// Takes the next sample; returns the one before it, preprocessed. The first sample returns nothing.
+    #[inline]
     pub fn push(&mut self, sample: Sample) -> Option<CleanSample> {
         let pending = self.pending.replace(sample)?;
         let clean = Active::rectified_median(self.before, pending, sample);

@@ -158,7 +158,8 @@ impl Kernels for CortexM4 {
         factors.to_values
     }
 
-    #[inline]
+    // Always: whether a call of it stays one otherwise depends on the folder of the source.
+    #[inline(always)]
     fn rectified_median(before: Sample, here: Sample, after: Sample) -> CleanSample {
         let [before, here, after] = [before, here, after].map(words);
         let medians: [[u8; 4]; 2] = core::array::from_fn(|word| {
