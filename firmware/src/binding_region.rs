@@ -48,17 +48,18 @@ pub async fn keep(page: &mut impl Page, armband: Option<Address>) -> bool {
     unsafe_code,
     reason = "only the linker script knows where the region lies"
 )]
-pub fn start() -> usize {
+pub fn start() -> u32 {
     // SAFETY: memory.x defines the symbol, as the start of its region BINDING. Only its address is used.
     unsafe extern "C" {
         static _binding_start: u8;
     }
-    (&raw const _binding_start).addr()
+    // The cores have 32-bit addresses.
+    (&raw const _binding_start).addr() as u32
 }
 
 #[expect(unsafe_code, reason = "the region is no Rust object")]
 fn bytes() -> [u8; RECORD_BYTES] {
-    let record = ptr::with_exposed_provenance::<[u8; RECORD_BYTES]>(start());
+    let record = ptr::with_exposed_provenance::<[u8; RECORD_BYTES]>(start() as usize);
     // SAFETY: the region is memory that every board has, of a page, longer than a record, and no section of the program
     // is placed in it, so no Rust object overlaps it. Any byte is a valid `u8`, and alignment is 1. It changes only
     // while `Page` writes it, on the same executor and awaited by the only caller; volatile, because the compiler

@@ -24,7 +24,7 @@ impl Page for MemoryPage {
 
 #[expect(unsafe_code, reason = "the page is no Rust object")]
 fn write(bytes: &[u8; RECORD_BYTES]) {
-    let start = ptr::with_exposed_provenance_mut::<u32>(binding_region::start());
+    let start = ptr::with_exposed_provenance_mut::<u32>(binding_region::start() as usize);
     for (place, word) in bytes.as_chunks().0.iter().enumerate() {
         // SAFETY: the region is memory of the emulated board, a page from a word's boundary on, longer than a record,
         // and no section of the program is placed in it. Nobody reads it meanwhile: there is one executor, and this

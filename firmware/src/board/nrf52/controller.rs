@@ -85,19 +85,15 @@ struct FlashPage(Flash<'static>);
 
 impl Page for FlashPage {
     async fn erase(&mut self) -> Result<(), PageFailed> {
-        let start = address()?;
+        let start = binding_region::start();
         let end = start + PAGE_SIZE as u32;
         self.0.erase(start, end).await.map_err(|_| PageFailed)
     }
 
     async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
-        let written = self.0.write(address()?, &record.0).await;
+        let written = self.0.write(binding_region::start(), &record.0).await;
         written.map_err(|_| PageFailed)
     }
-}
-
-fn address() -> Result<u32, PageFailed> {
-    u32::try_from(binding_region::start()).map_err(|_| PageFailed)
 }
 
 fn build(
