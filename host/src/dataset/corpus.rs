@@ -6,6 +6,8 @@ use shared::intent::{Intent, Vocabulary};
 use shared::stream::preprocess::clean;
 use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample};
 
+use super::recording::Recording;
+
 /// One continuous stream: a recording, or pieces of one subject's recordings joined.
 #[derive(Clone, Debug)]
 pub struct Stream {
@@ -42,6 +44,18 @@ impl Stream {
             .chunks_exact(PATCH)
             .map(|patch| 2 * patch.iter().filter(|&&other| other).count() > PATCH)
             .collect()
+    }
+}
+
+impl From<Recording> for Stream {
+    /// A recording as it is, its [`other_movement`](Recording::other_movement) being all movement outside the vocabulary that
+    /// is a class.
+    fn from(recording: Recording) -> Self {
+        let movements = recording.other_movement.into_iter();
+        Self {
+            other_movement: movements.map(|movement| movement.samples).collect(),
+            ..Self::new(recording.samples, recording.labels)
+        }
     }
 }
 

@@ -124,16 +124,7 @@ impl ResolvedConfig {
                 let ratio = most as f64 / subjects[data_set].len() as f64;
                 let seconds = data.spliced_seconds * ratio.powf(data.balance);
                 let spliced = self.spliced(recordings, seconds, self.preset.other());
-                streams.extend(spliced.into_iter().map(|joined| {
-                    Stream {
-                        other_movement: joined
-                            .other_movement
-                            .into_iter()
-                            .map(|movement| movement.samples)
-                            .collect(),
-                        ..Stream::new(joined.samples, joined.labels)
-                    }
-                }));
+                streams.extend(spliced.into_iter().map(Stream::from));
             }
         }
         Corpus {

@@ -126,13 +126,7 @@ fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, Personaliz
     };
     let streams: Vec<Stream> = splice(&recordings.iter().collect::<Vec<_>>(), &options)
         .into_iter()
-        .map(|joined| {
-            let other_movement = joined.other_movement.into_iter();
-            Stream {
-                other_movement: other_movement.map(|movement| movement.samples).collect(),
-                ..Stream::new(joined.samples, joined.labels)
-            }
-        })
+        .map(Stream::from)
         .collect();
     if streams.is_empty() {
         return Err(PersonalizeError::NoChange);
