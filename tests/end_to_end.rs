@@ -12,8 +12,6 @@ mod binding;
 mod commands;
 #[path = "end_to_end/faults.rs"]
 mod faults;
-#[path = "end_to_end/misbehaviour.rs"]
-mod misbehaviour;
 #[path = "end_to_end/model.rs"]
 mod model;
 #[path = "end_to_end/recordings.rs"]

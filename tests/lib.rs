@@ -6,6 +6,7 @@
 //! passes over: `let Some(data) = data("name") else { return };`.
 
 pub mod emulator;
+pub mod output;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

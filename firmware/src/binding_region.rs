@@ -1,8 +1,6 @@
 //! The part of flash that holds the bound armband (`BINDING` in `memory.x`): a page of its own, which neither a new program
 //! nor a new model touches.
 
-use core::ptr;
-
 use shared::myo::Address;
 use shared::myo::binding::{RECORD_BYTES, from_record, to_record};
 
@@ -43,26 +41,60 @@ pub async fn keep(page: &mut impl Page, armband: Option<Address>) -> bool {
     load() == armband
 }
 
-/// Address of the region's first byte.
-#[expect(
-    unsafe_code,
-    reason = "only the linker script knows where the region lies"
-)]
-pub fn start() -> u32 {
-    // SAFETY: memory.x defines the symbol, as the start of its region BINDING. Only its address is used.
-    unsafe extern "C" {
-        static _binding_start: u8;
+#[cfg(target_os = "none")]
+use flash::bytes;
+#[cfg(target_os = "none")]
+pub use flash::start;
+#[cfg(not(target_os = "none"))]
+use simulated::bytes;
+#[cfg(not(target_os = "none"))]
+pub use simulated::write;
+
+#[cfg(target_os = "none")]
+mod flash {
+    use core::ptr;
+
+    use super::RECORD_BYTES;
+
+    /// Address of the region's first byte.
+    #[expect(
+        unsafe_code,
+        reason = "only the linker script knows where the region lies"
+    )]
+    pub fn start() -> u32 {
+        // SAFETY: memory.x defines the symbol, as the start of its region BINDING. Only its address is used.
+        unsafe extern "C" {
+            static _binding_start: u8;
+        }
+        // The cores have 32-bit addresses.
+        (&raw const _binding_start).addr() as u32
     }
-    // The cores have 32-bit addresses.
-    (&raw const _binding_start).addr() as u32
+
+    #[expect(unsafe_code, reason = "the region is no Rust object")]
+    pub fn bytes() -> [u8; RECORD_BYTES] {
+        let record = ptr::with_exposed_provenance::<[u8; RECORD_BYTES]>(start() as usize);
+        // SAFETY: the region is memory that every board has, of a page, longer than a record, and no section of the program
+        // is placed in it, so no Rust object overlaps it. Any byte is a valid `u8`, and alignment is 1. It changes only
+        // while `Page` writes it, on the same executor and awaited by the only caller; volatile, because the compiler
+        // does not see that.
+        unsafe { record.read_volatile() }
+    }
 }
 
-#[expect(unsafe_code, reason = "the region is no Rust object")]
-fn bytes() -> [u8; RECORD_BYTES] {
-    let record = ptr::with_exposed_provenance::<[u8; RECORD_BYTES]>(start() as usize);
-    // SAFETY: the region is memory that every board has, of a page, longer than a record, and no section of the program
-    // is placed in it, so no Rust object overlaps it. Any byte is a valid `u8`, and alignment is 1. It changes only
-    // while `Page` writes it, on the same executor and awaited by the only caller; volatile, because the compiler
-    // does not see that.
-    unsafe { record.read_volatile() }
+#[cfg(not(target_os = "none"))]
+mod simulated {
+    use std::sync::Mutex;
+
+    use super::RECORD_BYTES;
+
+    static PAGE: Mutex<[u8; RECORD_BYTES]> = Mutex::new([0xff; RECORD_BYTES]);
+
+    /// Writes the start of the region.
+    pub fn write(record: [u8; RECORD_BYTES]) {
+        *PAGE.lock().expect("nobody panics while writing") = record;
+    }
+
+    pub fn bytes() -> [u8; RECORD_BYTES] {
+        *PAGE.lock().expect("nobody panics while writing")
+    }
 }

@@ -4,9 +4,10 @@
 //! the Bluetooth stacks, and what differs between boards. Modules import downwards only:
 //!
 //! ```text
-//! start           from reset to running tasks, from a panic to reset
+//! start           from reset to running tasks
+//! fault           from a panic to reset
 //! tasks           radio, inference, output, control, watchdog
-//! board           pins, UART, watchdog, Bluetooth controller: nRF52 or emulator
+//! board           pins, UART, watchdog, Bluetooth controller: nRF52, emulator, or simulated on a PC
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
 //! messages        what the tasks send each other
 //! model_region    the model in flash
@@ -20,31 +21,30 @@
 #![deny(unsafe_code)]
 #![deny(clippy::undocumented_unsafe_blocks)]
 
-#[cfg(target_os = "none")]
 mod binding_region;
-#[cfg(target_os = "none")]
 mod board;
-#[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
+mod fault;
 mod messages;
-#[cfg(target_os = "none")]
 mod model_region;
-#[cfg(target_os = "none")]
 mod radio;
-#[cfg(target_os = "none")]
 mod reset_reason;
-#[cfg(target_os = "none")]
 mod settings;
 #[cfg(target_os = "none")]
 mod stack_guard;
-#[cfg(target_os = "none")]
 mod start;
-#[cfg(target_os = "none")]
 mod tasks;
 
-/// On a PC there is no board to start; the crate still compiles, so that checks reach it.
+#[cfg(target_os = "none")]
+#[embassy_executor::main]
+async fn main(spawner: embassy_executor::Spawner) {
+    stack_guard::start();
+    start::start(spawner);
+}
+
+/// On a PC the board, the armband and the person are simulated.
 #[cfg(not(target_os = "none"))]
-fn main() {
-    eprintln!("this program runs on the board: build its image with `cargo xtask images`");
+fn main() -> std::process::ExitCode {
+    board::simulated::main(start::start)
 }

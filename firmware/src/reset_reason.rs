@@ -1,7 +1,5 @@
 //! Why the program started.
 
-use core::sync::atomic::{AtomicU32, Ordering};
-
 /// Why the core was reset.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum ResetReason {
@@ -27,50 +25,58 @@ impl ResetReason {
     }
 }
 
-/// How a run of the program ended.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    /// Nothing is known: power was lost.
-    Unknown,
-    /// While it ran: by a reset from outside.
-    Running,
-    /// By a panic.
-    Panic,
-    /// By a stack overflow.
-    StackOverflow,
-}
+#[cfg(target_os = "none")]
+pub use kept::{End, keep_end, previous_end};
 
-/// How the previous run of the program ended: kept over a reset.
-#[expect(
-    unsafe_code,
-    reason = "only the linker can exclude memory from being cleared"
-)]
-// SAFETY: cortex-m-rt places sections `.uninit.*` in RAM, as NOLOAD, and its start-up code does not
-// write them, so the initial value never arrives: every one of the 2^32 values that memory may hold
-// is a valid `AtomicU32`, and `previous_end` treats those that are none of the constants below as unknown.
-#[unsafe(link_section = ".uninit.LAST_RUN")]
-static LAST_RUN: AtomicU32 = AtomicU32::new(0);
-const RUNNING: u32 = 0x5255_4e21;
-const PANICKED: u32 = 0x5041_4e21;
-const OVERFLOWED: u32 = 0x5354_4b21;
+#[cfg(target_os = "none")]
+mod kept {
+    use core::sync::atomic::{AtomicU32, Ordering};
 
-/// How the previous run ended. To be called once, at the start.
-pub fn previous_end() -> End {
-    match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
-        RUNNING => End::Running,
-        PANICKED => End::Panic,
-        OVERFLOWED => End::StackOverflow,
-        _ => End::Unknown,
+    /// How a run of the program ended.
+    #[derive(Clone, Copy, PartialEq, Eq)]
+    pub enum End {
+        /// Nothing is known: power was lost.
+        Unknown,
+        /// While it ran: by a reset from outside.
+        Running,
+        /// By a panic.
+        Panic,
+        /// By a stack overflow.
+        StackOverflow,
     }
-}
 
-/// Keeps how this run ends, for the next start.
-pub fn keep_end(end: End) {
-    let word = match end {
-        End::Unknown => 0,
-        End::Running => RUNNING,
-        End::Panic => PANICKED,
-        End::StackOverflow => OVERFLOWED,
-    };
-    LAST_RUN.store(word, Ordering::Relaxed);
+    /// How the previous run of the program ended: kept over a reset.
+    #[expect(
+        unsafe_code,
+        reason = "only the linker can exclude memory from being cleared"
+    )]
+    // SAFETY: cortex-m-rt places sections `.uninit.*` in RAM, as NOLOAD, and its start-up code does not
+    // write them, so the initial value never arrives: every one of the 2^32 values that memory may hold
+    // is a valid `AtomicU32`, and `previous_end` treats those that are none of the constants below as unknown.
+    #[unsafe(link_section = ".uninit.LAST_RUN")]
+    static LAST_RUN: AtomicU32 = AtomicU32::new(0);
+    const RUNNING: u32 = 0x5255_4e21;
+    const PANICKED: u32 = 0x5041_4e21;
+    const OVERFLOWED: u32 = 0x5354_4b21;
+
+    /// How the previous run ended. To be called once, at the start.
+    pub fn previous_end() -> End {
+        match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
+            RUNNING => End::Running,
+            PANICKED => End::Panic,
+            OVERFLOWED => End::StackOverflow,
+            _ => End::Unknown,
+        }
+    }
+
+    /// Keeps how this run ends, for the next start.
+    pub fn keep_end(end: End) {
+        let word = match end {
+            End::Unknown => 0,
+            End::Running => RUNNING,
+            End::Panic => PANICKED,
+            End::StackOverflow => OVERFLOWED,
+        };
+        LAST_RUN.store(word, Ordering::Relaxed);
+    }
 }

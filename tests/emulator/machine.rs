@@ -9,6 +9,7 @@ use anyhow::ensure;
 use xtask::qemu::QEMU;
 
 use super::process::KillOnDrop;
+use crate::output::{LEVELS, LINES};
 
 /// Bytes of the model's flash region, as in `memory.x`.
 pub const MODEL_REGION: usize = 160 * 1024;
@@ -17,10 +18,6 @@ const MODEL_ADDRESS: u32 = 0x5_8000;
 const STRAPS_ADDRESS: u32 = 0x8_0000;
 const ERASED: u8 = 0xff;
 
-/// What the board writes to UART0 and UART2: files in the folder of the run.
-pub const LABELS: &str = "uart0.out";
-/// See [`LABELS`].
-pub const PINS: &str = "uart2.out";
 /// What UART0 and UART2 receive: named pipes in the folder of the run.
 const COMMANDS: &str = "uart0.in";
 const BUTTON: &str = "uart2.in";
@@ -108,7 +105,7 @@ impl Machine {
         qemu.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
         qemu.arg("-kernel").arg(image);
         let commands = named_pipe(&folder.join(COMMANDS))?;
-        let labels = folder.join(LABELS);
+        let labels = folder.join(LINES);
         // A test may have made a named pipe of it.
         if !labels.exists() {
             File::create(labels)?;
@@ -130,7 +127,7 @@ impl Machine {
             }
         }
         let button = named_pipe(&folder.join(BUTTON))?;
-        File::create(folder.join(PINS))?;
+        File::create(folder.join(LEVELS))?;
         let uart2 = folder.join(UART2);
         qemu.args([
             "-chardev",

@@ -9,12 +9,10 @@
 //! The processes of a run write into one folder. A test reads it, waits with a timeout, and prints the
 //! tails of all files when it fails. Dropping a [`Run`] kills both processes.
 
-mod invariants;
+mod check;
 mod machine;
 mod model_damage;
 mod oracle;
-mod output;
-mod pins;
 mod process;
 mod reader;
 mod run;
@@ -22,8 +20,6 @@ mod run;
 pub use machine::{Fault, MODEL_REGION, Machine, Straps};
 pub use model_damage::{Damage, damages};
 pub use oracle::{Input, expected_lines};
-pub use output::Line;
-pub use pins::Pins;
 pub use reader::Reader;
 pub use run::Run;
 

@@ -9,6 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::machine;
+use crate::output::LINES;
 
 /// Where it writes what it has read.
 pub const COPY: &str = "uart0.copy";
@@ -21,7 +22,7 @@ pub struct Reader {
 impl Reader {
     /// Puts a named pipe in the place of the labels' file, and copies what comes out of it.
     pub(super) fn start(folder: &Path) -> anyhow::Result<Self> {
-        let mut pipe = machine::named_pipe(&folder.join(machine::LABELS))?;
+        let mut pipe = machine::named_pipe(&folder.join(LINES))?;
         let mut copy = File::create(folder.join(COPY))?;
         let is_paused = Arc::new(AtomicBool::new(false));
         let paused = Arc::clone(&is_paused);

@@ -1,5 +1,6 @@
 //! One run: its processes, and waiting for what they write.
 
+use std::ops::Deref;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -9,13 +10,12 @@ use bytemuck::cast_slice;
 use tempfile::TempDir;
 use xtask::emulator;
 
-use super::machine::{self, Machine, Straps};
+use super::machine::{Machine, Straps};
 use super::process::KillOnDrop;
 use super::reader::{self, Reader};
 use super::{Bench, Board, Scenario};
+use crate::output::{ARMBAND_LOG, LINES, Output};
 
-/// The armband's log in a run's folder.
-pub const ARMBAND_LOG: &str = "armband";
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
 const POLL: Duration = Duration::from_millis(10);
@@ -27,8 +27,8 @@ pub struct Run {
     armband: Option<KillOnDrop>,
     pub(super) folder: TempDir,
     pub(super) image: PathBuf,
-    /// The file that the lines of UART0 come to.
-    pub(super) labels: &'static str,
+    /// What it writes.
+    pub(super) output: Output,
     /// Whether the board may restart: a fault is injected.
     pub(super) may_restart: bool,
 }
@@ -45,7 +45,7 @@ impl Run {
     ) -> anyhow::Result<(Self, Reader)> {
         let mut run = Self::new(&bench.board, scenario.fault.is_some())?;
         let reader = Reader::start(run.folder.path())?;
-        run.labels = reader::COPY;
+        run.output = Output::new(run.folder.path(), reader::COPY);
         Ok((run.start_both(bench, scenario)?, reader))
     }
 
@@ -145,13 +145,14 @@ impl Run {
     }
 
     fn new(board: &Board, may_restart: bool) -> anyhow::Result<Self> {
+        // Short: the path of a socket has at most 107 bytes.
+        let folder = tempfile::Builder::new().prefix("myo").tempdir()?;
         Ok(Self {
             machine: None,
             armband: None,
-            // Short: the path of a socket has at most 107 bytes.
-            folder: tempfile::Builder::new().prefix("myo").tempdir()?,
+            output: Output::new(folder.path(), LINES),
+            folder,
             image: board.image.clone(),
-            labels: machine::LABELS,
             may_restart,
         })
     }
@@ -187,5 +188,13 @@ impl Run {
         let machine = machine.and_then(|machine| machine.process.ended());
         let ended = machine.or_else(|| self.armband.as_mut().and_then(KillOnDrop::ended));
         ended.map(|(name, status)| format!("the {name} ended ({status})"))
+    }
+}
+
+impl Deref for Run {
+    type Target = Output;
+
+    fn deref(&self) -> &Output {
+        &self.output
     }
 }

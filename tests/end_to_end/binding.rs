@@ -3,13 +3,13 @@
 use std::thread::sleep;
 use std::time::Duration;
 
-use myointent_tests::emulator::{Bench, Fault, Input, Run, Scenario, bench, expected_lines};
+use myointent_tests::emulator::{Bench, Fault, Run, Scenario, bench};
 use serde_json::json;
 use shared::myo::Address;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Sample;
 
-use super::{ARMBAND, PACE, TIME_SCALE, bound};
+use super::{ARMBAND, bound};
 
 const STRANGER: &str = "FA:00:00:00:00:01";
 /// What an unbound board says.
@@ -62,54 +62,6 @@ fn said(run: &Run, words: &str) -> bool {
     run.comments()
         .iter()
         .any(|comment| comment.starts_with(words))
-}
-
-#[test]
-fn a_bound_board_never_follows_a_strangers_stronger_armband() -> anyhow::Result<()> {
-    let test = "a_bound_board_never_follows_a_strangers_stronger_armband";
-    let Some(bench) = bench(test) else {
-        return Ok(());
-    };
-    let (model, samples) = (super::model(), samples(2400));
-    let stranger = format!("{STRANGER},-20");
-    let mut run = bench.start(&Scenario {
-        model: &model,
-        page: Some(bound()),
-        samples: &samples,
-        time_scale: TIME_SCALE,
-        pace: PACE,
-        fault: None,
-        // A connection that ends, after which it scans again.
-        script: json!([{"do": "vanish", "at": 400, "for_ms": 3000}]),
-        arguments: ["--end", "disconnect", "--stranger", &stranger]
-            .map(str::to_owned)
-            .to_vec(),
-    })?;
-    let (before, after) = samples.split_at(800);
-    let expected = expected_lines(
-        &model,
-        &[
-            Input::Samples(before),
-            Input::Disconnected,
-            Input::Samples(after),
-            Input::Disconnected,
-        ],
-    )?;
-    run.wait_for("all lines", |run| run.lines().len() >= expected.len())?;
-    assert_eq!(run.lines(), expected, "{}", run.tails());
-    assert!(
-        run.event_count("stranger-advertising") > 0,
-        "{}",
-        run.tails()
-    );
-    assert_eq!(run.event_count("stranger-connected"), 0, "{}", run.tails());
-    assert_eq!(run.event_count("connected"), 2, "{}", run.tails());
-    assert!(
-        said(&run, &format!("# follows {ARMBAND}: bound")),
-        "{}",
-        run.tails()
-    );
-    run.check()
 }
 
 #[test]

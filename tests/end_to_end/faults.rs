@@ -1,6 +1,7 @@
 //! Injected faults: the board enters the safe state and restarts.
 
-use myointent_tests::emulator::{Fault, Pins, Run, Scenario, bench};
+use myointent_tests::emulator::{Fault, Run, Scenario, bench};
+use myointent_tests::output::Pins;
 use serde_json::json;
 use shared::intent::Intent;
 use shared::stream::safe_state::Cause;

@@ -1,6 +1,7 @@
 //! Timing: on the guest's clock the armband streams at 200 Hz, both slowed down by the same factor.
 
-use myointent_tests::emulator::{Bench, Pins, Run, Scenario, bench};
+use myointent_tests::emulator::{Bench, Run, Scenario, bench};
+use myointent_tests::output::Pins;
 use serde_json::json;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;

@@ -55,6 +55,7 @@ const IMAGE: &str = match (
     cfg!(feature = "nrf52832"),
     cfg!(feature = "radio-trouble"),
 ) {
+    _ if cfg!(not(target_os = "none")) => "simulated",
     (true, ..) => "emulator",
     (_, true, true) => "nrf52832-sdc",
     (_, true, false) => "nrf52832-s132",

@@ -2,9 +2,9 @@
 
 pub mod driver;
 mod handles;
-#[cfg(feature = "radio-softdevice")]
+#[cfg(all(feature = "radio-softdevice", target_os = "none"))]
 pub mod softdevice;
-#[cfg(feature = "radio-hci")]
+#[cfg(all(feature = "radio-hci", target_os = "none"))]
 pub mod trouble;
 
 use shared::myo::Address;

@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, ensure};
 
 use super::image::Image;
 use crate::toolchain::{TARGET, Toolchain};
-use crate::{clang, cross_target, symbols, vectors};
+use crate::{clang, cross_target, symbols, target, vectors, workspace};
 
 const PACKAGE: &str = "myointent-firmware";
 const PROFILE: &str = "firmware";
@@ -34,6 +34,23 @@ pub fn build_image(
     symbols::check(&elf).with_context(|| format!("the image {image}"))?;
     fs::write(&kept, elf).with_context(|| format!("{} cannot be written", kept.display()))?;
     Ok(kept)
+}
+
+/// Builds the program for this computer, where the board is simulated; gives the program's file.
+///
+/// # Errors
+/// When it does not build.
+pub fn build_simulation() -> Result<PathBuf> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(["build", "--locked", "--quiet", "--package", PACKAGE])
+        .env("CARGO_TARGET_DIR", target())
+        .current_dir(workspace())
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(status.success(), "the simulated board did not build");
+    let program = format!("{PACKAGE}{}", std::env::consts::EXE_SUFFIX);
+    Ok(target().join("debug").join(program))
 }
 
 /// A cargo command for an image.

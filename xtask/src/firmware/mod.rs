@@ -9,7 +9,7 @@ use std::{fs, path::Path};
 use anyhow::{Context as _, Result, ensure};
 
 pub use budget::STACK_BUDGET;
-pub use cargo::build_image;
+pub use cargo::{build_image, build_simulation};
 pub use image::Image;
 
 use crate::size::{self, Size};

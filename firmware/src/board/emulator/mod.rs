@@ -26,9 +26,8 @@ use embassy_executor::Spawner;
 use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_time::Instant;
-use shared::intent::Intent;
 
-use super::Board;
+use super::{Board, levels::Levels};
 use crate::messages::pin_state::PinState;
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
@@ -99,8 +98,6 @@ impl LabelPort {
 }
 
 /// UART2: a line whenever a level changes.
-///
-/// `PINS`, the time in microseconds, that of the newest HCI byte, then every level.
 pub struct Pins(());
 
 impl Pins {
@@ -113,22 +110,15 @@ impl Pins {
                 status: PinState::SAFE.status,
                 ..state
             };
-            // Writing to the UART never fails.
-            let _ = self.write(if expired { safe } else { state });
+            let levels = Levels {
+                now_us: Instant::now().as_micros(),
+                last_received_us: hci::last_byte().into(),
+                state: if expired { safe } else { state },
+            };
+            let mut uart = Uart::PINS;
+            // Writing to it never fails.
+            let _ = write!(uart, "{levels}");
         });
-    }
-
-    fn write(&self, state: PinState) -> fmt::Result {
-        let mut uart = Uart::PINS;
-        let (now, last_byte) = (Instant::now().as_micros(), hci::last_byte());
-        let valid = u8::from(state.status.valid());
-        write!(uart, "PINS {now} {last_byte} valid={valid}")?;
-        for intent in Intent::ALL {
-            let level = u8::from(intent == state.status.label());
-            write!(uart, " {}={level}", intent.name())?;
-        }
-        let (armband, led) = (u8::from(state.armband), u8::from(state.alignment_led));
-        writeln!(uart, " armband={armband} alignment={led}")
     }
 }
 

@@ -1,4 +1,9 @@
-//! What a run has written: files of its folder, which every call reads again.
+//! What a board has written, an emulated or a simulated one: files of a folder, which every call reads again.
+
+mod invariants;
+mod pins;
+
+use std::path::{Path, PathBuf};
 
 use std::fmt::Write as _;
 
@@ -6,8 +11,14 @@ use anyhow::Context as _;
 use serde_json::Value;
 use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 
-use super::run::ARMBAND_LOG;
-use super::{Pins, Run, machine};
+pub use pins::Pins;
+
+/// The lines of UART0, unless somebody copies them elsewhere.
+pub const LINES: &str = "uart0.out";
+/// What UART2 carries: the levels of the pins.
+pub const LEVELS: &str = "uart2.out";
+/// The armband's log of events.
+pub const ARMBAND_LOG: &str = "armband";
 
 /// Lines of each file in the message of a failure.
 const TAIL: usize = 12;
@@ -60,11 +71,28 @@ impl Line {
     }
 }
 
-impl Run {
+/// The files of a board.
+#[derive(Clone, Debug)]
+pub struct Output {
+    folder: PathBuf,
+    /// The file that the lines of UART0 come to.
+    lines: &'static str,
+}
+
+impl Output {
+    /// Of the files in a folder, the lines of UART0 in the one with this name.
+    #[must_use]
+    pub fn new(folder: &Path, lines: &'static str) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            lines,
+        }
+    }
+
     /// Complete lines of UART0 that are reports, line ends included.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let lines = self.file(self.labels);
+        let lines = self.file(self.lines);
         let numbered = |line: &&str| NUMBERED.iter().any(|start| line.starts_with(start));
         let lines = lines.split_inclusive('\n').filter(numbered);
         lines
@@ -79,7 +107,7 @@ impl Run {
     /// If a checksum is wrong.
     #[must_use]
     pub fn answers(&self) -> Vec<String> {
-        let lines = self.file(self.labels);
+        let lines = self.file(self.lines);
         let lines = lines.split_inclusive("\r\n");
         let answers = lines.filter(|l| l.starts_with("$OK,") || l.starts_with("$ERR,"));
         let complete = answers.filter(|l| l.ends_with("\r\n"));
@@ -99,7 +127,7 @@ impl Run {
     /// # Errors
     /// When a line cannot be parsed.
     pub fn emg(&self) -> anyhow::Result<Vec<EmgReport>> {
-        let lines = self.file(self.labels);
+        let lines = self.file(self.lines);
         let lines = lines.split_inclusive('\n').filter(|l| l.ends_with('\n'));
         let emg = lines.filter(|l| l.starts_with("$EMG,"));
         emg.map(|line| EmgReport::parse(line.as_bytes()).with_context(|| line.to_owned()))
@@ -109,7 +137,7 @@ impl Run {
     /// Complete lines of UART0 that are comments, without line end.
     #[must_use]
     pub fn comments(&self) -> Vec<String> {
-        let lines = self.file(self.labels);
+        let lines = self.file(self.lines);
         let lines = lines.split_inclusive('\n').filter(|l| l.starts_with('#'));
         lines
             .filter(|l| l.ends_with('\n'))
@@ -152,7 +180,7 @@ impl Run {
     /// When a line is damaged, or comes before the first start.
     pub fn lines_by_start(&self) -> anyhow::Result<Vec<Vec<Line>>> {
         let mut starts: Vec<Vec<Line>> = Vec::new();
-        let text = self.file(self.labels);
+        let text = self.file(self.lines);
         for line in text.split_inclusive('\n').filter(|l| l.ends_with('\n')) {
             if line.starts_with(STARTED) {
                 starts.push(Vec::new());
@@ -179,7 +207,7 @@ impl Run {
     /// Every state of the pins.
     #[must_use]
     pub fn pins(&self) -> Vec<Pins> {
-        let text = self.file(machine::PINS);
+        let text = self.file(LEVELS);
         let lines = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
         lines.filter_map(Pins::parse).collect()
     }
@@ -203,7 +231,7 @@ impl Run {
     /// Bytes of the deepest stack so far.
     #[must_use]
     pub fn stack(&self) -> u64 {
-        let text = self.file(machine::PINS);
+        let text = self.file(LEVELS);
         let used = text.lines().filter_map(|line| line.strip_prefix("STACK "));
         used.filter_map(|bytes| bytes.trim_end().parse().ok())
             .max()
@@ -213,7 +241,7 @@ impl Run {
     /// When the faults were injected, by the guest's clock, in microseconds.
     #[must_use]
     pub fn faults_us(&self) -> Vec<u32> {
-        let text = self.file(machine::PINS);
+        let text = self.file(LEVELS);
         let lines = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
         let times = lines.filter_map(|line| line.strip_prefix("FAULT "));
         times.filter_map(|us| us.trim_end().parse().ok()).collect()
@@ -221,7 +249,7 @@ impl Run {
 
     fn file(&self, name: &str) -> String {
         // A file that does not exist yet is empty.
-        let bytes = std::fs::read(self.folder.path().join(name)).unwrap_or_default();
+        let bytes = std::fs::read(self.folder.join(name)).unwrap_or_default();
         String::from_utf8_lossy(&bytes).into_owned()
     }
 
@@ -230,8 +258,8 @@ impl Run {
     pub fn tails(&self) -> String {
         let mut text = String::new();
         for name in [
-            self.labels,
-            machine::PINS,
+            self.lines,
+            LEVELS,
             "machine.out",
             ARMBAND_LOG,
             "armband.out",

@@ -4,9 +4,8 @@ use anyhow::{Context as _, bail};
 use shared::intent::Intent;
 use shared::stream::safe_state::SILENCE_MS;
 use shared::uart_line::Kind;
-use xtask::{firmware::STACK_BUDGET, stack};
 
-use super::{Line, Pins, Run};
+use super::{Line, Output, Pins};
 
 /// From the last byte to the pin: the silence, the sample's way in, and delays of a busy host.
 const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
@@ -14,35 +13,24 @@ const SAFE_WITHIN_US: u32 = SILENCE_MS * 1000 + 25_000;
 /// The same where a fault keeps the program from it.
 const SAFE_BY_HARDWARE_WITHIN_US: u32 = 250_000;
 
-impl Run {
-    /// What must hold in every run, whatever happened in it.
+impl Output {
+    /// What must hold in every run, whatever happened in it; with `may_restart` the board may have restarted.
     ///
     /// # Errors
-    /// When a line is damaged, missing or a label while `valid` is low; when the board restarted
-    /// without an injected fault; when `valid` fell too late, or another pin than relax's was high
-    /// while it was low; when the inference was too slow, the stack over its budget, or an error in
-    /// the armband's log.
-    pub fn check(&self) -> anyhow::Result<()> {
-        stack::record(&self.image, self.stack())?;
-        let fault = self.bad_line()?.or_else(|| self.bad_pin());
-        let fault = fault.or_else(|| {
-            if self.comments().iter().any(|c| c.contains("too slow")) {
-                return Some("the inference dropped packets".to_owned());
-            }
-            if self.stack() > STACK_BUDGET {
-                return Some(format!("{} bytes of stack", self.stack()));
-            }
-            (self.event_count("error") > 0).then(|| "an error in the armband's log".to_owned())
-        });
+    /// When a line is damaged, missing or a label while `valid` is low; when the board restarted; when `valid` fell too
+    /// late, or another pin than relax's was high while it was low; when the inference was too slow.
+    pub fn check(&self, may_restart: bool) -> anyhow::Result<()> {
+        let fault = self.bad_line(may_restart)?;
+        let fault = fault.or_else(|| self.bad_pin(may_restart));
         match fault {
             Some(fault) => bail!("{fault}\n{}", self.tails()),
             None => Ok(()),
         }
     }
 
-    fn bad_line(&self) -> anyhow::Result<Option<String>> {
+    fn bad_line(&self, may_restart: bool) -> anyhow::Result<Option<String>> {
         let starts = self.lines_by_start().with_context(|| self.tails())?;
-        if starts.len() > 1 && !self.may_restart {
+        if starts.len() > 1 && !may_restart {
             return Ok(Some("the board restarted".to_owned()));
         }
         let placed = starts.iter().flat_map(|lines| lines.iter().enumerate());
@@ -63,13 +51,13 @@ impl Run {
         Ok(None)
     }
 
-    fn bad_pin(&self) -> Option<String> {
+    fn bad_pin(&self, may_restart: bool) -> Option<String> {
         let pins = self.pins();
         let high = |pins: &&Pins| !pins.valid && pins.high != [Intent::Relax];
         if let Some(high) = pins.iter().find(high) {
             return Some(format!("not valid, and yet not relax: {high:?}"));
         }
-        let within = if self.may_restart {
+        let within = if may_restart {
             SAFE_BY_HARDWARE_WITHIN_US
         } else {
             SAFE_WITHIN_US

@@ -1,0 +1,77 @@
+//! Fault injection, after some labels: there is one to clear then.
+
+use std::future;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use super::clock;
+use super::hardware;
+use super::power;
+use super::scenario::Fault;
+use crate::reset_reason::ResetReason;
+
+/// Labels sent before the fault: enough that both outputs and UART have shown one.
+const LABELS_BEFORE: u32 = 3;
+const LABEL: &[u8] = b"$LABEL";
+
+/// Microseconds of the inference's pause: longer than the dead-man timer waits, shorter than the watchdog.
+const PAUSE_US: u64 = 400_000;
+
+static INFERENCE_LOOPS: AtomicBool = AtomicBool::new(false);
+static INFERENCE_PAUSES: AtomicBool = AtomicBool::new(false);
+static RADIO_HAS_STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// Injects a fault, after some labels. To be called with every line sent.
+pub async fn inject(fault: Option<Fault>, line: &[u8]) {
+    static LABELS: AtomicU32 = AtomicU32::new(0);
+    let Some(fault) = fault else {
+        return;
+    };
+    if !line.starts_with(LABEL) || LABELS.fetch_add(1, Ordering::Relaxed) + 1 != LABELS_BEFORE {
+        return;
+    }
+    match fault {
+        Fault::InferenceLoops => return INFERENCE_LOOPS.store(true, Ordering::Relaxed),
+        Fault::InferencePauses => return INFERENCE_PAUSES.store(true, Ordering::Relaxed),
+        _ => {}
+    }
+    hardware::report_fault();
+    match fault {
+        Fault::TaskStops => future::pending().await,
+        Fault::ExecutorStops => loop_forever(),
+        Fault::RadioStops => RADIO_HAS_STOPPED.store(true, Ordering::Relaxed),
+        Fault::Recursion => power::fail(&"stack overflow", ResetReason::StackOverflow),
+        Fault::Panic => panic!("injected panic"),
+        Fault::InferenceLoops | Fault::InferencePauses => {}
+    }
+}
+
+/// Injects the faults of the inference itself. To be called by the inference task.
+pub fn inject_into_inference() {
+    if INFERENCE_LOOPS.load(Ordering::Relaxed) {
+        hardware::report_fault();
+        loop_forever();
+    }
+    if INFERENCE_PAUSES.swap(false, Ordering::Relaxed) {
+        hardware::report_fault();
+        clock::spend(PAUSE_US);
+    }
+}
+
+/// Whether nothing more comes from the Bluetooth stack.
+pub fn radio_has_stopped() -> bool {
+    RADIO_HAS_STOPPED.load(Ordering::Relaxed)
+}
+
+/// Waits until the Bluetooth stack works.
+pub async fn radio_works() {
+    if radio_has_stopped() {
+        future::pending().await
+    }
+}
+
+/// Holds the core up until the watchdog resets it.
+fn loop_forever() -> ! {
+    loop {
+        clock::spend(1000);
+    }
+}

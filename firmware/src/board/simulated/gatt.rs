@@ -1,0 +1,115 @@
+//! The armband's attributes: the order of its services gives each the handle that it has in logs of real armbands.
+
+use shared::myo::{Characteristic, Uuid};
+
+/// What an attribute is.
+#[derive(Clone)]
+pub enum Attribute {
+    /// It has this value and never another.
+    Constant(Vec<u8>),
+    /// The value of a characteristic that is used.
+    Value(Characteristic),
+    /// What enables its notifications.
+    Subscription(Characteristic),
+    /// It cannot be read.
+    Other,
+}
+
+/// A characteristic: its UUID, whether it notifies.
+type Row = (Uuid, bool);
+
+/// The EMG characteristics, in the order of a stream.
+pub const EMG: [Characteristic; 4] = [
+    Characteristic::ALL[2],
+    Characteristic::ALL[3],
+    Characteristic::ALL[4],
+    Characteristic::ALL[5],
+];
+
+/// The classifier's characteristic, which nobody subscribes to.
+const UNUSED: Uuid = Uuid::Vendor(0x0104);
+
+/// All attributes, the first one with handle 1.
+pub fn table() -> Vec<Attribute> {
+    let sig = |short, notifies| (Uuid::Sig(short), notifies);
+    let vendor = |short, notifies| (Uuid::Vendor(short), notifies);
+    let services: [(Uuid, Vec<Row>); 10] = [
+        (
+            Uuid::Sig(0x1800),
+            vec![sig(0x2a00, false), sig(0x2a01, false), sig(0x2a04, false)],
+        ),
+        (Uuid::Sig(0x1801), vec![sig(0x2a05, true)]),
+        (Uuid::Sig(0x180a), vec![sig(0x2a29, false)]),
+        (Uuid::Sig(0x180f), vec![sig(0x2a19, true)]),
+        (
+            Uuid::Vendor(0x0001),
+            vec![
+                vendor(0x0101, false),
+                vendor(0x0201, false),
+                vendor(0x0401, false),
+            ],
+        ),
+        (
+            Uuid::Vendor(0x0002),
+            vec![vendor(0x0402, true), vendor(0x0502, true)],
+        ),
+        (Uuid::Vendor(0x0003), vec![vendor(0x0103, true)]),
+        (Uuid::Vendor(0x0004), vec![(UNUSED, true)]),
+        (
+            Uuid::Vendor(0x0005),
+            [0x0105, 0x0205, 0x0305, 0x0405]
+                .map(|short| vendor(short, true))
+                .to_vec(),
+        ),
+        (Uuid::Vendor(0x0006), vec![vendor(0x0602, true)]),
+    ];
+    let mut table = Vec::new();
+    for (service, rows) in services {
+        table.push(Attribute::Constant(on_air(service)));
+        for (uuid, notifies) in rows {
+            let value_handle = table.len() as u16 + 2;
+            let mut declaration = vec![0];
+            declaration.extend(value_handle.to_le_bytes());
+            declaration.extend(on_air(uuid));
+            table.push(Attribute::Constant(declaration));
+            let used = Characteristic::from_uuid(uuid);
+            table.push(used.map_or(Attribute::Other, Attribute::Value));
+            if notifies {
+                let constant = Attribute::Constant(vec![0, 0]);
+                table.push(used.map_or(constant, Attribute::Subscription));
+            }
+        }
+    }
+    table
+}
+
+fn on_air(uuid: Uuid) -> Vec<u8> {
+    match uuid {
+        Uuid::Sig(short) => short.to_le_bytes().to_vec(),
+        Uuid::Vendor(_) => uuid.to_le_bytes().to_vec(),
+    }
+}
+
+/// The handle of a characteristic's value.
+pub fn value_handle(table: &[Attribute], characteristic: Characteristic) -> u16 {
+    let is_it = |one: &Attribute| matches!(one, Attribute::Value(it) if *it == characteristic);
+    // Every characteristic that is used is in the table.
+    table
+        .iter()
+        .position(is_it)
+        .map_or(0, |place| place as u16 + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn handles_are_those_of_real_armbands() {
+        let table = table();
+        let handle = |characteristic| value_handle(&table, characteristic);
+        assert_eq!(handle(Characteristic::Command), 0x19);
+        let emg = EMG.map(handle);
+        assert_eq!(emg, [0x2b, 0x2e, 0x31, 0x34]);
+    }
+}

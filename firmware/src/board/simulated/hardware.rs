@@ -1,0 +1,178 @@
+//! What runs beside the program: the clock, the dead-man timer, the watchdog, the levels of the outputs.
+
+use std::fmt::Display;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use embassy_time::{Duration, Instant, MockDriver};
+
+use crate::board::levels::Levels;
+use crate::messages::pin_state::{self, PinState};
+
+/// Every line that the program writes to its UART.
+const LINES: &str = "uart0.out";
+/// Every change of a level.
+const LEVELS: &str = "uart2.out";
+
+static HARDWARE: Mutex<Option<Hardware>> = Mutex::new(None);
+
+struct Hardware {
+    lines: File,
+    levels: File,
+    /// When the dead-man timer expires, once it runs.
+    dead_man_us: Option<u64>,
+    has_expired: bool,
+    /// When the watchdog bites, once it runs.
+    watchdog_us: Option<u64>,
+    /// When the newest packet was received.
+    last_received_us: u64,
+    end_us: u64,
+}
+
+/// What the hardware does by itself.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Incident {
+    /// The watchdog resets the board.
+    Reset,
+    /// The simulated time is over.
+    End,
+}
+
+fn lock() -> MutexGuard<'static, Option<Hardware>> {
+    // Whoever panicked here had not begun to change anything.
+    HARDWARE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn with<R>(act: impl FnOnce(&mut Hardware) -> R) -> Option<R> {
+    lock().as_mut().map(act)
+}
+
+/// Microseconds since the start.
+pub fn now_us() -> u64 {
+    Instant::now().as_micros()
+}
+
+/// Switches the power on, until `end_us`. Output goes to files in a folder, after what they hold.
+///
+/// # Errors
+/// When they cannot be written.
+pub fn start(folder: &Path, end_us: u64) -> std::io::Result<()> {
+    let open = |name: &str| {
+        File::options()
+            .create(true)
+            .append(true)
+            .open(folder.join(name))
+    };
+    *lock() = Some(Hardware {
+        lines: open(LINES)?,
+        levels: open(LEVELS)?,
+        dead_man_us: None,
+        has_expired: false,
+        watchdog_us: None,
+        last_received_us: 0,
+        end_us,
+    });
+    Ok(())
+}
+
+/// Lets time pass, and what is due with it.
+pub fn advance(us: u64) -> Option<Incident> {
+    let target = now_us() + us;
+    loop {
+        let now = now_us();
+        let due = with(|hardware| hardware.due(now)).flatten();
+        match due {
+            Some(Due::DeadMan) => {
+                with(|hardware| hardware.has_expired = true);
+                set_levels(pin_state::current());
+            }
+            Some(Due::Incident(incident)) => return Some(incident),
+            None if now >= target => return None,
+            None => {
+                let next = with(|hardware| hardware.next(now)).flatten();
+                let until = next.map_or(target, |next| next.min(target));
+                MockDriver::get().advance(Duration::from_micros(until - now));
+            }
+        }
+    }
+}
+
+enum Due {
+    DeadMan,
+    Incident(Incident),
+}
+
+impl Hardware {
+    fn due(&mut self, now: u64) -> Option<Due> {
+        if self.dead_man_us.take_if(|at| *at <= now).is_some() {
+            return Some(Due::DeadMan);
+        }
+        if self.watchdog_us.is_some_and(|at| at <= now) {
+            return Some(Due::Incident(Incident::Reset));
+        }
+        (self.end_us <= now).then_some(Due::Incident(Incident::End))
+    }
+
+    fn next(&self, now: u64) -> Option<u64> {
+        let times = [self.dead_man_us, self.watchdog_us, Some(self.end_us)];
+        times.into_iter().flatten().filter(|at| *at > now).min()
+    }
+}
+
+/// Restarts the watchdog's period, or starts it.
+pub fn feed_watchdog(period_ms: u32) {
+    with(|hardware| hardware.watchdog_us = Some(now_us() + u64::from(period_ms) * 1000));
+}
+
+/// Restarts the dead-man timer's period, or starts it.
+pub fn clear_dead_man(period_ms: u32) {
+    with(|hardware| hardware.dead_man_us = Some(now_us() + u64::from(period_ms) * 1000));
+}
+
+/// Whether the dead-man timer has expired since it was acknowledged.
+pub fn dead_man_has_expired() -> bool {
+    with(|hardware| hardware.has_expired).unwrap_or(false)
+}
+
+/// Lets the outputs show a valid label again.
+pub fn acknowledge_dead_man() {
+    with(|hardware| hardware.has_expired = false);
+}
+
+/// A packet was received.
+pub fn received() {
+    with(|hardware| hardware.last_received_us = now_us());
+}
+
+/// Sets every output; safe ones while the dead-man timer has expired.
+pub fn set_levels(state: PinState) {
+    with(|hardware| {
+        let safe = PinState {
+            status: PinState::SAFE.status,
+            ..state
+        };
+        let levels = Levels {
+            now_us: now_us(),
+            last_received_us: hardware.last_received_us,
+            state: if hardware.has_expired { safe } else { state },
+        };
+        write(&mut hardware.levels, levels);
+    });
+}
+
+/// Writes the time of a fault beside the levels.
+pub fn report_fault() {
+    with(|hardware| write(&mut hardware.levels, format_args!("FAULT {}\n", now_us())));
+}
+
+/// Writes bytes that the UART has sent.
+pub fn write_line(line: &[u8]) {
+    with(|hardware| write(&mut hardware.lines, String::from_utf8_lossy(line)));
+}
+
+fn write(file: &mut File, text: impl Display) {
+    // Who looks at the files finds out that they end.
+    let _ = write!(file, "{text}");
+}

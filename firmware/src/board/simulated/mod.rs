@@ -1,0 +1,279 @@
+//! A board on a PC, in virtual time: beside it an armband and a person that do what a scenario says.
+//!
+//! The tasks are the board's, on the same executor; time passes by 20 us with each of its turns, so that a minute takes a second and
+//! every run gives the same lines. What the program computes takes no time but what the scenario gives it.
+
+mod armband;
+mod clock;
+mod fault;
+mod gatt;
+mod hardware;
+mod person;
+mod power;
+mod radio;
+mod scenario;
+
+use std::process::ExitCode;
+use std::sync::OnceLock;
+use std::sync::atomic::Ordering;
+
+use anyhow::{Context as _, ensure};
+use clap::Parser as _;
+use embassy_executor::{Executor, Spawner};
+use embassy_time::Timer;
+use shared::myo::Address;
+use shared::myo::binding::RECORD_BYTES;
+use shared::units::Sample;
+use static_cell::StaticCell;
+
+use super::{Board, BytesLost};
+use crate::binding_region::{self, Page, PageFailed, Record};
+use crate::messages::pin_state::PinState;
+use crate::model_region;
+use crate::radio::driver::SessionDriver;
+use crate::reset_reason::ResetReason;
+use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
+use armband::Armband;
+use person::{BYTE_US, IS_DOWN, OVERRUN, Person, RECEIVED};
+use power::Arguments;
+use radio::SimulatedRadio;
+use scenario::{Fault, Scenario};
+
+/// The armband's address, a public one.
+const ARMBAND: &str = "FA:12:34:56:78:9A";
+/// Strength of its signal, dBm.
+const RSSI: i8 = -50;
+
+/// What surrounds the board, from its start on.
+static SURROUNDINGS: OnceLock<Surroundings> = OnceLock::new();
+
+struct Surroundings {
+    arguments: &'static Arguments,
+    scenario: Scenario,
+    samples: Vec<Sample>,
+}
+
+/// Reads the arguments, and runs the program that `start` starts until the scenario is over.
+pub fn main(start: fn(Spawner)) -> ExitCode {
+    let arguments = power::keep(Arguments::parse());
+    match prepare(arguments) {
+        Ok(surroundings) => {
+            let person = Person::new(&surroundings.scenario.person, arguments.sent);
+            let surroundings = SURROUNDINGS.set(surroundings);
+            debug_assert!(surroundings.is_ok(), "started once");
+            on_panic();
+            static EXECUTOR: StaticCell<Executor> = StaticCell::new();
+            EXECUTOR.init_with(Executor::new).run(|spawner| {
+                if let Ok(clock) = clock::run(person) {
+                    spawner.spawn(clock);
+                }
+                start(spawner);
+            })
+        }
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
+    let read = |path: &std::path::Path| {
+        std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
+    };
+    let path = arguments.scenario.display();
+    let text = String::from_utf8(read(&arguments.scenario)?)
+        .with_context(|| format!("{path} is no text"))?;
+    let scenario: Scenario =
+        toml::from_str(&text).with_context(|| format!("{path} is no scenario"))?;
+    ensure!(
+        scenario.pace > 0.0 && scenario.packet_ms >= 0.0 && scenario.run_seconds > 0.0,
+        "{path}: pace and run_seconds are above 0, packet_ms is not below"
+    );
+    model_region::insert(read(&arguments.model)?);
+    let page = read(&arguments.page)?;
+    let mut record = [0xff; RECORD_BYTES];
+    let length = page.len().min(RECORD_BYTES);
+    record[..length].copy_from_slice(&page[..length]);
+    binding_region::write(record);
+    let samples = read(&arguments.samples)?;
+    let (samples, _) = samples.as_chunks::<8>();
+    let samples = samples.iter().map(|bytes| bytes.map(u8::cast_signed));
+    let run_us = (scenario.run_seconds * 1e6) as u64;
+    hardware::start(&arguments.out, run_us.saturating_sub(arguments.elapsed_us))
+        .with_context(|| format!("{} cannot be written", arguments.out.display()))?;
+    Ok(Surroundings {
+        arguments,
+        samples: samples.collect(),
+        scenario,
+    })
+}
+
+/// A panic resets the board.
+fn on_panic() {
+    std::panic::set_hook(Box::new(|panic| power::fail(panic, ResetReason::Software)));
+}
+
+fn surroundings() -> &'static Surroundings {
+    SURROUNDINGS
+        .get()
+        .expect("set before the program is started")
+}
+
+/// What the radio needs.
+pub struct RadioParts(());
+
+/// Takes the peripherals; the pin levels are safe from here on.
+pub fn start() -> Board {
+    let Surroundings {
+        arguments,
+        scenario,
+        ..
+    } = surroundings();
+    hardware::feed_watchdog(WATCHDOG_MS);
+    hardware::set_levels(PinState::SAFE);
+    Board {
+        labels: LabelPort {
+            fault: scenario.fault,
+        },
+        commands: CommandPort(()),
+        pins: Pins(()),
+        button: Button(()),
+        radio: RadioParts(()),
+        watchdog: Watchdog(()),
+        dead_man: DeadMan {
+            packet_us: (scenario.packet_ms * 1000.0) as u64,
+        },
+        reset_reason: arguments.reset_reason(),
+    }
+}
+
+/// Runs the Myo session forever.
+pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
+    let Surroundings {
+        arguments,
+        scenario,
+        samples,
+    } = surroundings();
+    let address = |text: &str| Address::parse(text).expect("an address of the scenario");
+    let new = |text: &str, rssi| Armband::new(address(text), rssi, samples.clone());
+    let worn = new(ARMBAND, RSSI).of_wearer(scenario, arguments.sent);
+    let stranger = scenario.stranger.as_ref();
+    let stranger = stranger.map(|other| new(&other.address, other.rssi));
+    let armbands: Vec<_> = [Some(worn), stranger].into_iter().flatten().collect();
+    let mut radio = SimulatedRadio {
+        armbands: &armbands,
+    };
+    driver.run(&mut radio, &mut FilePage).await;
+}
+
+/// The page of the bound armband: a file.
+struct FilePage;
+
+impl FilePage {
+    fn put(record: [u8; RECORD_BYTES]) -> Result<(), PageFailed> {
+        if surroundings().scenario.page_fails {
+            return Err(PageFailed);
+        }
+        std::fs::write(&surroundings().arguments.page, record).map_err(|_| PageFailed)?;
+        binding_region::write(record);
+        Ok(())
+    }
+}
+
+impl Page for FilePage {
+    async fn erase(&mut self) -> Result<(), PageFailed> {
+        // The core stands still meanwhile (nRF52840 product specification, NVMC).
+        clock::spend(85_000);
+        Self::put([0xff; RECORD_BYTES])
+    }
+
+    async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
+        Self::put(record.0)
+    }
+}
+
+/// The UART's transmitter.
+pub struct LabelPort {
+    fault: Option<Fault>,
+}
+
+impl LabelPort {
+    /// Sends a line, in the time that it takes at 115200 baud.
+    pub async fn send(&mut self, line: &[u8]) {
+        Timer::after_micros(line.len() as u64 * BYTE_US).await;
+        hardware::write_line(line);
+        fault::inject(self.fault, line).await;
+    }
+}
+
+/// The UART's receiver.
+pub struct CommandPort(());
+
+impl CommandPort {
+    /// Waits for bytes and takes some; gives their number.
+    ///
+    /// # Errors
+    /// If bytes were lost, because they were not taken in time.
+    pub async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, BytesLost> {
+        let count = RECEIVED.read(buffer).await;
+        if OVERRUN.swap(false, Ordering::Relaxed) {
+            return Err(BytesLost);
+        }
+        Ok(count)
+    }
+}
+
+/// Label pins and LEDs.
+pub struct Pins(());
+
+impl Pins {
+    /// Sets every level.
+    pub fn set(&mut self, state: PinState) {
+        hardware::set_levels(state);
+    }
+}
+
+/// The button.
+pub struct Button(());
+
+impl Button {
+    /// Whether it is down at this moment.
+    pub fn is_down(&mut self) -> bool {
+        IS_DOWN.load(Ordering::Relaxed)
+    }
+}
+
+/// The watchdog.
+pub struct Watchdog(());
+
+impl Watchdog {
+    /// Restarts the period.
+    pub fn feed(&mut self) {
+        hardware::feed_watchdog(WATCHDOG_MS);
+    }
+}
+
+/// A timer that makes the pins safe unless it is cleared in time.
+pub struct DeadMan {
+    packet_us: u64,
+}
+
+impl DeadMan {
+    /// Restarts the period. Every packet passes here, so the time that it takes passes here too.
+    pub fn clear(&mut self) {
+        fault::inject_into_inference();
+        hardware::clear_dead_man(DEAD_MAN_MS);
+        clock::spend(self.packet_us);
+    }
+
+    /// Whether it has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
+    pub fn has_expired(&self) -> bool {
+        hardware::dead_man_has_expired()
+    }
+
+    /// Lets the pins show a valid label again.
+    pub fn acknowledge(&mut self) {
+        hardware::acknowledge_dead_man();
+    }
+}

@@ -1,0 +1,119 @@
+//! From one start of the program to the next: a reset is a new process, for nothing but the page of the bound armband is
+//! kept by it.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::OnceLock;
+
+use clap::Parser;
+
+use super::{armband, hardware};
+use crate::messages::pin_state::PinState;
+use crate::reset_reason::ResetReason;
+
+/// Runs the board's program on the PC, in virtual time, with an armband and a person that do what a scenario says.
+///
+/// Writes the lines of its UART to `uart0.out` and the levels of its pins to `uart2.out`.
+#[derive(Parser, Clone)]
+#[command(version)]
+pub struct Arguments {
+    /// The scenario.
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
+    /// What the region of the model holds.
+    #[arg(long, value_name = "FILE.intent")]
+    pub model: PathBuf,
+    /// What the armband streams: 8 signed bytes a sample, 200 samples a second.
+    #[arg(long, value_name = "FILE.i8")]
+    pub samples: PathBuf,
+    /// What the page of the bound armband holds; written when it changes.
+    #[arg(long, value_name = "FILE")]
+    pub page: PathBuf,
+    /// Folder for what is written.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: PathBuf,
+    /// Why the program starts, once it has started before.
+    #[arg(long, hide = true, requires = "elapsed_us")]
+    pub reset: Option<Reset>,
+    /// Microseconds of all starts before.
+    #[arg(long, hide = true, default_value_t = 0)]
+    pub elapsed_us: u64,
+    /// Notifications that the armband has sent before.
+    #[arg(long, hide = true, default_value_t = 0)]
+    pub sent: usize,
+}
+
+/// A reset that the program is told of by hardware.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+pub enum Reset {
+    /// By the watchdog.
+    Watchdog,
+    /// By the program, after a panic.
+    Software,
+    /// By the program, after the stack had grown too deep.
+    StackOverflow,
+}
+
+static ARGUMENTS: OnceLock<Arguments> = OnceLock::new();
+
+/// Keeps the arguments for the next start.
+pub fn keep(arguments: Arguments) -> &'static Arguments {
+    ARGUMENTS.get_or_init(|| arguments)
+}
+
+impl Arguments {
+    /// Why the program starts.
+    pub const fn reset_reason(&self) -> ResetReason {
+        match self.reset {
+            None => ResetReason::Power,
+            Some(Reset::Watchdog) => ResetReason::Watchdog,
+            Some(Reset::Software) => ResetReason::Software,
+            Some(Reset::StackOverflow) => ResetReason::StackOverflow,
+        }
+    }
+}
+
+/// Makes the outputs safe, writes a message, and resets, as a board does after a panic.
+pub fn fail(message: &dyn Display, reason: ResetReason) -> ! {
+    hardware::set_levels(PinState::SAFE);
+    let message = message.to_string().replace('\n', " ");
+    hardware::write_line(format!("# {message}\r\n").as_bytes());
+    reset(reason)
+}
+
+/// Starts the program anew, at this instant of the scenario.
+pub fn reset(reason: ResetReason) -> ! {
+    let code = start_again(reason).unwrap_or_else(|error| {
+        eprintln!("error: the board cannot start again: {error:#}");
+        1
+    });
+    std::process::exit(code)
+}
+
+fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
+    let Some(arguments) = ARGUMENTS.get() else {
+        anyhow::bail!("it was not started");
+    };
+    let elapsed = arguments.elapsed_us + hardware::now_us();
+    let reason = match reason {
+        ResetReason::Power | ResetReason::Software => "software",
+        ResetReason::Watchdog => "watchdog",
+        ResetReason::StackOverflow => "stack-overflow",
+    };
+    let status = Command::new(std::env::current_exe()?)
+        .arg(&arguments.scenario)
+        .arg("--model")
+        .arg(&arguments.model)
+        .arg("--samples")
+        .arg(&arguments.samples)
+        .arg("--page")
+        .arg(&arguments.page)
+        .arg("--out")
+        .arg(&arguments.out)
+        .args(["--reset", reason])
+        .args(["--elapsed-us", &elapsed.to_string()])
+        .args(["--sent", &armband::sent().to_string()])
+        .status()?;
+    Ok(status.code().unwrap_or(1))
+}

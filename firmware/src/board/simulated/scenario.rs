@@ -1,0 +1,210 @@
+//! What armband and person do: the part of a scenario that the board's surroundings carry out.
+
+use serde::Deserialize;
+
+/// A scenario, as `tests/scenario/README.md` describes its file. Other keys are for the test that checks what comes of it.
+#[derive(Deserialize)]
+pub struct Scenario {
+    /// Seconds that are simulated.
+    pub run_seconds: f64,
+    /// What follows the armband's last sample.
+    #[serde(default)]
+    pub end: End,
+    /// How many times faster than an armband it streams.
+    #[serde(default = "once")]
+    pub pace: f64,
+    /// The EMG characteristic that a stream starts with.
+    #[serde(default)]
+    pub first_lane: u8,
+    /// What the armband does wrong.
+    #[serde(default)]
+    pub armband: Vec<Step>,
+    /// Another armband.
+    pub stranger: Option<Stranger>,
+    /// What a person does.
+    #[serde(default)]
+    pub person: Vec<Act>,
+    /// What goes wrong on the board.
+    pub fault: Option<Fault>,
+    /// Processor time that a packet of two samples takes, in milliseconds.
+    #[serde(default)]
+    pub packet_ms: f64,
+    /// Whether the page of the bound armband refuses to be written.
+    #[serde(default)]
+    pub page_fails: bool,
+}
+
+const fn once() -> f64 {
+    1.0
+}
+
+/// What follows the last sample.
+#[derive(Deserialize, Default, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// The connection stays.
+    #[default]
+    Silence,
+    /// The armband ends it, and advertises no more.
+    Disconnect,
+}
+
+/// One thing that the armband does. `at` counts its notifications from 0, sent or not, over all connections.
+#[derive(Deserialize, Clone)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Step {
+    /// Notifications that are never sent.
+    Drop {
+        /// The first.
+        at: usize,
+        /// How many.
+        #[serde(default = "one")]
+        count: usize,
+    },
+    /// One that is sent twice.
+    Duplicate {
+        /// Which.
+        at: usize,
+    },
+    /// The one after it is sent before it.
+    Swap {
+        /// Which.
+        at: usize,
+    },
+    /// Something else is sent instead.
+    Corrupt {
+        /// Which.
+        at: usize,
+        /// What.
+        kind: Corruption,
+    },
+    /// One is sent late, with all that are due by then.
+    Delay {
+        /// Which.
+        at: usize,
+        /// How late.
+        ms: u64,
+    },
+    /// Before it the link is lost.
+    Vanish {
+        /// Which.
+        at: usize,
+        /// So long it does not advertise.
+        for_ms: u64,
+    },
+    /// Before it the armband ends the connection.
+    Sleep {
+        /// Which.
+        at: usize,
+        /// So long it does not advertise.
+        for_ms: u64,
+    },
+    /// Before it the battery's level falls.
+    Battery {
+        /// Which.
+        at: usize,
+        /// Percent.
+        percent: u8,
+    },
+    /// The first connections are closed at once.
+    Refuse {
+        /// How many.
+        count: usize,
+    },
+    /// Notifications without a subscription, from every connection to its stream: a matter of the Bluetooth stack, so
+    /// nothing comes of it here.
+    Chatter {
+        /// Milliseconds between them.
+        #[serde(rename = "ms")]
+        _ms: u64,
+    },
+    /// It is switched off.
+    Absent,
+}
+
+const fn one() -> usize {
+    1
+}
+
+/// What is sent instead of a notification.
+#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Corruption {
+    /// Its first 9 bytes.
+    Short,
+    /// Its bytes and 4 more.
+    Long,
+    /// Its bytes, on another characteristic.
+    Foreign,
+    /// Nothing that a Bluetooth stack passes on.
+    Garbage,
+}
+
+/// Another armband.
+#[derive(Deserialize, Clone)]
+#[serde(deny_unknown_fields)]
+pub struct Stranger {
+    /// A public one.
+    pub address: String,
+    /// Strength of its signal; the armband's own is -50 dBm.
+    pub rssi: i8,
+}
+
+/// What a person does, once as many notifications were sent as `at` says.
+#[derive(Deserialize, Clone)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Act {
+    /// Presses the button and holds it.
+    Press {
+        /// Notifications before.
+        at: usize,
+        /// Milliseconds.
+        for_ms: u64,
+    },
+    /// Sends a line to the UART.
+    Send {
+        /// Notifications before.
+        at: usize,
+        /// Without `$`, checksum and line end.
+        command: String,
+    },
+    /// Sends bytes to the UART.
+    SendBytes {
+        /// Notifications before.
+        at: usize,
+        /// As text; each character is a byte.
+        text: String,
+        /// How often.
+        #[serde(default = "one")]
+        times: usize,
+    },
+}
+
+impl Act {
+    /// Notifications before it.
+    pub const fn at(&self) -> usize {
+        match self {
+            Self::Press { at, .. } | Self::Send { at, .. } | Self::SendBytes { at, .. } => *at,
+        }
+    }
+}
+
+/// What goes wrong on the board, after its third label.
+#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fault {
+    /// The task that writes lines waits forever.
+    TaskStops,
+    /// A panic.
+    Panic,
+    /// A function that calls itself without end: the guard of the stack notices.
+    Recursion,
+    /// A task loops and never returns to the executor.
+    ExecutorStops,
+    /// The inference loops and never returns.
+    InferenceLoops,
+    /// The inference takes 400 ms for one packet.
+    InferencePauses,
+    /// Nothing more comes from the Bluetooth stack.
+    RadioStops,
+}

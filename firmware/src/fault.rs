@@ -1,0 +1,47 @@
+//! From a panic, a fault or a stack overflow to a reset.
+
+use core::panic::PanicInfo;
+
+use cortex_m::peripheral::SCB;
+
+use crate::board;
+use crate::reset_reason::End;
+
+/// Safe outputs, a message, a reset.
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    board::enter_safe_state(info, End::Panic);
+    SCB::sys_reset()
+}
+
+/// The same for a stack overflow, on a stack of its own.
+extern "C" fn stack_overflow() -> ! {
+    cortex_m::interrupt::disable();
+    board::enter_safe_state(&"stack overflow", End::StackOverflow);
+    SCB::sys_reset()
+}
+
+/// A fault is handled as a panic, or as a stack overflow: the default handler would loop and hold the last label forever.
+#[allow(
+    unsafe_code,
+    reason = "cortex-m-rt requires the handler to be an unsafe fn"
+)]
+mod hard_fault {
+    use cortex_m_rt::{ExceptionFrame, exception};
+
+    use super::stack_overflow;
+    use crate::stack_guard;
+
+    // SAFETY: only the core calls it, on a hard fault, with `frame` on the stack that it pushed
+    // the registers to. It may interrupt any code, a critical section included: it only reads the
+    // frame and panics, and the panic handler never returns to what was interrupted.
+    #[exception]
+    unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+        // First: the stack may be in the guard, and the frame was not saved then.
+        if stack_guard::was_hit() {
+            stack_guard::leave(stack_overflow);
+        }
+        panic!("hard fault at {:#010x}", frame.pc());
+    }
+}

@@ -1,0 +1,239 @@
+//! The boards that a scenario runs on.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail, ensure};
+use myointent_tests::emulator::{self, Run, bench};
+use myointent_tests::output::{LINES, Output};
+use serde_json::{Value, json};
+use shared::model::noise::Noise;
+use shared::myo::{Address, binding};
+use shared::units::Sample;
+
+use super::file::{Act, File, Model, Page, Scenario, Signal};
+
+/// The armband's address.
+const ARMBAND: &str = "FA:12:34:56:78:9A";
+/// With it the emulated board's timeout of 200 ms is a second of real time.
+const TIME_SCALE: u32 = 5;
+const PACE: f64 = 3.0;
+/// Longest wait for what is expected of the emulated board.
+const PATIENCE: Duration = Duration::from_secs(90);
+
+/// Runs a scenario on the simulated board, in virtual time.
+///
+/// # Errors
+/// When something is not as expected.
+pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
+    let Some(samples) = samples(&file.name, &file.scenario)? else {
+        return Ok(());
+    };
+    let folder = tempfile::Builder::new().prefix("scenario").tempdir()?;
+    let path = |name: &str| folder.path().join(name);
+    let model = model(&file.scenario.model)?;
+    fs::write(path("scenario.toml"), &file.text)?;
+    fs::write(path("model.intent"), &model)?;
+    fs::write(
+        path("samples.i8"),
+        bytemuck::cast_slice::<Sample, u8>(&samples),
+    )?;
+    fs::write(path("page"), page(file.scenario.page))?;
+    let ran = Command::new(program)
+        .arg(path("scenario.toml"))
+        .arg("--model")
+        .arg(path("model.intent"))
+        .arg("--samples")
+        .arg(path("samples.i8"))
+        .arg("--page")
+        .arg(path("page"))
+        .arg("--out")
+        .arg(folder.path())
+        .output()
+        .with_context(|| program.display().to_string())?;
+    let output = Output::new(folder.path(), LINES);
+    ensure!(
+        ran.status.success(),
+        "{}: {}\n{}",
+        ran.status,
+        String::from_utf8_lossy(&ran.stderr),
+        output.tails()
+    );
+    let checked = file.scenario.expect.check(&model, &samples, &output);
+    checked.with_context(|| output.tails())
+}
+
+/// Runs a scenario on the emulated board, against the virtual armband.
+///
+/// # Errors
+/// When something is not as expected.
+pub fn emulate(file: &File) -> anyhow::Result<()> {
+    let scenario = &file.scenario;
+    let Some(samples) = samples(&file.name, scenario)? else {
+        return Ok(());
+    };
+    let Some(bench) = bench(&file.name) else {
+        return Ok(());
+    };
+    let model = model(&scenario.model)?;
+    let mut arguments = vec![
+        "--end".to_owned(),
+        scenario.end.clone(),
+        "--first-lane".to_owned(),
+        scenario.first_lane.to_string(),
+    ];
+    if let Some(stranger) = &scenario.stranger {
+        let stranger = format!("{},{}", stranger.address, stranger.rssi);
+        arguments.extend(["--stranger".to_owned(), stranger]);
+    }
+    let time_scale = scenario.time_scale.unwrap_or(TIME_SCALE);
+    let script = scenario.armband.iter().map(|step| json!(step));
+    let script = script.map(|step| slowed_down(step, time_scale)).collect();
+    let mut run = bench.start(&emulator::Scenario {
+        model: &model,
+        samples: &samples,
+        page: Some(page(scenario.page)),
+        time_scale,
+        pace: PACE,
+        fault: fault(scenario.fault.as_deref())?,
+        script,
+        arguments,
+    })?;
+    for act in &scenario.person {
+        carry_out(act, &mut run, time_scale)?;
+    }
+    let start = Instant::now();
+    loop {
+        let checked = scenario.expect.check(&model, &samples, &run);
+        let checked = checked.and_then(|()| scenario.expect.check_armband(&run));
+        match checked {
+            Ok(()) => break,
+            Err(error) if start.elapsed() > PATIENCE => {
+                return Err(error.context(format!("after {PATIENCE:?}\n{}", run.tails())));
+            }
+            Err(_) => sleep(Duration::from_millis(50)),
+        }
+    }
+    if scenario.fault.is_some() {
+        run.expect_restart();
+    }
+    run.check()
+}
+
+/// A scenario's times are the board's; the armband's script has real ones.
+fn slowed_down(mut step: Value, time_scale: u32) -> Value {
+    for key in ["ms", "for_ms"] {
+        if let Some(ms) = step[key].as_u64() {
+            step[key] = json!(ms * u64::from(time_scale));
+        }
+    }
+    step
+}
+
+fn carry_out(act: &Act, run: &mut Run, time_scale: u32) -> anyhow::Result<()> {
+    let at = match act {
+        Act::Press { at, .. } | Act::Send { at, .. } | Act::SendBytes { at, .. } => *at,
+    };
+    run.wait_for(&format!("{at} notifications"), |run| {
+        run.event_count("sent") >= at
+    })?;
+    match act {
+        Act::Press { for_ms, .. } => {
+            run.set_button(true)?;
+            sleep(Duration::from_millis(for_ms * u64::from(time_scale)));
+            run.set_button(false)
+        }
+        Act::Send { command, .. } => {
+            let sum = command.bytes().fold(0, |sum, byte| sum ^ byte);
+            run.ask(&format!("${command}*{sum:02X}\r\n")).map(drop)
+        }
+        Act::SendBytes { text, times, .. } => {
+            let bytes: Vec<u8> = text.chars().map(|byte| byte as u8).collect();
+            (0..*times).try_for_each(|_| run.send(&bytes))
+        }
+    }
+}
+
+fn fault(name: Option<&str>) -> anyhow::Result<Option<emulator::Fault>> {
+    Ok(Some(match name {
+        None => return Ok(None),
+        Some("task-stops") => emulator::Fault::TaskStops,
+        Some("panic") => emulator::Fault::Panic,
+        Some("recursion") => emulator::Fault::Recursion,
+        Some("executor-stops") => emulator::Fault::ExecutorStops,
+        Some("inference-loops") => emulator::Fault::InferenceLoops,
+        Some("radio-stops") => emulator::Fault::RadioStops,
+        Some(other) => bail!("no fault {other}"),
+    }))
+}
+
+/// What the armband streams; none where the recordings are missing.
+fn samples(name: &str, scenario: &Scenario) -> anyhow::Result<Option<Vec<Sample>>> {
+    let count = (scenario.seconds * 200.0).round() as usize;
+    let Some(recording) = &scenario.recording else {
+        return Ok(Some(synthetic(scenario.signal, count)));
+    };
+    let Some(folder) = myointent_tests::data(name) else {
+        return Ok(None);
+    };
+    let path = folder.join(recording);
+    if !path.is_file() {
+        let missing = format!("no {}: see docs/recordings.md", path.display());
+        myointent_tests::skip(name, &missing);
+        return Ok(None);
+    }
+    let mut samples = myointent::cli::replay::one_recording(&path, None)?.samples;
+    ensure!(
+        samples.len() >= count,
+        "{} has {} samples, not {count}",
+        path.display(),
+        samples.len()
+    );
+    samples.truncate(count);
+    Ok(Some(samples))
+}
+
+fn synthetic(signal: Signal, count: usize) -> Vec<Sample> {
+    let mut noise = Noise(5);
+    (0..count)
+        .map(|index| {
+            let works = index / 300 % 2 == 1;
+            [(); 8].map(|()| match signal {
+                Signal::Rest => (noise.signed() * 3.0) as i8,
+                Signal::Effort => (noise.signed() * if works { 90.0 } else { 3.0 }) as i8,
+                Signal::Saturated if noise.signed() < 0.0 => i8::MIN,
+                Signal::Saturated => i8::MAX,
+                Signal::Constant => 7,
+            })
+        })
+        .collect()
+}
+
+fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
+    let mut bytes = fs::read(&path).with_context(|| path.display().to_string())?;
+    let middle = bytes.len() / 2;
+    match model {
+        Model::Shipped => {}
+        Model::Erased => bytes.fill(0xff),
+        Model::Half => bytes.truncate(middle),
+        Model::FlippedBit => bytes[middle] ^= 1,
+        Model::AnotherVersion => bytes[8] += 1,
+    }
+    Ok(bytes)
+}
+
+fn page(page: Page) -> Vec<u8> {
+    let armband = Address::parse(ARMBAND).expect("an address");
+    let mut record = binding::to_record(armband).to_vec();
+    match page {
+        Page::Bound => {}
+        Page::Erased => record.fill(0xff),
+        Page::HalfWritten => record[12..].fill(0xff),
+        Page::FlippedBit => record[6] ^= 1,
+    }
+    record
+}

@@ -1,0 +1,347 @@
+//! What has to come of a scenario.
+
+use anyhow::{Context as _, bail, ensure};
+use myointent_tests::emulator::{Input, expected_lines};
+use myointent_tests::output::Output;
+use serde::Deserialize;
+use shared::stream::alignment::Alignment;
+use shared::uart_line::Kind;
+use shared::units::{Millis, Sample};
+
+/// What has to come of a scenario; only what is given is checked.
+#[derive(Deserialize, Clone, Default)]
+#[serde(deny_unknown_fields, default)]
+pub struct Expectation {
+    /// The numbered lines are those of the pipeline for these inputs.
+    pipeline: Option<Vec<Reached>>,
+    /// Why the board was safe, from `$STATE` line to `$STATE` line, `valid` where it was not; equal neighbours count once.
+    states: Option<Vec<String>>,
+    /// Why the program started, each time.
+    starts: Option<Vec<String>>,
+    /// Comments that come so many times.
+    comments: Vec<Comment>,
+    /// Bodies of the answers; one that ends in `…` may go on.
+    answers: Option<Vec<String>>,
+    /// States of alignments.
+    alignments: Option<Vec<String>>,
+    /// How often `valid` rises.
+    rises: Option<usize>,
+    /// The counters of the last report.
+    counters: Option<Counters>,
+    /// Milliseconds from the fault to safe pins, at most.
+    safe_within_ms: Option<u32>,
+    /// Raw samples are those that were sent, from some sample on, without a hole.
+    raw_without_holes: bool,
+    /// At least so many lines with raw samples.
+    raw_at_least: Option<usize>,
+    /// Counts that `COUNTERS` answered with last: by name, at least and at most.
+    counts: Vec<Count>,
+    /// Whether the board may restart.
+    may_restart: bool,
+    /// Events in the virtual armband's log, which the simulated one does not have.
+    armband: Vec<Happened>,
+}
+
+/// An event in the virtual armband's log.
+#[derive(Deserialize, Clone)]
+#[serde(deny_unknown_fields)]
+struct Happened {
+    event: String,
+    #[serde(default)]
+    least: usize,
+    #[serde(default = "often")]
+    most: usize,
+}
+
+const fn often() -> usize {
+    usize::MAX
+}
+
+/// What reached the pipeline.
+#[derive(Deserialize, Clone)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+enum Reached {
+    /// Notifications from the first to before the second number.
+    Sent(usize, usize),
+    /// So many notifications are lost.
+    Lost(usize),
+    /// The connection has ended.
+    Disconnected,
+    /// Nothing comes for so many milliseconds.
+    SilenceMs(u32),
+    /// An alignment is set: places, mirrored.
+    Align(u8, bool),
+}
+
+/// A comment line.
+#[derive(Deserialize, Clone)]
+#[serde(deny_unknown_fields)]
+struct Comment {
+    /// What it contains.
+    text: String,
+    /// How many there are.
+    times: usize,
+}
+
+/// Of the link.
+#[derive(Deserialize, Clone, Copy, PartialEq, Eq, Debug)]
+#[serde(deny_unknown_fields)]
+struct Counters {
+    lost: u32,
+    bridged: u32,
+    resets: u32,
+}
+
+/// Of an answer to `COUNTERS`.
+#[derive(Deserialize, Clone)]
+#[serde(deny_unknown_fields)]
+struct Count {
+    /// As README.md names them.
+    name: String,
+    #[serde(default)]
+    least: u32,
+    #[serde(default = "any")]
+    most: u32,
+}
+
+const fn any() -> u32 {
+    u32::MAX
+}
+
+/// The counts of an answer to `COUNTERS`, in its order.
+const COUNTS: [&str; 16] = [
+    "connections",
+    "failed-connects",
+    "timeouts",
+    "stalls",
+    "failed-set-ups",
+    "refused",
+    "notifications",
+    "lost",
+    "given-up",
+    "duplicates",
+    "reordered",
+    "malformed",
+    "foreign",
+    "packets-dropped",
+    "lines-dropped",
+    "emg-dropped",
+];
+
+impl Expectation {
+    /// Whether anything is expected that can fail.
+    pub fn checks_something(&self) -> bool {
+        self.pipeline.is_some()
+            || self.states.is_some()
+            || self.starts.is_some()
+            || self.answers.is_some()
+            || !self.comments.is_empty()
+    }
+
+    /// Checks what a board has written.
+    ///
+    /// # Errors
+    /// Says what is not as expected.
+    pub fn check(&self, model: &[u8], samples: &[Sample], output: &Output) -> anyhow::Result<()> {
+        output.check(self.may_restart)?;
+        self.check_lines(model, samples, output)?;
+        self.check_reports(output)?;
+        self.check_people(output)?;
+        self.check_pins(output)?;
+        self.check_raw(samples, output)
+    }
+
+    /// Checks what the virtual armband has seen.
+    ///
+    /// # Errors
+    /// Says what is not as expected.
+    pub fn check_armband(&self, output: &Output) -> anyhow::Result<()> {
+        for Happened { event, least, most } in &self.armband {
+            let found = output.event_count(event);
+            ensure!(
+                (*least..=*most).contains(&found),
+                "{found} times {event}, expected {least} to {most}"
+            );
+        }
+        Ok(())
+    }
+
+    fn check_lines(&self, model: &[u8], samples: &[Sample], output: &Output) -> anyhow::Result<()> {
+        let Some(reached) = &self.pipeline else {
+            return Ok(());
+        };
+        let inputs: Vec<Input<'_>> = reached
+            .iter()
+            .map(|one| match *one {
+                Reached::Sent(from, to) => {
+                    let to = to.min(samples.len() / 2);
+                    Input::Samples(&samples[2 * from..2 * to])
+                }
+                Reached::Lost(notifications) => Input::Gap(2 * notifications as u32),
+                Reached::Disconnected => Input::Disconnected,
+                Reached::SilenceMs(ms) => Input::Silence(Millis(ms)),
+                Reached::Align(turn, mirrored) => {
+                    Input::SetAlignment(Alignment::new(turn, mirrored))
+                }
+            })
+            .collect();
+        let expected = expected_lines(model, &inputs)?;
+        let found = output.lines();
+        let differs = found
+            .iter()
+            .zip(&expected)
+            .position(|(one, two)| one != two);
+        if let Some(place) = differs {
+            bail!(
+                "line {place}: {}expected: {}",
+                found[place],
+                expected[place]
+            );
+        }
+        ensure!(
+            found.len() == expected.len(),
+            "{} lines, expected {}",
+            found.len(),
+            expected.len()
+        );
+        Ok(())
+    }
+
+    fn check_reports(&self, output: &Output) -> anyhow::Result<()> {
+        let reports = output.reports()?;
+        if let Some(expected) = &self.states {
+            let states = reports.iter().filter(|report| report.kind == Kind::State);
+            let mut states: Vec<String> = states
+                .map(|report| match report.status.cause() {
+                    Some(cause) => cause.name().to_owned(),
+                    None => "valid".to_owned(),
+                })
+                .collect();
+            states.dedup();
+            same("states", &states, expected)?;
+        }
+        if let Some(expected) = self.counters {
+            let last = reports.last().context("no report")?.counters;
+            let found = Counters {
+                lost: last.lost,
+                bridged: last.bridged,
+                resets: last.resets,
+            };
+            ensure!(found == expected, "{found:?}, expected {expected:?}");
+        }
+        if let Some(expected) = &self.alignments {
+            let news = output.alignments()?;
+            let found: Vec<_> = news.iter().map(|one| one.state.name().to_owned()).collect();
+            same("alignments", &found, expected)?;
+        }
+        Ok(())
+    }
+
+    fn check_people(&self, output: &Output) -> anyhow::Result<()> {
+        let comments = output.comments();
+        if let Some(expected) = &self.starts {
+            let starts = comments
+                .iter()
+                .filter_map(|c| c.split_once(", started by "));
+            let starts: Vec<_> = starts.map(|(_, reason)| reason.to_owned()).collect();
+            same("starts", &starts, expected)?;
+        }
+        for Comment { text, times } in &self.comments {
+            let found = comments.iter().filter(|c| c.contains(text)).count();
+            ensure!(
+                found == *times,
+                "{found} comments with {text:?}, expected {times}: {comments:#?}"
+            );
+        }
+        let answers = output.answers();
+        if let Some(expected) = &self.answers {
+            let fits = |found: &String, wanted: &String| match wanted.strip_suffix('…') {
+                Some(start) => found.starts_with(start),
+                None => found == wanted,
+            };
+            let all = answers
+                .iter()
+                .zip(expected)
+                .all(|(one, two)| fits(one, two));
+            ensure!(
+                all && answers.len() == expected.len(),
+                "answers {answers:#?}, expected {expected:#?}"
+            );
+        }
+        for Count { name, least, most } in &self.counts {
+            let last = answers.iter().rfind(|a| a.starts_with("OK,COUNTERS,"));
+            let numbers = last.context("no answer to COUNTERS")?;
+            let place = COUNTS.iter().position(|one| one == name);
+            let place = place.with_context(|| format!("no count {name}"))?;
+            let number: u32 = numbers
+                .split(',')
+                .nth(place + 2)
+                .context("too few counts")?
+                .parse()?;
+            ensure!(
+                (*least..=*most).contains(&number),
+                "{name} is {number}, expected {least} to {most}"
+            );
+        }
+        Ok(())
+    }
+
+    fn check_pins(&self, output: &Output) -> anyhow::Result<()> {
+        let pins = output.pins();
+        if let Some(expected) = self.rises {
+            let rises = pins
+                .windows(2)
+                .filter(|pair| !pair[0].valid && pair[1].valid);
+            let found = rises.count();
+            ensure!(
+                found == expected,
+                "valid rose {found} times, expected {expected}"
+            );
+        }
+        if let Some(within) = self.safe_within_ms {
+            let fault = *output.faults_us().first().context("no fault")?;
+            let first_start = pins.chunk_by(|one, next| one.at_us <= next.at_us).next();
+            let before = first_start.unwrap_or_default();
+            let after = before.iter().filter(|pins| pins.at_us >= fault);
+            let after: Vec<_> = after.skip_while(|pins| pins.valid).collect();
+            let fell = after.first().context("the pins never became safe")?;
+            ensure!(
+                fell.at_us - fault <= within * 1000,
+                "safe {} us after the fault, expected within {within} ms",
+                fell.at_us - fault
+            );
+            ensure!(
+                after.iter().all(|pins| !pins.valid),
+                "valid again after the fault"
+            );
+        }
+        Ok(())
+    }
+
+    fn check_raw(&self, samples: &[Sample], output: &Output) -> anyhow::Result<()> {
+        let raw = output.emg()?;
+        if let Some(least) = self.raw_at_least {
+            ensure!(
+                raw.len() >= least,
+                "{} raw lines, expected {least}",
+                raw.len()
+            );
+        }
+        if self.raw_without_holes {
+            let first = raw.first().context("no raw samples")?.first.0 as usize;
+            for (report, place) in raw.iter().zip((first..).step_by(2)) {
+                ensure!(report.first.0 as usize == place, "a hole before {report}");
+                ensure!(
+                    samples.get(place..place + 2) == Some(&report.samples[..]),
+                    "other samples: {report}"
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+fn same(what: &str, found: &[String], expected: &[String]) -> anyhow::Result<()> {
+    ensure!(found == expected, "{what} {found:?}, expected {expected:?}");
+    Ok(())
+}
