@@ -90,11 +90,16 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
     let mut streams = false;
     loop {
         let silence = timer_until(pipeline.deadline());
-        match select3(PACKETS.receive(), silence, requests::ALIGN.receive()).await {
+        let next = select3(PACKETS.receive(), silence, requests::ALIGN.receive()).await;
+        let now = now();
+        // Before anything else finds that it is late, and takes that for a silence of the armband.
+        if dead_man.has_expired() {
+            stalled(pipeline, now);
+        }
+        match next {
             Either3::First(packet) => {
                 let first = packet.first;
                 let received = detector.receive(packet);
-                let now = now();
                 if received.disconnected {
                     let reports = pipeline.disconnected(now);
                     enqueue(pipeline, reports);
@@ -118,10 +123,8 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                     enqueue(pipeline, Reports::default());
                 }
                 if dead_man.has_expired() {
-                    if pipeline.status().valid() {
-                        let reports = pipeline.stalled(now);
-                        enqueue(pipeline, reports);
-                    }
+                    // It may have expired during this packet.
+                    stalled(pipeline, now);
                     dead_man.acknowledge();
                 }
                 if pin_state::is_shown() {
@@ -130,7 +133,6 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                 heartbeat::INFERENCE.beat();
             }
             Either3::Second(()) => {
-                let now = now();
                 let reports = pipeline.tick(now);
                 enqueue(pipeline, reports);
                 if PACKETS.is_empty() {
@@ -149,11 +151,19 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
         pin_state::set_status(pipeline.status());
         pin_state::set_alignment_led(match pipeline.alignment_phase() {
             AlignmentPhase::None => false,
-            AlignmentPhase::Waiting => (now().0 / BLINK_MS).is_multiple_of(2),
+            AlignmentPhase::Waiting => (now.0 / BLINK_MS).is_multiple_of(2),
             AlignmentPhase::Aligned => true,
         });
         // However many packets wait: pins and lines follow each.
         yield_now().await;
+    }
+}
+
+/// Hardware made the pins safe: so is the state, if it was not.
+fn stalled(pipeline: &mut DevicePipeline, now: Millis) {
+    if pipeline.status().valid() {
+        let reports = pipeline.stalled(now);
+        enqueue(pipeline, reports);
     }
 }
 
