@@ -9,6 +9,7 @@ pub mod count;
 mod debian;
 pub mod device;
 pub mod emulator;
+pub mod energy;
 pub mod firmware;
 pub mod fuzz;
 pub mod modules;

@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{count, emulator, firmware, fuzz, modules, toolchain};
+use xtask::{count, emulator, energy, firmware, fuzz, modules, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -22,6 +22,8 @@ enum Step {
     Lint(firmware::LintArguments),
     /// Counts the instructions of a patch on the emulated Cortex-M4F, part by part.
     Count(count::Arguments),
+    /// Prints what a board takes from its battery, by the committed counts and the data sheet's currents.
+    Energy,
     /// Fuzzes all that meets the outside, target by target, and fails on a finding.
     Fuzz(fuzz::Arguments),
     /// Prints which modules import which, and fails on an import cycle or a file that is too long.
@@ -45,6 +47,7 @@ fn main() -> Result<()> {
         Step::Images(arguments) => firmware::build(&arguments),
         Step::Lint(arguments) => firmware::lint(&arguments),
         Step::Count(arguments) => count::print(&arguments),
+        Step::Energy => energy::print(),
         Step::Fuzz(arguments) => fuzz::run(&arguments),
         Step::Modules(arguments) => modules::check(&arguments),
         Step::Emulator { install } => emulator::prepare(install),

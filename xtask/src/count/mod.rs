@@ -74,9 +74,17 @@ pub fn print(arguments: &Arguments) -> Result<()> {
     if arguments.accept {
         fs::write(COMMITTED, table.text())?;
     }
+    compare(&table, &committed()?)
+}
+
+/// The counts of the last commit.
+///
+/// # Errors
+/// When there are none.
+pub fn committed() -> Result<Table> {
     let committed = fs::read_to_string(COMMITTED)
         .with_context(|| format!("{COMMITTED}: none; `cargo xtask count --accept` writes it"))?;
-    compare(&table, &Table::parse(&committed)?)
+    Table::parse(&committed)
 }
 
 fn compare(table: &Table, committed: &Table) -> Result<()> {

@@ -55,6 +55,8 @@ pub fn start() -> Board {
     config.gpiote_interrupt_priority = Priority::P2;
     config.time_interrupt_priority = Priority::P2;
     interrupt::UARTE0.set_priority(Priority::P3);
+    // Instructions from flash would wait otherwise. Before the SoftDevice, which reserves the register.
+    pac::NVMC.icachecnf().write(|cache| cache.set_cacheen(true));
     let peripherals = embassy_nrf::init(config);
     let wiring = wiring::wire(peripherals);
     let dead_man = DeadMan::start(wiring.dead_man, &wiring.intents, &wiring.valid);
