@@ -14,6 +14,7 @@
 //! `myointent replay` run the same code, so both write the same UART lines.
 
 mod alignment;
+mod gate;
 mod reports;
 
 pub use self::alignment::AlignmentPhase;

@@ -35,6 +35,7 @@ pub mod alignment;
 pub mod answer;
 pub mod command;
 pub mod emg;
+pub mod gate;
 mod refusal;
 
 use core::fmt::{self, Write};

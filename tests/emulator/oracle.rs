@@ -6,6 +6,7 @@ use shared::model::file::Model;
 use shared::pipeline::{Pipeline, Reports};
 use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Start;
+use shared::stream::smoother::Gate;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 /// What reaches the pipeline.
@@ -23,6 +24,8 @@ pub enum Input<'s> {
     Align,
     /// A command puts this alignment in force.
     SetAlignment(Alignment),
+    /// A command changes the confidence gate.
+    SetGate(Gate),
 }
 
 /// The lines for these inputs, the first one at boot.
@@ -57,6 +60,10 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
             }
             Input::SetAlignment(alignment) => {
                 pipeline.set_alignment(alignment);
+                Reports::default()
+            }
+            Input::SetGate(gate) => {
+                anyhow::ensure!(pipeline.set_gate(gate), "a margin that the model has not");
                 Reports::default()
             }
             Input::Align => {

@@ -4,11 +4,31 @@ use embassy_sync::{
     blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel, signal::Signal,
 };
 use embassy_time::{Duration, with_timeout};
+use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
+use shared::uart_line::gate::GateCommand;
 
 /// To the inference.
-pub static ALIGN: Requests<AlignCommand> = Requests::new();
+pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
+
+/// What the inference is asked for.
+#[derive(Clone, Copy)]
+pub enum InferenceRequest {
+    /// An alignment.
+    Align(AlignCommand),
+    /// The confidence gate.
+    Gate(GateCommand),
+}
+
+/// What the inference answers.
+#[derive(Clone, Copy)]
+pub enum InferenceAnswer {
+    /// This is accepted.
+    Align(AlignCommand),
+    /// This gate is in force from now on.
+    Gate(Gate),
+}
 
 /// To the radio.
 pub static BIND: Requests<BindCommand, Binding> = Requests::new();
@@ -17,7 +37,7 @@ pub static BIND: Requests<BindCommand, Binding> = Requests::new();
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Requests of one task to one other, one at a time.
-pub struct Requests<Q, A = ()> {
+pub struct Requests<Q, A> {
     asked: Channel<CriticalSectionRawMutex, Q, 1>,
     answered: Signal<CriticalSectionRawMutex, Result<A, Refusal>>,
 }

@@ -11,7 +11,13 @@ use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandRead
 
 use crate::board::{Button, CommandPort};
 use crate::clock::now;
-use crate::messages::{armband, packets::PACKETS, raw, requests, uart};
+use crate::messages::{
+    armband,
+    packets::PACKETS,
+    raw,
+    requests::{self, InferenceAnswer, InferenceRequest},
+    uart,
+};
 
 /// How often the button is looked at: at least twice while its contact is debounced.
 const LOOK: Duration = Duration::from_millis(15);
@@ -30,7 +36,10 @@ pub async fn run(mut port: CommandPort, mut button: Button, model: Option<u32>) 
         match select(ticker.next(), port.read(&mut bytes)).await {
             Either::First(()) => match contact.look(now(), button.is_down()) {
                 // Refused without a stream: there is nothing to align.
-                Some(Press::Pressed) => drop(requests::ALIGN.ask(AlignCommand::Begin).await),
+                Some(Press::Pressed) => {
+                    let begin = InferenceRequest::Align(AlignCommand::Begin);
+                    let _ = requests::INFERENCE.ask(begin).await;
+                }
                 // An address that was given at build time stays.
                 Some(Press::Held) => drop(requests::BIND.ask(BindCommand::Begin).await),
                 None => {}
@@ -65,16 +74,22 @@ async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
             raw::switch(on);
             Answer::Raw(on)
         }
-        Command::Align(_) | Command::Bind(_) if model.is_none() => {
+        Command::Align(_) | Command::Bind(_) | Command::Gate(_) if model.is_none() => {
             Answer::Refused(Refusal::NoModel)
         }
         Command::Bind(command) => match requests::BIND.ask(command).await {
             Ok(binding) => Answer::Binding(binding),
             Err(refusal) => Answer::Refused(refusal),
         },
-        Command::Align(command) => match requests::ALIGN.ask(command).await {
-            Ok(()) => Answer::Align(command),
-            Err(refusal) => Answer::Refused(refusal),
-        },
+        Command::Align(command) => ask_inference(InferenceRequest::Align(command)).await,
+        Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
+    }
+}
+
+async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
+    match requests::INFERENCE.ask(request).await {
+        Ok(InferenceAnswer::Align(command)) => Answer::Align(command),
+        Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
+        Err(refusal) => Answer::Refused(refusal),
     }
 }

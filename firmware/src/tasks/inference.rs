@@ -11,10 +11,11 @@ use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::{Event, SafeState, Start};
-use shared::stream::smoother::Smoother;
+use shared::stream::smoother::{Gate, Smoother};
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
+use shared::uart_line::gate::GateCommand;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::{Millis, SampleIndex};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -24,7 +25,8 @@ use crate::clock::now;
 use crate::messages::{
     heartbeat,
     packets::PACKETS,
-    pin_state, raw, requests,
+    pin_state, raw,
+    requests::{self, InferenceAnswer, InferenceRequest},
     uart::{self, UartMessage},
 };
 use crate::model_region::{self, ModelRefused};
@@ -90,7 +92,7 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
     let mut streams = false;
     loop {
         let silence = timer_until(pipeline.deadline());
-        let next = select3(PACKETS.receive(), silence, requests::ALIGN.receive()).await;
+        let next = select3(PACKETS.receive(), silence, requests::INFERENCE.receive()).await;
         let now = now();
         // Before anything else finds that it is late, and takes that for a silence of the armband.
         if dead_man.has_expired() {
@@ -139,13 +141,18 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                     heartbeat::INFERENCE.beat();
                 }
             }
-            Either3::Third(command) => {
+            Either3::Third(InferenceRequest::Align(command)) => {
                 let done = align(pipeline, command, streams);
                 if done.is_ok() {
                     trigger.requested();
                 }
-                requests::ALIGN.answer(done);
+                let answer = done.map(|()| InferenceAnswer::Align(command));
+                requests::INFERENCE.answer(answer);
                 enqueue(pipeline, Reports::default());
+            }
+            Either3::Third(InferenceRequest::Gate(command)) => {
+                let gate = set_gate(pipeline, command);
+                requests::INFERENCE.answer(gate.map(InferenceAnswer::Gate));
             }
         }
         pin_state::set_status(pipeline.status());
@@ -179,6 +186,13 @@ fn align(
         AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
     }
     Ok(())
+}
+
+fn set_gate(pipeline: &mut DevicePipeline, command: GateCommand) -> Result<Gate, Refusal> {
+    match command {
+        GateCommand::Set(gate) if !pipeline.set_gate(gate) => Err(Refusal::Arguments),
+        GateCommand::Set(_) | GateCommand::State => Ok(pipeline.gate()),
+    }
 }
 
 /// Queues what a call of the pipeline gave and what is new about the alignment, in the order of the lines' numbers.

@@ -26,7 +26,7 @@ mod settings;
 use crate::intent::Intent;
 use crate::units::SampleIndex;
 
-pub use settings::{AggregationMode, Settings, SettingsError};
+pub use settings::{AggregationMode, Gate, Settings, SettingsError};
 
 /// A label as a class number, with its instant and its delay.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -43,6 +43,7 @@ pub struct Decision {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Smoother<const CLASSES: usize, const ROWS: usize> {
     settings: Settings,
+    gate: Gate,
     classes: usize,
     /// The classes, and movement outside the vocabulary if the model knows it.
     columns: usize,
@@ -89,6 +90,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         }
         Ok(Self {
             settings,
+            gate: Gate::default(),
             classes,
             columns,
             sums: [[0.0; CLASSES]; ROWS],
@@ -102,6 +104,23 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
     /// Rows of look-ahead.
     pub(crate) const fn look_ahead(&self) -> usize {
         self.settings.look_ahead
+    }
+
+    /// What stands in place of the settings' confidence gate.
+    #[must_use]
+    pub const fn gate(&self) -> Gate {
+        self.gate
+    }
+
+    /// Another confidence gate, from the next label on.
+    pub fn set_gate(&mut self, gate: Gate) {
+        self.gate = gate;
+    }
+
+    /// Whether rows have a column of movement outside the vocabulary.
+    #[must_use]
+    pub const fn knows_other(&self) -> bool {
+        self.columns > self.classes
     }
 
     /// Forgets all windows, as after a gap: the next one is the first.
@@ -169,7 +188,9 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             AggregationMode::SameInstant => depth,
         };
         let from_classes = self.settings.entry_margins.get(class).copied();
-        [from_classes, self.settings.other_margin].map(|margin| margin.unwrap_or(0.0) * rows as f32)
+        let settings = [from_classes, self.settings.other_margin];
+        let instead = [self.gate.entry, self.gate.other].map(|hundredths| hundredths.map(logits));
+        [0, 1].map(|of| instead[of].or(settings[of]).unwrap_or(0.0) * rows as f32)
     }
 
     /// Adds one window's rows to the sums of the instants that still wait for their label. With rows
@@ -192,6 +213,10 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
             }
         }
     }
+}
+
+fn logits(hundredths: i16) -> f32 {
+    f32::from(hundredths) / 100.0
 }
 
 /// Index of the largest value, the first on ties; 0 if all comparisons fail (NaN).

@@ -7,6 +7,7 @@
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
 //!          | "OK,RAW," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
+//!          | "OK,GATE," entry "," other          super::gate
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0
 //! revision = of its source
@@ -44,9 +45,11 @@
 use core::fmt;
 
 use super::command::AlignCommand;
+use super::gate::Margins;
 pub use super::refusal::Refusal;
 use super::write_framed;
 use crate::myo::{Address, Counters, FirmwareVersion, Following};
+use crate::stream::smoother::Gate;
 
 /// What runs here.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -142,6 +145,8 @@ pub enum Answer<'a> {
     Raw(bool),
     /// To `BIND`, as it is from now on.
     Binding(Binding),
+    /// To `GATE`, as it is from now on.
+    Gate(Gate),
     /// The command is not carried out.
     Refused(Refusal),
 }
@@ -161,6 +166,7 @@ impl fmt::Display for Answer<'_> {
             Self::Raw(true) => write_framed(formatter, format_args!("OK,RAW,on")),
             Self::Raw(false) => write_framed(formatter, format_args!("OK,RAW,off")),
             Self::Binding(binding) => write_framed(formatter, format_args!("OK,BIND,{binding}")),
+            Self::Gate(gate) => write_framed(formatter, format_args!("OK,GATE,{}", Margins(*gate))),
             Self::Refused(Refusal::Checksum(expected)) => {
                 write_framed(formatter, format_args!("ERR,checksum,{expected:02X}"))
             }

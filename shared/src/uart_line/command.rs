@@ -11,6 +11,8 @@
 //!          | "BIND,set," address                 bind this armband
 //!          | "BIND,forget"                       bind none
 //!          | "BIND,state"                        change nothing
+//!          | "GATE,set," entry "," other         operating point until the next start: super::gate
+//!          | "GATE,state"                        change nothing
 //! address  = such as FA:12:34:56:78:9A
 //! turn     = "0" ... "7"                         places that the armband is turned by
 //! mirrored = "0" | "1"                           whether the electrodes run the other way round
@@ -29,6 +31,7 @@
 
 use core::fmt;
 
+use super::gate::{GateCommand, Margins};
 use super::refusal::Refusal;
 use super::{ParseError, number, unframed, write_framed};
 use crate::myo::Address;
@@ -50,6 +53,8 @@ pub enum Command {
     Raw(bool),
     /// Begin a pairing, bind or forget an armband, or say which one is followed.
     Bind(BindCommand),
+    /// Change the confidence gate, or say which one is in force.
+    Gate(GateCommand),
 }
 
 /// A command about the armband that is bound.
@@ -110,7 +115,10 @@ impl Command {
             ("RAW", Some("on")) => Self::Raw(true),
             ("RAW", Some("off")) => Self::Raw(false),
             ("BIND", Some(arguments)) => Self::Bind(bind(arguments)?),
-            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND", _) => {
+            ("GATE", Some(arguments)) => {
+                Self::Gate(GateCommand::parse(arguments).ok_or(Refusal::Arguments)?)
+            }
+            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND" | "GATE", _) => {
                 return Err(Refusal::Arguments);
             }
             _ => return Err(Refusal::Unknown),
@@ -185,6 +193,10 @@ impl fmt::Display for Command {
             Self::Bind(BindCommand::Begin) => write_framed(formatter, format_args!("BIND,begin")),
             Self::Bind(BindCommand::Forget) => write_framed(formatter, format_args!("BIND,forget")),
             Self::Bind(BindCommand::State) => write_framed(formatter, format_args!("BIND,state")),
+            Self::Gate(GateCommand::Set(gate)) => {
+                write_framed(formatter, format_args!("GATE,set,{}", Margins(*gate)))
+            }
+            Self::Gate(GateCommand::State) => write_framed(formatter, format_args!("GATE,state")),
         }
     }
 }
@@ -249,7 +261,8 @@ impl CommandReader {
 mod tests {
     use super::*;
     use crate::myo::AddressKind;
-    use alloc::{format, string::ToString, vec::Vec};
+    use crate::stream::smoother::Gate;
+    use alloc::{format, string::ToString, vec, vec::Vec};
     use proptest::prelude::*;
 
     fn read(bytes: &[u8]) -> Vec<Result<Command, Refusal>> {
@@ -373,8 +386,15 @@ mod tests {
             let kind = AddressKind::Public;
             Command::Bind(BindCommand::Set(Address { kind, bytes }))
         });
+        let margin = || prop::option::of(0_i16..=5000);
+        let gate = (margin(), margin()).prop_map(|(entry, other)| {
+            let other = other.map(|other| -other);
+            Command::Gate(GateCommand::Set(Gate { entry, other }))
+        });
         prop_oneof![
             any::<bool>().prop_map(Command::Raw),
+            gate,
+            Just(Command::Gate(GateCommand::State)),
             Just(Command::Bind(BindCommand::Begin)),
             Just(Command::Bind(BindCommand::Forget)),
             Just(Command::Bind(BindCommand::State)),

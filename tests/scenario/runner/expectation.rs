@@ -5,6 +5,7 @@ use myointent_tests::emulator::{Input, expected_lines};
 use myointent_tests::output::Output;
 use serde::Deserialize;
 use shared::stream::alignment::Alignment;
+use shared::stream::smoother::Gate;
 use shared::uart_line::Kind;
 use shared::units::{Millis, Sample};
 
@@ -71,6 +72,8 @@ enum Reached {
     SilenceMs(u32),
     /// An alignment is set: places, mirrored.
     Align(u8, bool),
+    /// The confidence gate is changed: both margins, in hundredths.
+    Gate(i16, i16),
 }
 
 /// A comment line.
@@ -170,21 +173,21 @@ impl Expectation {
         let Some(reached) = &self.pipeline else {
             return Ok(());
         };
-        let inputs: Vec<Input<'_>> = reached
-            .iter()
-            .map(|one| match *one {
-                Reached::Sent(from, to) => {
-                    let to = to.min(samples.len() / 2);
-                    Input::Samples(&samples[2 * from..2 * to])
-                }
-                Reached::Lost(notifications) => Input::Gap(2 * notifications as u32),
-                Reached::Disconnected => Input::Disconnected,
-                Reached::SilenceMs(ms) => Input::Silence(Millis(ms)),
-                Reached::Align(turn, mirrored) => {
-                    Input::SetAlignment(Alignment::new(turn, mirrored))
-                }
-            })
-            .collect();
+        let input = |one: &Reached| match *one {
+            Reached::Sent(from, to) => {
+                let to = to.min(samples.len() / 2);
+                Input::Samples(&samples[2 * from..2 * to])
+            }
+            Reached::Lost(notifications) => Input::Gap(2 * notifications as u32),
+            Reached::Disconnected => Input::Disconnected,
+            Reached::SilenceMs(ms) => Input::Silence(Millis(ms)),
+            Reached::Align(turn, mirrored) => Input::SetAlignment(Alignment::new(turn, mirrored)),
+            Reached::Gate(entry, other) => Input::SetGate(Gate {
+                entry: Some(entry),
+                other: Some(other),
+            }),
+        };
+        let inputs: Vec<Input<'_>> = reached.iter().map(input).collect();
         let expected = expected_lines(model, &inputs)?;
         let found = output.lines();
         let differs = found

@@ -43,6 +43,15 @@ impl Settings {
     };
 }
 
+/// Margins in place of those of [`Settings`], in hundredths of a logit. None: as in the settings.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Gate {
+    /// See [`Settings::entry_margins`]; for all classes.
+    pub entry: Option<i16>,
+    /// See [`Settings::other_margin`]; of no effect where rows have no such column.
+    pub other: Option<i16>,
+}
+
 /// Why settings are refused.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
 pub enum SettingsError {

@@ -298,3 +298,35 @@ fn impossible_settings_are_refused_each_with_its_reason() {
     };
     assert_eq!(refused(row_samples, 3), Some(SettingsError::RowSamples));
 }
+
+#[test]
+fn another_gate_is_in_force_from_the_next_label_on_and_the_settings_again_without_it() {
+    let settings = Settings {
+        look_ahead: 0,
+        entry_margins: [1.0; 6],
+        ..PLAIN
+    };
+    let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, CLASSES).unwrap();
+    let [weak, rest] = [[0.0, 2.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
+    let label = |smoother: &mut Smoother<CLASSES, ROWS>, row| {
+        let decision = smoother.push(SampleIndex(0), &[row; ROWS]);
+        decision.unwrap().class
+    };
+    assert_eq!(label(&mut smoother, weak), 1);
+    smoother.set_gate(Gate {
+        entry: Some(201),
+        other: Some(900),
+    });
+    assert_eq!(label(&mut smoother, weak), 1, "it holds");
+    assert_eq!(label(&mut smoother, rest), 0);
+    assert_eq!(label(&mut smoother, weak), 0);
+    smoother.set_gate(Gate {
+        entry: Some(200),
+        other: Some(900),
+    });
+    assert_eq!(label(&mut smoother, weak), 1, "the margin itself is enough");
+    assert_eq!(label(&mut smoother, rest), 0);
+    smoother.set_gate(Gate::default());
+    assert_eq!(label(&mut smoother, weak), 1);
+    assert!(!smoother.knows_other());
+}
