@@ -31,6 +31,12 @@ impl Interrupt {
         Self(Arc::new(AtomicBool::new(true)))
     }
 
+    /// Requests a stop.
+    #[cfg(test)]
+    pub(crate) fn request(&self) {
+        self.0.store(true, Ordering::SeqCst);
+    }
+
     /// Whether a stop was requested.
     #[must_use]
     pub(crate) fn requested(&self) -> bool {

@@ -15,7 +15,7 @@ use crate::execution::run_folder::{RunError, RunFolder};
 use crate::student::model::Student;
 use crate::teacher;
 use crate::teacher::model::Teacher;
-use crate::training::fit::Training;
+use crate::training::fit::{CHECKPOINT_EVERY, Training};
 
 /// A run: its folder, its configuration, its recordings and the device that it computes on.
 pub struct RunContext {
@@ -129,6 +129,7 @@ impl RunContext {
             run: &self.folder,
             made_from,
             resume: self.resume,
+            checkpoint_every: CHECKPOINT_EVERY,
             interrupt: &self.interrupt,
         }
     }

@@ -1,11 +1,12 @@
-//! Where a training stands after an epoch: one file, and so one rename, from which it goes on bit for bit.
+//! Where a training stands, after an epoch or within it: one file, and so one rename, from which it goes on bit for bit.
 
 use burn::module::Module;
 use burn::optim::ModuleOptimizer;
 use burn::tensor::Bytes;
 use serde::{Deserialize, Serialize};
 
-use super::metrics::EpochMetrics;
+use super::epoch::{Start, Taken};
+use super::metrics::{EpochMetrics, KeptMeans, RunningMeans};
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::run_folder::{
     Artefact, RunError, RunFolder, load_model_bytes, model_bytes, write_whole,
@@ -27,6 +28,41 @@ pub(super) struct Progress {
     pub(super) best_loss: Option<f64>,
     /// Metrics of every epoch.
     pub(super) epochs: Vec<EpochMetrics>,
+    /// How far the epoch after them has come; none at its start.
+    #[serde(default)]
+    pub(super) within: Option<Within>,
+}
+
+/// How far an epoch has come.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Within {
+    /// Optimizer steps of the epoch, which [`Progress::step`] does not count.
+    pub(super) steps: usize,
+    /// Position of the epoch's generator.
+    pub(super) drawn: u64,
+    /// Metrics of the steps.
+    pub(super) means: KeptMeans,
+}
+
+impl Within {
+    /// After a step.
+    pub(super) fn after<M>(taken: &Taken<'_, M>) -> Self {
+        Self {
+            steps: taken.steps,
+            // An epoch draws far less than 2^64 words.
+            drawn: taken.rng.get_word_pos() as u64,
+            means: taken.means.kept(),
+        }
+    }
+
+    /// Where the epoch goes on.
+    pub(super) fn start(self) -> Start {
+        Start {
+            steps: self.steps,
+            means: RunningMeans::of_kept(self.means),
+            drawn: Some(self.drawn.into()),
+        }
+    }
 }
 
 /// Everything that a training goes on from.
@@ -38,6 +74,15 @@ pub(super) struct Checkpoint<M> {
     pub(super) average: Option<M>,
     /// The model of the lowest validation loss, as bytes: a clone would share the statistics of its batch norms.
     pub(super) best: Vec<u8>,
+}
+
+/// A checkpoint as it is saved.
+pub(super) struct Snapshot<'a, M> {
+    pub(super) progress: &'a Progress,
+    pub(super) model: &'a M,
+    pub(super) optimizer: &'a ModuleOptimizer,
+    pub(super) average: Option<&'a M>,
+    pub(super) best: &'a [u8],
 }
 
 /// The files of one training in a run folder.
@@ -108,20 +153,20 @@ impl Store<'_> {
     }
 
     /// Saves a checkpoint in place of the last one, and then the metrics for readers.
-    pub(super) fn save<M: Module>(&self, checkpoint: &Checkpoint<M>) -> Result<(), RunError> {
+    pub(super) fn save<M: Module>(&self, checkpoint: &Snapshot<'_, M>) -> Result<(), RunError> {
         let path = self.run.checkpoint_path(self.name);
         let optimizer = checkpoint.optimizer.into_bytes();
         let optimizer = optimizer.map_err(|error| RunError::content(&path, error))?;
-        let mut artefact = Artefact::new(self.made_from, &checkpoint.progress)
+        let mut artefact = Artefact::new(self.made_from, checkpoint.progress)
             .map_err(|error| RunError::content(&path, error))?
-            .with(MODEL, model_bytes(&path, &checkpoint.model)?)
+            .with(MODEL, model_bytes(&path, checkpoint.model)?)
             .with(OPTIMIZER, optimizer.to_vec())
-            .with(BEST, checkpoint.best.clone());
-        if let Some(average) = &checkpoint.average {
+            .with(BEST, checkpoint.best.to_vec());
+        if let Some(average) = checkpoint.average {
             artefact = artefact.with(AVERAGE, model_bytes(&path, average)?);
         }
         self.run.save_artefact(&path, &artefact)?;
-        self.save_metrics(&checkpoint.progress)
+        self.save_metrics(checkpoint.progress)
     }
 
     /// The metrics are part of the checkpoint; this file of them is written anew from it.

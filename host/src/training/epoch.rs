@@ -21,6 +21,27 @@ pub(super) struct Epoch<'a> {
     pub(super) interrupt: &'a Interrupt,
 }
 
+/// Where an epoch begins: at its start, or where a checkpoint was written within it.
+#[derive(Default)]
+pub(super) struct Start {
+    /// Steps taken already.
+    pub(super) steps: usize,
+    /// Their metrics.
+    pub(super) means: RunningMeans,
+    /// Position of the generator after them; none before the first.
+    pub(super) drawn: Option<u128>,
+}
+
+/// A training after a step.
+pub(super) struct Taken<'a, M> {
+    pub(super) model: &'a M,
+    pub(super) optimizer: &'a ModuleOptimizer,
+    /// Steps of the epoch.
+    pub(super) steps: usize,
+    pub(super) means: &'a RunningMeans,
+    pub(super) rng: &'a ChaCha8Rng,
+}
+
 /// A model after an epoch.
 pub(super) struct Trained<M> {
     pub(super) model: M,
@@ -33,10 +54,11 @@ pub(super) struct Trained<M> {
 }
 
 impl Epoch<'_> {
-    /// Takes the steps, from `step` of the schedule on; `after` sees the model after each. None if the user interrupts.
+    /// Takes the steps; the first of the epoch is `step` of the schedule. `after` sees the training after each. None if the
+    /// user interrupts.
     ///
     /// # Errors
-    /// When a loss is infinite or no number.
+    /// When a loss is infinite or no number, and those of `after`.
     pub(super) fn take<L: Learner>(
         &self,
         learner: &L,
@@ -44,14 +66,23 @@ impl Epoch<'_> {
         optimizer: &mut ModuleOptimizer,
         step: usize,
         rng: &mut ChaCha8Rng,
-        mut after: impl FnMut(&L::Model),
+        start: Start,
+        mut after: impl FnMut(Taken<'_, L::Model>) -> Result<(), RunError>,
     ) -> Result<Option<Trained<L::Model>>, RunError> {
         let items = learner.epoch(rng);
         let steps = items.len();
         let bar = progress::bar(steps, self.title);
-        let mut means = RunningMeans::default();
-        let mut rate = 0.0;
-        for (at, item) in items.into_iter().enumerate() {
+        bar.inc(start.steps as u64);
+        let mut means = start.means;
+        let mut rate = match start.steps {
+            0 => 0.0,
+            taken => self.schedule.rate(step + taken - 1),
+        };
+        // The items are drawn first, and anew.
+        if let Some(drawn) = start.drawn {
+            rng.set_word_pos(drawn);
+        }
+        for (at, item) in items.into_iter().enumerate().skip(start.steps) {
             if self.interrupt.requested() {
                 return Ok(None);
             }
@@ -59,8 +90,14 @@ impl Epoch<'_> {
             let (gradients, metrics) = gradients(learner, &model, learner.shards(&item, rng));
             finite(learner.name(), self.number, "training", &metrics)?;
             model = optimizer.step(rate, model, gradients);
-            after(&model);
             means.add(&metrics);
+            after(Taken {
+                model: &model,
+                optimizer,
+                steps: at + 1,
+                means: &means,
+                rng,
+            })?;
             bar.set_message(means.to_string());
             bar.inc(1);
         }

@@ -1,13 +1,15 @@
 //! The training loop: epochs, schedule, checkpoints, resume, interrupt.
 
+use std::time::{Duration, Instant};
+
 use burn::module::Module as _;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::checkpoint::{Checkpoint, Progress, Store};
+use super::checkpoint::{Checkpoint, Progress, Snapshot, Store, Within};
 use super::ema::Ema;
-use super::epoch::{Epoch, Trained, finite};
+use super::epoch::{Epoch, Taken, Trained, finite};
 use super::learner::{Learner, WeightedMetric};
 use super::metrics::{EpochMetrics, RunningMeans, recorded};
 use super::optimizer::optimizer;
@@ -35,6 +37,9 @@ pub struct TrainConfig {
     pub seed: u64,
 }
 
+/// How much of a long epoch an interruption may lose.
+pub const CHECKPOINT_EVERY: Duration = Duration::from_mins(5);
+
 /// Where a training keeps its files, and what they belong to.
 #[derive(Clone, Copy, Debug)]
 pub struct Training<'a> {
@@ -42,16 +47,18 @@ pub struct Training<'a> {
     pub run: &'a RunFolder,
     /// All that the trained weights depend on, apart from [`TrainConfig`] and the learner's name and steps.
     pub made_from: Fingerprint,
-    /// Whether to continue after the last complete epoch.
+    /// Whether to continue after the last checkpoint.
     pub resume: bool,
+    /// So long after a checkpoint another one is written, after the next step; at the end of an epoch in any case.
+    pub checkpoint_every: Duration,
     /// The user's request to stop.
     pub interrupt: &'a Interrupt,
 }
 
 /// Trains and returns the weights of the lowest validation loss, which are then in the run folder as `NAME.bpk`.
 ///
-/// Each epoch draws from a generator of its own and ends with a checkpoint, so a resumed training gives the same
-/// weights as an uninterrupted one.
+/// Each epoch draws from a generator of its own, whose position is part of a checkpoint, so a resumed training gives the
+/// same weights as an uninterrupted one.
 ///
 /// # Errors
 /// When the checkpoint to resume from is another training's, a loss is infinite or no number, the folder cannot be
@@ -88,10 +95,13 @@ pub fn fit<L: Learner>(
         },
     };
     let mut step = checkpoint.progress.step;
+    let mut start = checkpoint.progress.within.take().map(Within::start);
+    let taken = step + start.as_ref().map_or(0, |start| start.steps);
     let mut ema = checkpoint
         .average
         .as_ref()
-        .map(|average| Ema::new(average, config.ema_decay, step));
+        .map(|average| Ema::new(average, config.ema_decay, taken));
+    let mut saved = Instant::now();
 
     for epoch in checkpoint.progress.epochs.len() + 1..=config.epochs {
         let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
@@ -103,18 +113,34 @@ pub fn fit<L: Learner>(
             schedule: &schedule,
             interrupt: training.interrupt,
         };
-        let after = |model: &L::Model| {
+        let progress = &mut checkpoint.progress;
+        let best = &checkpoint.best;
+        let after = |taken: Taken<'_, L::Model>| {
             if let Some(ema) = &mut ema {
-                ema.add(model);
+                ema.add(taken.model);
             }
+            if saved.elapsed() < training.checkpoint_every && !training.interrupt.requested() {
+                return Ok(());
+            }
+            progress.within = Some(Within::after(&taken));
+            let average = ema.as_ref().map(|ema| ema.apply(taken.model.clone()));
+            store.save(&Snapshot {
+                progress,
+                model: taken.model,
+                optimizer: taken.optimizer,
+                average: average.as_ref(),
+                best,
+            })?;
+            saved = Instant::now();
+            Ok(())
         };
-        let model = checkpoint.model;
         let done = steps.take(
             learner,
-            model,
+            checkpoint.model,
             &mut checkpoint.optimizer,
             step,
             &mut rng,
+            start.take().unwrap_or_default(),
             after,
         )?;
         let Some(trained) = done else {
@@ -143,6 +169,7 @@ pub fn fit<L: Learner>(
             checkpoint.best = model_bytes(&run.checkpoint_path(name), kept)?;
         }
         checkpoint.progress.step = step;
+        checkpoint.progress.within = None;
         checkpoint.progress.epochs.push(EpochMetrics {
             epoch,
             step,
@@ -151,7 +178,14 @@ pub fn fit<L: Learner>(
             validation_loss: loss,
             validation: validation.by_name(),
         });
-        store.save(&checkpoint)?;
+        store.save(&Snapshot {
+            progress: &checkpoint.progress,
+            model: &checkpoint.model,
+            optimizer: &checkpoint.optimizer,
+            average: checkpoint.average.as_ref(),
+            best: &checkpoint.best,
+        })?;
+        saved = Instant::now();
     }
     let best = load_model_bytes(
         &run.checkpoint_path(name),

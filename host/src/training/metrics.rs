@@ -1,5 +1,7 @@
 //! Metrics of an epoch: means over its steps, and the line that is kept of them.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use super::learner::WeightedMetric;
@@ -23,7 +25,16 @@ pub(crate) struct EpochMetrics {
 
 /// Weighted means by name, in the order of first appearance.
 #[derive(Default)]
-pub(super) struct RunningMeans(Vec<WeightedMetric>);
+pub(super) struct RunningMeans(Vec<RunningMean>);
+
+struct RunningMean {
+    name: Cow<'static, str>,
+    mean: f64,
+    weight: f64,
+}
+
+/// [`RunningMeans`] as a file keeps them: name, and the bits of mean and weight.
+pub(super) type KeptMeans = Vec<(String, u64, u64)>;
 
 impl RunningMeans {
     pub(super) fn add(&mut self, metrics: &[WeightedMetric]) {
@@ -36,15 +47,36 @@ impl RunningMeans {
                     }
                     known.weight = weight;
                 }
-                None => self.0.push(*metric),
+                None => self.0.push(RunningMean {
+                    name: metric.name.into(),
+                    mean: metric.mean,
+                    weight: metric.weight,
+                }),
             }
         }
+    }
+
+    pub(super) fn kept(&self) -> KeptMeans {
+        let kept = |one: &RunningMean| {
+            let name = one.name.clone().into_owned();
+            (name, one.mean.to_bits(), one.weight.to_bits())
+        };
+        self.0.iter().map(kept).collect()
+    }
+
+    pub(super) fn of_kept(kept: KeptMeans) -> Self {
+        let mean = |(name, mean, weight): (String, u64, u64)| RunningMean {
+            name: name.into(),
+            mean: f64::from_bits(mean),
+            weight: f64::from_bits(weight),
+        };
+        Self(kept.into_iter().map(mean).collect())
     }
 
     pub(super) fn by_name(&self) -> Vec<(String, f64)> {
         self.0
             .iter()
-            .map(|metric| (metric.name.to_owned(), recorded(metric.mean)))
+            .map(|metric| (metric.name.clone().into_owned(), recorded(metric.mean)))
             .collect()
     }
 }

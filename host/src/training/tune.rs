@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::epoch::Epoch;
+use super::epoch::{Epoch, Start};
 use super::fit::TrainConfig;
 use super::learner::Learner;
 use super::optimizer::optimizer;
@@ -30,6 +30,9 @@ pub(crate) fn tune<L: Learner>(
     };
     let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
     let mut optimizer = optimizer(config.weight_decay);
-    let done = epoch.take(learner, model, &mut optimizer, 0, &mut rng, |_| {})?;
+    let start = Start::default();
+    let done = epoch.take(learner, model, &mut optimizer, 0, &mut rng, start, |_| {
+        Ok(())
+    })?;
     Ok(done.map(|trained| trained.model))
 }

@@ -7,6 +7,7 @@ use myointent::dataset::corpus::Stream;
 use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::run_folder::RunFolder;
+use myointent::training::fit::CHECKPOINT_EVERY;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use shared::intent::{Intent, Vocabulary};
@@ -53,6 +54,7 @@ fn accuracy_after(baseline: Baseline, settings: &BaselineSettings) -> f64 {
             run: &run,
             made_from: streams,
             resume: false,
+            checkpoint_every: CHECKPOINT_EVERY,
             interrupt: &Interrupt::default(),
         },
     };
