@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Train a second student on the labels alone, for comparison with the distilled one.
     #[arg(long, conflicts_with = "teacher_share")]
     labels_only: bool,
-    /// Continue after the last complete epoch.
+    /// Continue after the last checkpoint.
     #[arg(long)]
     resume: bool,
     #[command(flatten)]

@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
     #[arg(long)]
     seed: Option<u64>,
-    /// Continue after the last complete epoch of this run folder. Options that decide the outcome may be left out; if
+    /// Continue after the last checkpoint of this run folder. Options that decide the outcome may be left out; if
     /// given, they must be those that the run began with.
     #[arg(long)]
     resume: bool,

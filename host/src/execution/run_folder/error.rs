@@ -81,7 +81,7 @@ pub enum RunError {
         /// The loss.
         loss: f64,
     },
-    /// The run was interrupted; checkpoints up to the last complete epoch are kept.
+    /// The run was interrupted; all complete steps are kept.
     #[error("interrupted; what was complete is kept in {path}")]
     Interrupted {
         /// The run's folder.
