@@ -2,10 +2,18 @@
 //!
 //! `cargo test --locked -p myointent-tests --features wgpu --test wgpu` (docs/decisions.md, "Which GPU backend?").
 
+#[path = "small.rs"]
+mod small;
+#[path = "wgpu/training.rs"]
+mod training;
+
+use std::fs;
 use std::process::{Command, ExitCode, Output};
 
 use clap::Parser as _;
 use myointent::cli::Cli;
+use shared::model::file::Model;
+use small::{folder, myointent, recordings, small_preset};
 
 const LINE: &str = "MYOINTENT_TEST_LINE";
 
@@ -62,4 +70,41 @@ fn without_an_adapter_the_message_says_what_to_do() {
     for part in ["error: no adapter", "vulkaninfo", "--backend flex"] {
         assert!(message.contains(part), "{part}: {message}");
     }
+}
+
+#[test]
+fn a_run_goes_through_all_steps_and_repeats() {
+    if training::gpu("a_run_goes_through_all_steps_and_repeats").is_none() {
+        return;
+    }
+    let folder = folder("wgpu-run");
+    let (data, _) = recordings(&folder);
+    let preset = small_preset(&folder);
+    let file = |run: &str| folder.join(run).join("student.intent");
+    let on_gpu = |command: &str, run: &str, more: &[&str]| {
+        let run = folder.join(run);
+        let mut line = vec![command, "--run", run.to_str().unwrap(), "--backend", "wgpu"];
+        line.extend(more);
+        assert!(myointent(&line), "{command}");
+    };
+    for run in ["first", "again"] {
+        let [preset, data] = [&preset, &data].map(|path| path.to_str().unwrap());
+        on_gpu("train", run, &["--preset", preset, "--data", data]);
+        on_gpu("distill", run, &[]);
+        on_gpu("quantize", run, &[]);
+    }
+    let bytes = fs::read(file("first")).unwrap();
+    assert!(Model::parse(&bytes).is_ok());
+    assert_eq!(bytes, fs::read(file("again")).unwrap());
+    on_gpu("evaluate", "first", &[]);
+    assert!(folder.join("first/report.html").is_file());
+    // Its weights are those of any backend.
+    let run = folder.join("first");
+    assert!(myointent(&[
+        "export",
+        "--run",
+        run.to_str().unwrap(),
+        "--backend",
+        "flex"
+    ]));
 }
