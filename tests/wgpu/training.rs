@@ -275,6 +275,30 @@ fn a_teacher_trains_as_on_the_cpu() {
 }
 
 #[test]
+fn windows_of_the_papers_tokens_train_as_on_the_cpu() {
+    let Some(gpu) = gpu("windows_of_the_papers_tokens_train_as_on_the_cpu") else {
+        return;
+    };
+    let cpu = Device::flex().autodiff();
+    let corpus = corpus();
+    let mut preset = Preset::find("paper").unwrap();
+    let teacher = &mut preset.teacher;
+    (teacher.d_model, teacher.feed_forward, teacher.layers) = (32, 32, 1);
+    let settings = &mut preset.teacher_training;
+    // The scores of six windows, a shard's, are more than 128 MiB, and more than what lavapipe binds.
+    (settings.batch, settings.stride) = (12, 600);
+    settings.tasks.push(Task::SelfSupervised);
+    let shape = preset.teacher.window_shape();
+    cpu.seed(SEED);
+    let model = preset.teacher.init(3, &cpu);
+    let settings = &preset.teacher_training;
+    let learner = |device| TeacherLearner::new(shape, &corpus, &corpus, settings, SEED, device);
+    let on_cpu = train(&learner(&cpu), model.clone());
+    let on_gpu = train(&learner(&gpu), model.fork(&gpu));
+    compare(&on_cpu, &on_gpu);
+}
+
+#[test]
 fn a_student_is_distilled_as_on_the_cpu() {
     let Some(gpu) = gpu("a_student_is_distilled_as_on_the_cpu") else {
         return;
