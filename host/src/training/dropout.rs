@@ -36,6 +36,7 @@ impl Dropout {
         Some(Mask {
             seed: rng.next_u64(),
             below: (probability * f64::from(u32::MAX)) as u32,
+            first: 0,
             scale: (1.0 / (1.0 - probability)) as f32,
         })
     }
@@ -55,14 +56,24 @@ impl Dropout {
 pub(crate) struct Mask {
     seed: u64,
     below: u32,
+    /// Row of the whole that the tensor begins with.
+    first: usize,
     /// Factor of the values that are kept, 1 / (1 - probability).
     pub scale: f32,
 }
 
 impl Mask {
+    /// The mask of the part of a tensor that begins with this row.
+    #[must_use]
+    pub(crate) fn from_row(self, first: usize) -> Self {
+        let first = self.first + first;
+        Self { first, ..self }
+    }
+
     /// The mask of one row along the last axis; rows are counted over all leading axes.
     #[must_use]
     pub(crate) fn row(&self, row: usize) -> RowMask {
+        let row = self.first + row;
         // The finalizer of SplitMix64: neighbouring rows get unrelated keys.
         let mut key = self.seed ^ (row as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         key = (key ^ (key >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -185,6 +196,10 @@ mod tests {
             mask.row(at).zero(&mut row);
             assert_eq!(row, expected);
         }
+        assert_eq!(
+            mask.from_row(1).from_row(1).factors([4, 17]),
+            whole[2 * 17..]
+        );
     }
 
     #[test]
