@@ -28,6 +28,9 @@ fn acquire() -> Result<Device, BackendError> {
         }
         // An operation on the default device was first.
         Err(WgpuInitError::Registration { .. }) => Ok(Device::wgpu(DeviceKind::DefaultDevice)),
+        Err(WgpuInitError::AdapterUnavailable { message, .. }) => {
+            Err(BackendError::NoAdapter { reason: message })
+        }
         Err(error) => Err(BackendError::NoAdapter {
             reason: error.to_string(),
         }),
