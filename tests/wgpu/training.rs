@@ -1,8 +1,8 @@
 //! A few steps of training on the GPU backend and on the CPU's: the same losses, the same weights.
 //!
-//! Both start from the same weights. All that is random afterwards, the order of the windows, masks, augmentation and
-//! dropout, is drawn on the host from the seed, so both see the same batches. They differ in the order of sums: the CPU backend
-//! runs fused operations, the GPU Burn's.
+//! Both start from the same weights, drawn by one of them: another backend draws others from the same seed. All that is random
+//! afterwards comes from a seed on the host, the order of the windows, masks, augmentation, and dropout as a hash; so both see
+//! the same batches. They differ in the order of sums: the CPU backend runs fused operations, the GPU Burn's.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

@@ -52,8 +52,8 @@ fn on_flex(
     Tensor::from_dispatch(Dispatch::fused_attention(qkv.into_dispatch(), settings))
 }
 
-/// Bytes of scores that are one tensor: 128 MiB, what WebGPU promises of any adapter. None binds more than 2 GiB, and those of
-/// the preset `paper` are 2.7 GiB in a validation.
+/// Bytes of scores that are one tensor: 128 MiB, the least that Vulkan allows an adapter to bind. None binds more than
+/// 2 GiB, and those of the preset `paper` are 2.7 GiB in a validation.
 const LARGEST: usize = 128 << 20;
 
 /// Attention in Burn's operations.
@@ -83,7 +83,7 @@ fn in_groups(
     let groups = (0..batch).step_by(windows).map(|first| {
         let group = first..(first + windows).min(batch);
         let blocked = blocked.map(|flags| flags.clone().slice_dim(0, group.clone()));
-        let mask = mask.map(|mask| mask.from_row(first * heads * tokens));
+        let mask = mask.map(|mask| mask.starting_at(first * heads * tokens));
         one_group(
             qkv.clone().slice_dim(0, group),
             heads,

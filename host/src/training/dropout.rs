@@ -85,7 +85,7 @@ pub(crate) struct Mask {
 impl Mask {
     /// The mask of the part of a tensor that begins with this row.
     #[must_use]
-    pub(crate) fn from_row(self, first: usize) -> Self {
+    pub(crate) fn starting_at(self, first: usize) -> Self {
         let first = self.first + first;
         Self { first, ..self }
     }
@@ -243,7 +243,7 @@ mod tests {
             assert_eq!(row, expected);
         }
         assert_eq!(
-            mask.from_row(1).from_row(1).factors([4, 17]),
+            mask.starting_at(1).starting_at(1).factors([4, 17]),
             whole[2 * 17..]
         );
     }
