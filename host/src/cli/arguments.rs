@@ -1,10 +1,13 @@
 //! Arguments that several subcommands share.
 
+mod backend;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use burn::tensor::Device;
-use clap::{Args, ValueEnum};
+use clap::Args;
+
+pub use backend::{Backend, BackendArguments, BackendError};
 
 use crate::dataset::{Library, LoadError, LoadOptions, load, synthetic};
 use crate::execution::interrupt::Interrupt;
@@ -30,57 +33,6 @@ pub struct DataArguments {
 const VARIABLE: &str = "MYOINTENT_DATA";
 /// Folders that are searched for recordings if none is named.
 const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
-
-/// Library that computes on tensors.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Backend {
-    /// CPU: the library burn-flex; 1.5 to 1.8 times as fast as ndarray.
-    #[cfg(feature = "flex")]
-    Flex,
-    /// CPU: the library burn-ndarray, which Burn deprecates in favour of flex.
-    #[cfg(feature = "ndarray")]
-    Ndarray,
-    /// An NVIDIA GPU.
-    #[cfg(feature = "cuda")]
-    Cuda,
-    /// Any GPU, through wgpu.
-    #[cfg(feature = "wgpu")]
-    Wgpu,
-}
-
-/// Choice of a backend among those compiled in.
-#[derive(Clone, Copy, Debug, Args)]
-pub struct BackendArguments {
-    /// Library that computes on tensors; the fastest that is compiled in if not given.
-    #[arg(long, value_enum)]
-    pub backend: Option<Backend>,
-}
-
-impl BackendArguments {
-    /// The device, with gradients.
-    #[must_use]
-    pub fn device(self) -> Device {
-        let plain = match self.backend {
-            None => Device::default(),
-            #[cfg(feature = "flex")]
-            Some(Backend::Flex) => Device::flex(),
-            #[cfg(feature = "ndarray")]
-            Some(Backend::Ndarray) => ndarray(),
-            #[cfg(feature = "cuda")]
-            Some(Backend::Cuda) => Device::cuda(0),
-            #[cfg(feature = "wgpu")]
-            Some(Backend::Wgpu) => Device::wgpu(burn::tensor::DeviceKind::DefaultDevice),
-        };
-        plain.autodiff()
-    }
-}
-
-/// Burn 0.22 deprecates this backend in favour of `flex`; it stays selectable while it is there.
-#[cfg(feature = "ndarray")]
-#[expect(deprecated, reason = "selectable on purpose, see docs/decisions.md")]
-fn ndarray() -> Device {
-    Device::ndarray()
-}
 
 impl DataArguments {
     /// Folder of the recordings; none for synthetic ones.
@@ -112,10 +64,11 @@ impl DataArguments {
 /// When the folder holds no run or is in use, or the recordings cannot be read or are others.
 pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunContext> {
     let (folder, config) = lock_run(path)?;
+    let device = backend.device()?;
     let library = recordings(config.data.as_deref(), config.strict, &config.preset)?;
     Ok(RunContext {
         interrupt: Interrupt::listen(),
-        ..RunContext::continue_run(folder, config, library, backend.device())?
+        ..RunContext::continue_run(folder, config, library, device)?
     })
 }
 
@@ -167,6 +120,7 @@ pub(crate) fn resume_run(
     repeated: Option<(ResolvedConfig, Library)>,
 ) -> anyhow::Result<RunContext> {
     let (folder, config) = lock_run(path)?;
+    let device = backend.device()?;
     let library = match repeated {
         Some((repeated, library)) => {
             config.must_equal(&repeated, &folder)?;
@@ -180,7 +134,7 @@ pub(crate) fn resume_run(
     Ok(RunContext {
         resume: true,
         interrupt: Interrupt::listen(),
-        ..RunContext::continue_run(folder, config, library, backend.device())?
+        ..RunContext::continue_run(folder, config, library, device)?
     })
 }
 

@@ -80,6 +80,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let bytes = bounded_read::read(path, bounded_read::MODEL)
         .with_context(|| path.display().to_string())?;
+    let device = arguments.backend.device()?;
     let library = every_recording(&arguments.data, arguments.strict)?;
     let settings = TuningSettings {
         seed: arguments.seed,
@@ -90,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &library,
         arguments.subject.as_deref(),
         &settings,
-        &arguments.backend.device(),
+        &device,
         &Interrupt::listen(),
     )?;
     if done.seen_before {

@@ -1,7 +1,7 @@
 //! Multi-head attention of every token to every token of its window.
 //!
 //! There are two implementations: `plain` in Burn's operations for any backend, and `fused` for the CPU
-//! backend. `plain` stores 1200 x 1200 scores per head; `fused` computes them in blocks.
+//! backend. `plain` stores 1200 x 1200 scores per head, for a group of windows at a time; `fused` computes them in blocks.
 
 #[cfg(feature = "flex")]
 mod fused;
@@ -52,8 +52,49 @@ fn on_flex(
     Tensor::from_dispatch(Dispatch::fused_attention(qkv.into_dispatch(), settings))
 }
 
+/// Bytes of scores that are one tensor: 128 MiB, the least that Vulkan allows an adapter to bind. None binds more than
+/// 2 GiB, and those of the preset `paper` are 2.7 GiB in a validation.
+const LARGEST: usize = 128 << 20;
+
 /// Attention in Burn's operations.
 fn plain(
+    qkv: Tensor<3>,
+    heads: usize,
+    blocked: Option<&Tensor<1>>,
+    mask: Option<Mask>,
+) -> Tensor<3> {
+    let [_, tokens, _] = qkv.dims();
+    let scores = heads * tokens * tokens * size_of::<f32>();
+    in_groups(qkv, heads, blocked, mask, (LARGEST / scores.max(1)).max(1))
+}
+
+/// [`plain`], so many windows at a time.
+fn in_groups(
+    qkv: Tensor<3>,
+    heads: usize,
+    blocked: Option<&Tensor<1>>,
+    mask: Option<Mask>,
+    windows: usize,
+) -> Tensor<3> {
+    let [batch, tokens, _] = qkv.dims();
+    if batch <= windows {
+        return one_group(qkv, heads, blocked, mask);
+    }
+    let groups = (0..batch).step_by(windows).map(|first| {
+        let group = first..(first + windows).min(batch);
+        let blocked = blocked.map(|flags| flags.clone().slice_dim(0, group.clone()));
+        let mask = mask.map(|mask| mask.starting_at(first * heads * tokens));
+        one_group(
+            qkv.clone().slice_dim(0, group),
+            heads,
+            blocked.as_ref(),
+            mask,
+        )
+    });
+    Tensor::cat(groups.collect(), 0)
+}
+
+fn one_group(
     qkv: Tensor<3>,
     heads: usize,
     blocked: Option<&Tensor<1>>,

@@ -4,8 +4,9 @@
 //! each value, a mask as large as the tensor and a product. The fused operation for the CPU takes one
 //! pass forward and one backward, and keeps its input alone.
 
+use std::f32::consts::FRAC_1_SQRT_2;
+
 use burn::tensor::Tensor;
-use burn::tensor::activation::gelu;
 
 use crate::training::dropout::Mask;
 
@@ -19,6 +20,14 @@ pub(super) fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
         return Tensor::from_dispatch(Dispatch::fused_activation(x.into_dispatch(), mask));
     }
     plain(x, mask)
+}
+
+/// GELU in Burn's operations.
+///
+/// Not Burn's own GELU: on all backends but `flex` its backward pass is the derivative of the approximation by tanh, 1e-4
+/// off.
+fn gelu(x: Tensor<3>) -> Tensor<3> {
+    (x.clone() * FRAC_1_SQRT_2).erf().add_scalar(1.0) * x * 0.5
 }
 
 /// GELU and dropout in Burn's operations.

@@ -5,7 +5,7 @@
 //! dropped is a hash of seed, row and column, so any part of a mask can be computed again, in any
 //! order.
 
-use burn::tensor::{Tensor, TensorData};
+use burn::tensor::{DType, Device, Int, Tensor, TensorData};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 
@@ -36,6 +36,7 @@ impl Dropout {
         Some(Mask {
             seed: rng.next_u64(),
             below: (probability * f64::from(u32::MAX)) as u32,
+            first: 0,
             scale: (1.0 / (1.0 - probability)) as f32,
         })
     }
@@ -50,19 +51,49 @@ impl Dropout {
     }
 }
 
+/// Factor of a column's number in the hash.
+const COLUMN: u32 = 0x9e37_79b9;
+/// Factors of the hash.
+const FACTORS: [u32; 2] = [0x7feb_352d, 0x846c_a68b];
+
+/// Whether a device's tensors are in the program's own memory.
+fn is_cpu(device: &Device) -> bool {
+    #[cfg(feature = "flex")]
+    if *device == Device::flex() {
+        return true;
+    }
+    #[cfg(feature = "ndarray")]
+    #[expect(deprecated, reason = "selectable on purpose, see docs/decisions.md")]
+    if *device == Device::ndarray() {
+        return true;
+    }
+    let _ = device;
+    false
+}
+
 /// Which values of a tensor are dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mask {
     seed: u64,
     below: u32,
+    /// Row of the whole that the tensor begins with.
+    first: usize,
     /// Factor of the values that are kept, 1 / (1 - probability).
     pub scale: f32,
 }
 
 impl Mask {
+    /// The mask of the part of a tensor that begins with this row.
+    #[must_use]
+    pub(crate) fn starting_at(self, first: usize) -> Self {
+        let first = self.first + first;
+        Self { first, ..self }
+    }
+
     /// The mask of one row along the last axis; rows are counted over all leading axes.
     #[must_use]
     pub(crate) fn row(&self, row: usize) -> RowMask {
+        let row = self.first + row;
         // The finalizer of SplitMix64: neighbouring rows get unrelated keys.
         let mut key = self.seed ^ (row as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         key = (key ^ (key >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -77,7 +108,34 @@ impl Mask {
     #[must_use]
     pub(crate) fn apply<const D: usize>(&self, x: Tensor<D>) -> Tensor<D> {
         let (dims, device) = (x.dims(), x.device());
-        x * Tensor::from_data(TensorData::new(self.factors(dims), dims), &device)
+        if is_cpu(&device) {
+            return x * Tensor::from_data(TensorData::new(self.factors(dims), dims), &device);
+        }
+        x * self.hashed(dims, &device)
+    }
+
+    /// [`factors`](Self::factors), computed on the device: a mask of attention weights is gigabytes, the keys of its rows
+    /// are not.
+    fn hashed<const D: usize>(&self, dims: [usize; D], device: &Device) -> Tensor<D> {
+        let columns = dims[D - 1];
+        let rows = dims[..D - 1].iter().product();
+        let unsigned = |values: Vec<u32>, dims: [usize; 2]| {
+            let values = TensorData::new(values, dims);
+            Tensor::<2, Int>::from_data(values, (device, DType::U32)).expand([rows, columns])
+        };
+        let keys = unsigned((0..rows).map(|row| self.row(row).key).collect(), [rows, 1]);
+        let places = (0..columns as u32).map(|column| column.wrapping_mul(COLUMN));
+        let places = unsigned(places.collect(), [1, columns]);
+        let shifted = |x: &Tensor<2, Int>, bits: u32| x.clone().bitwise_right_shift_scalar(bits);
+        // As in `RowMask::keeps`; products of unsigned numbers wrap on a GPU.
+        let mut hash = keys.bitwise_xor(places);
+        for (bits, factor) in [(16, FACTORS[0]), (15, FACTORS[1])] {
+            let mixed = shifted(&hash, bits);
+            hash = hash.bitwise_xor(mixed).mul_scalar(factor);
+        }
+        let mixed = shifted(&hash, 16);
+        let kept = hash.bitwise_xor(mixed).greater_equal_elem(self.below);
+        (kept.float() * self.scale).reshape(dims)
     }
 
     /// The factor of every value of a tensor: 0 or the scale.
@@ -105,9 +163,9 @@ impl RowMask {
     #[inline(always)]
     pub(crate) fn keeps(self, column: u32) -> bool {
         // Multiplications and shifts alone, so that the compiler vectorizes a loop over columns.
-        let mut hash = self.key ^ column.wrapping_mul(0x9e37_79b9);
-        hash = (hash ^ (hash >> 16)).wrapping_mul(0x7feb_352d);
-        hash = (hash ^ (hash >> 15)).wrapping_mul(0x846c_a68b);
+        let mut hash = self.key ^ column.wrapping_mul(COLUMN);
+        hash = (hash ^ (hash >> 16)).wrapping_mul(FACTORS[0]);
+        hash = (hash ^ (hash >> 15)).wrapping_mul(FACTORS[1]);
         hash ^ (hash >> 16) >= self.below
     }
 
@@ -123,7 +181,6 @@ impl RowMask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use burn::tensor::Device;
     use rand::SeedableRng;
 
     fn dropout(seed: u64) -> Dropout {
@@ -185,6 +242,10 @@ mod tests {
             mask.row(at).zero(&mut row);
             assert_eq!(row, expected);
         }
+        assert_eq!(
+            mask.starting_at(1).starting_at(1).factors([4, 17]),
+            whole[2 * 17..]
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use burn::tensor::Tensor;
 /// Values of a tensor in row-major order.
 ///
 /// # Panics
-/// Never on the backends of this crate, whose floats convert to f32.
+/// When a GPU could not compute it, for want of memory for instance. Never on the CPU backends, whose floats convert to f32.
 #[must_use]
 pub fn read_back<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor

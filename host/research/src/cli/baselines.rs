@@ -89,6 +89,7 @@ fn context(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> 
             arguments.run.display()
         );
     }
+    let device = arguments.backend.device()?;
     let library = arguments.data.load(&preset)?;
     let data = arguments.data.folder();
     let config = ResolvedConfig::new(
@@ -100,6 +101,6 @@ fn context(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> 
     )?;
     Ok(RunContext {
         interrupt: Interrupt::listen(),
-        ..RunContext::begin(folder, config, library, arguments.backend.device())?
+        ..RunContext::begin(folder, config, library, device)?
     })
 }

@@ -105,6 +105,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // All data sets, whatever the presets train on: everybody is evaluated.
     let mut readable = presets[0].clone();
     readable.data.data_sets.clear();
+    let device = arguments.backend.device()?;
     let library = Arc::new(arguments.data.load(&readable)?);
     let data = arguments.data.folder();
     let interrupt = Interrupt::listen();
@@ -116,7 +117,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         library,
         data: data.as_deref(),
         strict: arguments.data.strict,
-        device: arguments.backend.device(),
+        device,
         interrupt: &interrupt,
     };
     let job = |contender: &Contender, seed, fold: u8| Job {

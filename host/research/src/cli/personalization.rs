@@ -83,6 +83,7 @@ enum Half {
 /// When a model or the recordings are refused, a file cannot be written or the user interrupts.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let folder = RunFolder::open(&arguments.out)?;
+    let device = arguments.backend.device()?;
     let library = load(&arguments.data, &LoadOptions::default())?;
     let interrupt = Interrupt::listen();
     let settings = TuningSettings {
@@ -97,7 +98,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         amounts: &arguments.amounts,
         settings: &settings,
         with_rule: !arguments.without_rule,
-        device: arguments.backend.device(),
+        device,
         interrupt: &interrupt,
     };
     let wanted = wanted(&library, arguments);

@@ -67,6 +67,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // Variants use other data sets than the preset that they modify.
     let mut readable = preset.clone();
     readable.data.data_sets = data_sets(variants, &preset);
+    let device = arguments.backend.device()?;
     let library = Arc::new(arguments.data.load(&readable)?);
     let data = arguments.data.folder();
     let study = Study {
@@ -77,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         library,
         data: data.as_deref(),
         strict: arguments.data.strict,
-        device: arguments.backend.device(),
+        device,
         interrupt: &interrupt,
     };
     let mut out = std::io::stdout().lock();

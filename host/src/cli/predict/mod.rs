@@ -112,7 +112,7 @@ fn logits(
         ));
     }
     let (folder, config) = run_of(arguments)?;
-    let device = arguments.backend.device().inner();
+    let device = arguments.backend.device()?.inner();
     let classes = config.preset.classes;
     let emg = &input(samples, config.preset.data.normalize);
     let rows = match arguments.which {
@@ -160,7 +160,7 @@ fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize
 fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
     if arguments.model.is_none() && arguments.which == Which::Teacher {
         let (folder, config) = run_of(arguments)?;
-        let device = arguments.backend.device().inner();
+        let device = arguments.backend.device()?.inner();
         let classes = config.preset.classes;
         let model = load_teacher(&folder, &config, &device)?;
         let shape = config.preset.teacher.window_shape();

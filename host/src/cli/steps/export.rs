@@ -39,7 +39,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .out
         .clone()
         .unwrap_or_else(|| folder.file("teacher.safetensors"));
-    let teacher = load_teacher(&folder, &config, &arguments.backend.device().inner())?;
+    let teacher = load_teacher(&folder, &config, &arguments.backend.device()?.inner())?;
     checkpoint::save(&out, &teacher, &config.subjects_seen())?;
     writeln!(std::io::stdout(), "{}", out.display())?;
     Ok(())

@@ -135,6 +135,7 @@ fn begin(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> {
     if arguments.resume && !repeated(arguments) {
         return resume_run(run, arguments.backend, &arguments.data, None);
     }
+    let device = arguments.backend.device()?;
     let library = arguments.data.load(&preset)?;
     let (data, strict) = (arguments.data.folder(), arguments.data.strict);
     let config = ResolvedConfig::new(preset, &library, data.as_deref(), strict, None)?;
@@ -145,7 +146,7 @@ fn begin(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> {
     let folder = RunFolder::open(run)?;
     Ok(RunContext {
         interrupt: Interrupt::listen(),
-        ..RunContext::begin(folder, config, library, arguments.backend.device())?
+        ..RunContext::begin(folder, config, library, device)?
     })
 }
 

@@ -114,9 +114,9 @@ fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
 }
 
 fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
+    let device = arguments.backend.device()?;
     let (config, library) = resolve(arguments)?;
     let folder = RunFolder::open(&arguments.run)?;
-    let device = arguments.backend.device();
     Ok(RunContext {
         interrupt: Interrupt::listen(),
         ..RunContext::begin(folder, config, library, device)?

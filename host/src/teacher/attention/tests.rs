@@ -2,7 +2,7 @@ use burn::tensor::{Device, Distribution, Tensor};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{attend, plain};
+use super::{attend, in_groups, plain};
 use crate::training::dropout::{Dropout, Mask};
 use crate::training::tensor::read_back;
 
@@ -30,7 +30,7 @@ fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
     }
 }
 
-/// Both implementations on the same numbers, forward and backward.
+/// Both implementations, and two windows at a time, on the same numbers, forward and backward.
 fn both_agree(tokens: usize, blocked: Option<&[f32]>, mask: Option<Mask>) {
     let device = Device::flex().autodiff();
     let batch = 3;
@@ -45,9 +45,21 @@ fn both_agree(tokens: usize, blocked: Option<&[f32]>, mask: Option<Mask>) {
             let gradient = qkv.grad(&gradients).expect("a gradient of the input");
             (output.inner(), gradient)
         };
-    let ((found, found_gradient), (expected, gradient)) = (run(attend), run(plain));
-    assert_close(found, expected, "output");
-    assert_close(found_gradient, gradient, "gradient");
+    let (expected, gradient) = run(plain);
+    for (name, (found, found_gradient)) in [
+        ("blocks", run(attend)),
+        (
+            "groups",
+            run(|qkv, heads, blocked, mask| in_groups(qkv, heads, blocked, mask, 2)),
+        ),
+    ] {
+        assert_close(found, expected.clone(), &format!("output, {name}"));
+        assert_close(
+            found_gradient,
+            gradient.clone(),
+            &format!("gradient, {name}"),
+        );
+    }
 }
 
 #[test]
