@@ -1,6 +1,7 @@
 //! The command line: parse, call, print. One file a subcommand; those of a run folder are in `steps`.
 
 pub mod arguments;
+mod completions;
 mod data;
 mod evaluate_models;
 mod gate;
@@ -88,6 +89,10 @@ enum Command {
     Gate(gate::Arguments),
     /// List the built-in presets, or print one.
     Presets(presets::Arguments),
+    /// Print the completions of a shell.
+    Completions(completions::Arguments),
+    /// Write the manual's pages.
+    Man(completions::ManArguments),
 }
 
 impl Cli {
@@ -111,6 +116,8 @@ impl Cli {
             Command::Template(arguments) => template::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
+            Command::Completions(arguments) => completions::run(&arguments),
+            Command::Man(arguments) => completions::run_man(&arguments),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,
