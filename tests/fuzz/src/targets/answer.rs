@@ -1,4 +1,4 @@
-//! The answers to commands: of any counters and armbands, each a line that is no command.
+//! The answers to commands: of any counters and armbands, each a line that is no command and is read back.
 
 use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
 use shared::stream::alignment::Alignment;
@@ -25,6 +25,8 @@ pub fn run(data: &[u8]) {
     let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
     assert_eq!(sum, format!("{expected:02X}"));
     is_not_answered(&line);
+    let read = Answer::parse(line.as_bytes()).expect("the device's own answer");
+    assert_eq!(read.to_string(), line);
 }
 
 fn answer(input: &mut Input<'_>) -> Answer<'static> {
