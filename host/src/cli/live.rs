@@ -1,5 +1,6 @@
 //! `myointent live`: a page with the stream of a board or a recording.
 
+use std::io::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -99,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         model,
         listen,
     })?;
-    println!("{}", live.url());
+    writeln!(std::io::stdout(), "{}", live.url())?;
     progress::log("open this address in a browser; Ctrl-C ends it");
     if !is_local(address) {
         progress::log(

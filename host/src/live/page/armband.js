@@ -44,11 +44,11 @@ export class Armband {
       const group = element(svg, "g", { transform: `translate(${x} ${y})` });
       const turned = element(group, "g", { transform: `rotate(${(at * 180) / Math.PI + 90})` });
       element(turned, "rect", { class: "pod", x: -20, y: -13, width: 40, height: 26, rx: 6 });
-      const activity = element(turned, "rect", { class: "activity", x: -17, y: 6, width: 34, height: 4, rx: 2 });
+      const activity = element(turned, "rect", { class: "activity", x: -17, y: 8, width: 34, height: 3.4, rx: 1.7 });
       const number = element(group, "text", {}, String(place + 1));
       const [u, v] = [(WIDE + 25) * Math.cos(at), (HIGH + 25) * Math.sin(at)];
-      element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
-      this.#pods.push({ activity, number });
+      const outside = element(svg, "text", { class: "place", x: u, y: v }, String(place + 1));
+      this.#pods.push({ activity, number, outside });
     }
     this.place(0, false, "as in training, or not known");
   }
@@ -58,6 +58,8 @@ export class Armband {
     [this.#turn, this.#mirrored] = [turn, mirrored];
     this.#pods.forEach((pod, place) => {
       pod.number.textContent = String(electrodeAt(place, turn, mirrored) + 1);
+      // As in training, both numbers are the same.
+      pod.outside.setAttribute("visibility", turn || mirrored ? "visible" : "hidden");
     });
     this.#draw(turn, mirrored);
     this.#text.textContent = text;

@@ -41,6 +41,11 @@ export class Clock {
     this.#stream = jump ? seen : this.#stream + 0.02 * (seen - this.#stream);
   }
 
+  /** How long ago a position of the stream was recorded, ms. */
+  age(position) {
+    return this.#stream === null ? null : this.now() - ((position - this.#stream) * 1000) / RATE;
+  }
+
   /** The stream's position now, in samples and parts of one. */
   position() {
     return this.#stream === null ? null : ((this.now() - DELAY) * RATE) / 1000 + this.#stream;

@@ -20,11 +20,13 @@ let ended = false;
 let connected = false;
 let newest = null;
 let paused = null;
+let held = null;
 let marks = 0;
 let aligning = false;
 let skipped = 0;
 let arrived = [];
-let latest = null;
+let shown = 0;
+let latencies = [];
 
 const TAKE = {
   hello: (message) => clock.hello(message.now),
@@ -34,10 +36,10 @@ const TAKE = {
     const name = `${kinds[message.kind]}: ${message.name}`.replace("board on:", "board on");
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${message.detail}` : name);
+    document.body.dataset.kind = message.kind;
     find("align").disabled = !connected;
     if (!connected) {
-      newest = null;
-      panel.noLabel("no stream");
+      noStream();
     }
   },
   model(message) {
@@ -61,7 +63,6 @@ const TAKE = {
     seen.samples(message.first, message.emg, message.truth);
     clock.samples(end, message.at);
     arrived.push([message.at, message.emg.length]);
-    latest = message.at;
     panel.truth(message.truth?.at(-1));
   },
   report(message) {
@@ -71,9 +72,7 @@ const TAKE = {
   },
   scores: (message) => seen.scores.push(message),
   alignment(message) {
-    armband.place(message.turn, message.mirrored, alignmentText(message));
-    aligning = message.state === "waiting";
-    find("align").setAttribute("aria-pressed", String(aligning));
+    placed(message.turn, message.mirrored, alignmentText(message), message.state === "waiting");
   },
   mark: (message) => seen.marks.push(message),
   comment: (message) => panel.number("comment", message.text),
@@ -89,10 +88,21 @@ const TAKE = {
 
 function lost(text) {
   connected = false;
-  newest = null;
   panel.source("lost", text);
-  panel.noLabel("no stream");
   find("align").disabled = true;
+  noStream();
+}
+
+function noStream() {
+  newest = null;
+  panel.noLabel("no stream");
+  placed(0, false, "not known", false);
+}
+
+function placed(turn, mirrored, text, waiting) {
+  armband.place(turn, mirrored, text);
+  aligning = waiting;
+  find("align").setAttribute("aria-pressed", String(waiting));
 }
 
 function connect() {
@@ -130,6 +140,7 @@ function ping() {
 const actions = {
   pause() {
     paused = paused === null ? edge() : null;
+    held = newest;
     find("pause").setAttribute("aria-pressed", String(paused !== null));
     find("pause").firstChild.textContent = paused === null ? "Pause" : "Resume";
     panel.notice(paused === null ? "" : "paused: arrow keys move by half a second; the stream is still recorded");
@@ -169,6 +180,7 @@ addEventListener("keydown", (event) => {
     event.preventDefault();
     const step = event.key === "ArrowLeft" ? -RATE / 2 : RATE / 2;
     paused = Math.min(seen.end ?? 0, Math.max(seen.first, paused + step));
+    held = null;
   }
 });
 
@@ -180,28 +192,28 @@ function edge() {
 }
 
 function frame() {
-  traces.draw(seen, paused ?? edge(), newest);
-  if (latest !== null) {
-    const waited = Math.max(0, clock.now() - latest);
-    latest = null;
-    latencies.push(waited);
+  traces.draw(seen, paused ?? edge(), paused === null ? newest : held);
+  // Of what is drawn for the first time: from its arrival at the program to the picture.
+  const end = Math.min(seen.end ?? 0, edge());
+  if (paused === null && connected && end > shown) {
+    latencies.push(Math.max(0, clock.age(end)));
   }
+  shown = end;
   requestAnimationFrame(frame);
 }
-
-let latencies = [];
 
 function numbers() {
   if (latencies.length) {
     const sorted = latencies.toSorted((a, b) => a - b);
     const at = (share) => sorted[Math.floor(share * (sorted.length - 1))].toFixed(0);
-    panel.number("latency", `${at(0.5)} ms, at most ${at(1)}`);
+    panel.number("latency", `${at(0.5)} ms, up to ${at(1)}`);
     latencies = [];
   }
   const now = clock.now();
-  arrived = arrived.filter(([at]) => at > now - 2000);
-  const samples = arrived.reduce((sum, [, count]) => sum + count, 0);
-  panel.number("rate", (samples / 2).toFixed(0));
+  arrived = arrived.filter(([at]) => at > now - 2500);
+  const [first, last] = [arrived[0], arrived.at(-1)];
+  const samples = arrived.slice(1).reduce((sum, [, count]) => sum + count, 0);
+  panel.number("rate", samples ? ((1000 * samples) / (last[0] - first[0])).toFixed(0) : "0");
   find("mark").disabled = find("save").disabled = seen.end === null;
 }
 

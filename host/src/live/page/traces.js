@@ -2,9 +2,12 @@
 
 import { CHANNELS, lastUpTo } from "./seen.js";
 import { RATE } from "./clock.js";
+import { axis, grid, marks, ruler } from "./time.js";
 
 const GUTTER = 52;
 const HEIGHTS = { scores: 84, label: 22, ruler: 34, axis: 18, gap: 8 };
+// Of a lane: strong samples may reach into the next ones.
+const REACH = 0.85;
 const SCALES = [16, 32, 64, 128];
 
 export class Traces {
@@ -47,8 +50,8 @@ export class Traces {
     this.seconds = clientWidth < 620 ? 3 : 5;
   }
 
-  /** Draws what was seen up to a position, in samples; `edge` is where the newest label and look-ahead are shown, or null. */
-  draw(seen, position, reports) {
+  /** Draws what was seen up to a position, in samples; `newest` is the label whose look-ahead and hold are shown, or null. */
+  draw(seen, position, newest) {
     const pen = this.#context;
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     pen.clearRect(0, 0, width, height);
@@ -56,13 +59,13 @@ export class Traces {
     pen.textBaseline = "middle";
     const span = this.seconds * RATE;
     const view = {
-      seen, reports, width, left: GUTTER, from: position - span, to: position,
+      seen, pen, colours: this.#colours, width, left: GUTTER, from: position - span, to: position,
       x: (sample) => GUTTER + ((sample - position + span) / span) * (width - GUTTER - 1),
     };
-    const { scores, label, ruler, axis, gap } = HEIGHTS;
-    const rest = (this.model ? scores + gap : 0) + (seen.hasTruth ? label + gap : 0) + label + gap + ruler + axis + gap;
+    const { scores, label, ruler: rule, axis: bottom, gap } = HEIGHTS;
+    const rest = (this.model ? scores + gap : 0) + (seen.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
     const lane = (height - rest) / CHANNELS;
-    this.#grid(view, height - axis);
+    grid(view, height - bottom);
     this.#adapt(view);
     for (let channel = 0; channel < CHANNELS; channel += 1) {
       this.#trace(view, channel, channel * lane, lane);
@@ -77,9 +80,9 @@ export class Traces {
       top += label + gap;
     }
     this.#labels(view, top, label);
-    this.#ruler(view, top + label, ruler);
-    this.#marks(view, height - axis);
-    this.#axis(view, height - axis, axis);
+    ruler(view, newest, this.hold, top + label, rule);
+    marks(view, height - bottom);
+    axis(view, height - bottom, bottom);
   }
 
   #caption(text, y) {
@@ -87,31 +90,6 @@ export class Traces {
     pen.fillStyle = this.#colours.quiet;
     pen.textAlign = "right";
     pen.fillText(text, GUTTER - 8, y);
-  }
-
-  #grid(view, bottom) {
-    const pen = this.#context;
-    pen.strokeStyle = this.#colours.line;
-    pen.lineWidth = 1;
-    pen.beginPath();
-    for (let sample = Math.ceil(view.from / RATE) * RATE; sample <= view.to; sample += RATE) {
-      const x = Math.round(view.x(sample)) + 0.5;
-      pen.moveTo(x, 0);
-      pen.lineTo(x, bottom);
-    }
-    pen.stroke();
-  }
-
-  #axis(view, top, height) {
-    const pen = this.#context;
-    pen.fillStyle = this.#colours.quiet;
-    pen.textAlign = "center";
-    for (let sample = Math.ceil(view.from / RATE) * RATE; sample <= view.to; sample += RATE) {
-      const x = view.x(sample);
-      if (sample >= 0 && x > view.left + 8 && x < view.width - 14) {
-        pen.fillText(`${sample / RATE} s`, x, top + height / 2 + 2);
-      }
-    }
   }
 
   // The strongest sample in view decides; a weaker view changes the scale after a while alone, or it would flicker.
@@ -138,11 +116,10 @@ export class Traces {
   #trace(view, channel, top, height) {
     const pen = this.#context;
     const middle = top + height / 2;
-    const gain = (0.5 * height) / this.#scale;
+    const gain = (REACH * height) / this.#scale;
     this.#caption(String(channel + 1), middle);
     if (channel === 0) {
-      pen.textAlign = "left";
-      pen.fillText(`±${this.#scale}`, 2, middle);
+      this.#caption(`±${this.#scale}`, middle + 15);
     }
     pen.strokeStyle = this.#colours.trace;
     pen.lineWidth = 1.1;
@@ -217,18 +194,20 @@ export class Traces {
       pen.strokeStyle = this.#colours.line;
       pen.strokeRect(left + 0.5, top + 0.5, right - left - 1, height - 1);
     } else {
-      pen.fillStyle = this.#colours[name] ?? this.#colours.quiet;
+      // Rest is most of the time: quiet, so that gestures stand out.
+      pen.fillStyle = name === "relax" ? this.#colours.line : this.#colours[name] ?? this.#colours.quiet;
       pen.fillRect(left, top, right - left, height);
     }
     if (pen.measureText(name).width + 10 < right - left) {
-      pen.fillStyle = safe ? this.#colours.quiet : this.#colours["on-class"];
+      const onRest = name === "relax" ? this.#colours.ink : this.#colours["on-class"];
+      pen.fillStyle = safe ? this.#colours.quiet : onRest;
       pen.textAlign = "left";
       pen.fillText(name, left + 5, top + height / 2 + 0.5);
     }
   }
 
   #truth(view, top, height) {
-    this.#caption("true", top + height / 2);
+    this.#caption("cue", top + height / 2);
     const end = Math.min(view.seen.end, Math.floor(view.to));
     let from = Math.max(view.seen.first, Math.ceil(view.from));
     while (from < end) {
@@ -267,55 +246,8 @@ export class Traces {
     return this.model?.hold ?? 20;
   }
 
-  // What the newest label waited for, and how long it is held, to scale.
-  #ruler(view, top, height) {
-    const newest = view.reports;
-    if (!newest || newest.instant > view.to || newest.emitted < view.from) {
-      return;
-    }
-    const pen = this.#context;
-    const bracket = (from, to, text, y) => {
-      const [left, right] = [view.x(from), Math.min(view.x(to), view.width - 1)];
-      pen.strokeStyle = this.#colours.ink;
-      pen.lineWidth = 1.2;
-      pen.beginPath();
-      pen.moveTo(left, y - 4);
-      pen.lineTo(left, y + 4);
-      pen.moveTo(left, y);
-      pen.lineTo(right, y);
-      pen.moveTo(right, y - 4);
-      pen.lineTo(right, y + 4);
-      pen.stroke();
-      pen.fillStyle = this.#colours.quiet;
-      pen.textAlign = "right";
-      pen.fillText(text, left - 6, y + 0.5);
-    };
-    const ms = (samples) => `${(samples * 1000) / RATE} ms`;
-    const { instant, emitted } = newest;
-    pen.fillStyle = this.#colours.shade;
-    pen.fillRect(view.x(instant), 0, Math.min(view.x(emitted), view.width) - view.x(instant), top + height);
-    bracket(instant, emitted, `look-ahead ${ms(emitted - instant)}`, top + 10);
-    bracket(instant, instant + this.hold, `hold ${ms(this.hold)}`, top + 25);
-  }
-
-  #marks(view, bottom) {
-    const pen = this.#context;
-    for (const { sample, text } of view.seen.marks) {
-      if (sample < view.from || sample > view.to) {
-        continue;
-      }
-      const x = Math.round(view.x(sample)) + 0.5;
-      pen.strokeStyle = this.#colours.ink;
-      pen.lineWidth = 1;
-      pen.setLineDash([2, 3]);
-      pen.beginPath();
-      pen.moveTo(x, 0);
-      pen.lineTo(x, bottom);
-      pen.stroke();
-      pen.setLineDash([]);
-      pen.fillStyle = this.#colours.ink;
-      pen.textAlign = x > view.width - 120 ? "right" : "left";
-      pen.fillText(text, x + (x > view.width - 120 ? -5 : 5), 8);
-    }
+  /** Samples from one label to the next. */
+  get hold() {
+    return this.model?.hold ?? 20;
   }
 }

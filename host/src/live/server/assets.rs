@@ -11,7 +11,7 @@ const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
 /// Path, type and text of each.
-const FILES: [(&str, &str, &str); 10] = [
+const FILES: [(&str, &str, &str); 11] = [
     ("", HTML, include_str!("../page/index.html")),
     (
         "icon.svg",
@@ -25,6 +25,7 @@ const FILES: [(&str, &str, &str); 10] = [
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
     ("save.js", SCRIPT, include_str!("../page/save.js")),
     ("seen.js", SCRIPT, include_str!("../page/seen.js")),
+    ("time.js", SCRIPT, include_str!("../page/time.js")),
     ("traces.js", SCRIPT, include_str!("../page/traces.js")),
 ];
 

@@ -81,6 +81,10 @@ impl Board {
                 break;
             }
             context.hub.forget_stream();
+            let lost = match lost.kind() {
+                ErrorKind::UnexpectedEof => "the port was closed".to_owned(),
+                _ => lost.to_string(),
+            };
             let detail = format!("{lost}; looking for it again");
             self.tell(context, false, &detail);
             wait(context, AGAIN);

@@ -46,7 +46,7 @@ pub(super) struct Dialogue {
     /// Index of the next sample.
     next: Option<SampleIndex>,
     losses: Losses,
-    told: Losses,
+    told: Option<Losses>,
 }
 
 /// What was lost on the line.
@@ -71,7 +71,7 @@ impl Dialogue {
             number: None,
             next: None,
             losses,
-            told: losses,
+            told: None,
         }
     }
 
@@ -129,8 +129,8 @@ impl Dialogue {
                 }
             }
         }
-        if self.losses != self.told {
-            self.told = self.losses;
+        if self.told != Some(self.losses) {
+            self.told = Some(self.losses);
             let Losses {
                 damaged,
                 missing,
