@@ -1,16 +1,19 @@
 //! `myointent live`: the page and its messages, a board on a pseudo-terminal, and the page in a browser.
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[path = "live/board.rs"]
 mod board;
 #[path = "live/browser.rs"]
 mod browser;
+#[cfg(target_os = "linux")]
+#[path = "live/emulator.rs"]
+mod emulator;
 #[cfg(unix)]
 #[path = "live/interrupt.rs"]
 mod interrupt;
 #[path = "live/page.rs"]
 mod page;
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[path = "live/port.rs"]
 mod port;
 #[path = "live/server.rs"]

@@ -67,7 +67,8 @@ impl Drop for Board {
     }
 }
 
-fn terminal(slave: &SerialPort) -> PathBuf {
+/// The path of a terminal.
+pub fn terminal(slave: &SerialPort) -> PathBuf {
     let path = format!("/proc/self/fd/{}", slave.as_raw_fd());
     std::fs::read_link(path).unwrap()
 }

@@ -159,7 +159,7 @@ fn without_motion_the_picture_moves_by_the_second() {
     live.stop().unwrap();
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn the_page_shows_a_board_that_is_lost_and_back() {
     use super::board::{Board, Damage};

@@ -1,7 +1,10 @@
 //! A board on a pseudo-terminal: connected, damaged, lost and back.
 
 use myointent::live::{self, Live, Options, Source};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::board::{Board, Damage};
 use super::viewer::Viewer;
@@ -72,10 +75,13 @@ fn a_board_that_is_lost_is_found_again_and_viewers_are_told_both() {
     let source = viewer.find("source", |source| source["connected"] == false);
     let detail = source["detail"].as_str().unwrap();
     assert!(detail.contains("looking for it again"), "{detail}");
-    for _ in 0..3 {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for _ in 0..10 {
         let board = Board::start(&link(&folder), Damage::None);
         viewer.find("source", |source| source["connected"] == true);
         viewer.find("samples", |_| true);
+        // At any moment of the dialogue.
+        std::thread::sleep(Duration::from_micros(random.random_range(0..100_000)));
         drop(board);
         let source = viewer.find("source", |source| source["connected"] == false);
         let detail = source["detail"].as_str().unwrap();
