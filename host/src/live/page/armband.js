@@ -15,7 +15,7 @@ function element(parent, name, attributes, text) {
   return made;
 }
 
-/** Angle of a place, the first at the top, then clockwise as seen from the hand. */
+/** Angle of a place, the first at the top, then clockwise; from which end of the arm one looks is not known. */
 const angle = (place) => (place / CHANNELS) * 2 * Math.PI - Math.PI / 2;
 
 /** The armband's electrode on a place of the model: shared/src/stream/alignment/placement.rs. */

@@ -99,8 +99,9 @@ export class Panel {
 
 /** An alignment in words. */
 export function alignmentText({ state, gestures, turn, mirrored, distance, margin }) {
-  const places = turn === 1 ? "1 place" : `${turn} places`;
-  const placement = turn || mirrored ? `turned by ${places}${mirrored ? ", mirrored (other arm)" : ""}` : "as in training";
+  const turned = turn ? `turned by ${turn} place${turn === 1 ? "" : "s"}` : "";
+  const parts = [turned, mirrored ? "mirrored (other arm)" : ""].filter(Boolean);
+  const placement = parts.join(", ") || "as in training";
   const quality = distance === null ? "" : ` (distance ${distance / 100}, margin ${margin / 100})`;
   const word = (ALIGNMENTS[state] ?? (() => state))(gestures);
   return `${placement}; ${word}${quality}`;

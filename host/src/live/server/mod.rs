@@ -144,3 +144,6 @@ async fn answer(
 fn refuse(denied: &Denied) -> Response {
     (denied.status(), denied.to_string()).into_response()
 }
+
+#[cfg(test)]
+mod tests;
