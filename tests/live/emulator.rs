@@ -16,9 +16,10 @@ use super::board::terminal;
 use super::viewer::Viewer;
 use super::{shipped, synthetic};
 
-/// Slow enough for the raw stream: to the guest the armband is as fast as a real one.
-const TIME_SCALE: u32 = 2;
-const PACE: f64 = 0.5;
+/// So slow that a pause of a busy machine is short on the guest's clock, to which the armband is twice as fast as a real
+/// one: the raw stream fits the line.
+const TIME_SCALE: u32 = 5;
+const PACE: f64 = 0.4;
 /// For a machine that is busy with other work.
 const PATIENCE: Duration = Duration::from_secs(120);
 

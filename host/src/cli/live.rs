@@ -1,11 +1,11 @@
-//! `myointent live`: a page with the stream of a board or a recording.
+//! `myointent live`: the stream of a board or a recording, on a page or in the terminal.
 
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::replay::one_recording;
@@ -25,6 +25,7 @@ const PORT: u16 = 8377;
     --port is asked for its raw stream, and looked for again when it is lost. The page has pause, marks and a csv of what was\n\
     seen, which `myointent data inspect` reads. docs/live.md explains it.\n\n\
     Examples:\n  myointent live --demo                                              no hardware, no recording\n  \
+    myointent live --demo --tui                                        in the terminal\n  \
     myointent live --replay recordings/s1/s1_grasp.csv\n  \
     myointent live --port /dev/ttyACM0 --model models/three-class.intent"
 )]
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// Model file. Without it, recordings run through the shipped three-class model, and a board shows no scores.
     #[arg(long, value_name = "FILE.intent")]
     model: Option<PathBuf>,
+    /// Show the stream in this terminal instead of on a page.
+    #[arg(long, conflicts_with = "listen")]
+    tui: bool,
     /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
     /// the connection is not encrypted.
     #[arg(long, value_name = "ADDR", value_parser = listen)]
@@ -69,7 +73,7 @@ fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
     })
 }
 
-/// Serves the page until Ctrl-C.
+/// Serves the page, or shows the stream in the terminal, until Ctrl-C.
 ///
 /// # Errors
 /// When the model is refused, the recording cannot be read or the address cannot be listened on.
@@ -90,6 +94,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (None, Some(path)) => Source::Port(path.clone()),
         (None, None) => Source::Demo,
     };
+    if arguments.tui {
+        if !std::io::stdout().is_terminal() {
+            bail!("--tui needs a terminal: leave it out for a page in a browser");
+        }
+        let interrupt = Interrupt::listen();
+        return live::show(source, model, || interrupt.requested());
+    }
     let (address, port) = arguments
         .listen
         .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));

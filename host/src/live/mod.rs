@@ -4,6 +4,7 @@
 //! source (a thread)            hub                  server (a thread)
 //! board, recording   events -> newest of each  -->  a page, a websocket for each viewer
 //!                    <- requests -----------------  align, cancel
+//!                                                   or: a terminal
 //! ```
 //!
 //! Whatever a viewer does, the source never waits for it. The page brings everything with it and asks for nothing from
@@ -14,11 +15,12 @@ mod hub;
 mod scores;
 mod server;
 mod source;
+mod tui;
 
 use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc;
+use std::sync::mpsc::{self, SyncSender};
 use std::thread::JoinHandle;
 
 use anyhow::Context as _;
@@ -30,7 +32,7 @@ use self::hub::Hub;
 use self::server::Server;
 use self::server::access::Access;
 use self::source::board::Board;
-use self::source::{Context, Recorded, Stop};
+use self::source::{Context, Recorded, Request, Stop};
 use crate::dataset::Recording;
 use crate::dataset::synthetic::{self, SynthOptions};
 
@@ -62,51 +64,88 @@ pub struct Options {
     pub listen: SocketAddr,
 }
 
+/// A source that runs, and what it is told and asked through.
+#[derive(Debug)]
+struct Stream {
+    hub: Arc<Hub>,
+    stop: Stop,
+    requests: SyncSender<Request>,
+    source: JoinHandle<anyhow::Result<()>>,
+}
+
+impl Stream {
+    fn start(source: Source, model: Option<Vec<u8>>) -> anyhow::Result<Self> {
+        if let Some(bytes) = &model {
+            let model = Model::parse(bytes).context("the model is refused")?;
+            HostEncoder::new(&model).context("the model is refused")?;
+        }
+        let hub = Arc::new(Hub::new());
+        let stop = Stop::default();
+        let (requests, received) = mpsc::sync_channel(16);
+        let context = Context {
+            hub: hub.clone(),
+            requests: received,
+            stop: stop.clone(),
+        };
+        let source = std::thread::Builder::new()
+            .name("source".to_owned())
+            .stack_size(STACK)
+            .spawn(move || run(source, model, &context))?;
+        Ok(Self {
+            hub,
+            stop,
+            requests,
+            source,
+        })
+    }
+
+    /// Ends the source; gives what ended it before.
+    fn stop(self) -> anyhow::Result<()> {
+        self.stop.request();
+        match self.source.join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    }
+}
+
 /// The page while it is served.
 #[derive(Debug)]
 pub struct Live {
-    hub: Arc<Hub>,
-    stop: Stop,
+    stream: Stream,
     server: Server,
-    source: JoinHandle<anyhow::Result<()>>,
     url: String,
 }
 
 /// Serves a page until it is stopped.
 ///
 /// # Errors
-/// When the model is refused, the recording is empty or the address cannot be listened on.
+/// When the model is refused or the address cannot be listened on.
 pub fn start(options: Options) -> anyhow::Result<Live> {
-    if let Some(bytes) = &options.model {
-        let model = Model::parse(bytes).context("the model is refused")?;
-        HostEncoder::new(&model).context("the model is refused")?;
-    }
     let listener = TcpListener::bind(options.listen)
         .with_context(|| format!("{}: cannot be listened on", options.listen))?;
-    let address = listener.local_addr()?;
-    let access = Access::new(address);
+    let access = Access::new(listener.local_addr()?);
     let url = access.url();
-
-    let hub = Arc::new(Hub::new());
-    let stop = Stop::default();
-    let (sender, requests) = mpsc::sync_channel(16);
-    let context = Context {
-        hub: hub.clone(),
-        requests,
-        stop: stop.clone(),
-    };
-    let server = Server::start(listener, access, hub.clone(), sender)?;
-    let source = std::thread::Builder::new()
-        .name("source".to_owned())
-        .stack_size(STACK)
-        .spawn(move || run(options.source, options.model, &context))?;
+    let stream = Stream::start(options.source, options.model)?;
+    let (hub, requests) = (stream.hub.clone(), stream.requests.clone());
+    let server = Server::start(listener, access, hub, requests)?;
     Ok(Live {
-        hub,
-        stop,
+        stream,
         server,
-        source,
         url,
     })
+}
+
+/// Shows a stream in the terminal until the user leaves or `over`.
+///
+/// # Errors
+/// When the model is refused, or standard output is no terminal.
+pub fn show(source: Source, model: Option<Vec<u8>>, over: impl Fn() -> bool) -> anyhow::Result<()> {
+    let stream = Stream::start(source, model)?;
+    let ended = || over() || stream.source.is_finished();
+    let shown = tui::show(&stream.hub, &stream.requests, ended);
+    stream.stop()?;
+    shown.context("the terminal cannot be drawn on")
 }
 
 impl Live {
@@ -119,7 +158,7 @@ impl Live {
     /// Whether the source has ended by itself, which only an error makes it do.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.source.is_finished()
+        self.stream.source.is_finished()
     }
 
     /// Ends source and server; viewers are told.
@@ -127,14 +166,11 @@ impl Live {
     /// # Errors
     /// What ended the source before.
     pub fn stop(self) -> anyhow::Result<()> {
-        self.stop.request();
-        let result = self.source.join();
-        self.hub.publish(&Event::End);
+        let hub = self.stream.hub.clone();
+        let result = self.stream.stop();
+        hub.publish(&Event::End);
         self.server.stop();
-        match result {
-            Ok(result) => result,
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
+        result
     }
 }
 
