@@ -24,7 +24,7 @@
 //!
 //! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
 //! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Who sends none sees
-//! none of these. A program that reads a device finds lines of every kind with [`line`].
+//! none of these. A program that reads a device finds lines of every kind with [`mod@line`].
 //!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
