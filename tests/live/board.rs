@@ -36,6 +36,7 @@ pub enum Damage {
 /// A board that runs until it is dropped.
 pub struct Board {
     stop: Arc<AtomicBool>,
+    raw: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -51,12 +52,19 @@ impl Board {
         std::os::unix::fs::symlink(name, link).unwrap();
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
+        let raw = Arc::new(AtomicBool::new(false));
+        let switched = raw.clone();
         let thread = std::thread::spawn(move || {
-            run(&master, damage, &stopped);
+            run(&master, damage, &stopped, &switched);
             drop(slave);
         });
         let thread = Some(thread);
-        Self { stop, thread }
+        Self { stop, raw, thread }
+    }
+
+    /// Whether the raw stream is on.
+    pub fn is_raw(&self) -> bool {
+        self.raw.load(Ordering::Relaxed)
     }
 }
 
@@ -74,7 +82,7 @@ pub fn terminal(slave: &SerialPort) -> PathBuf {
 }
 
 /// Samples of a recording at four times their speed, with labels, until it is stopped.
-fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool) {
+fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool, raw: &AtomicBool) {
     let mut line_out = Out {
         line,
         damage,
@@ -93,7 +101,6 @@ fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool) {
     pipeline.set_template(model.header.template);
     let samples = synthetic(60).samples;
     let mut reader = CommandReader::new();
-    let mut raw = false;
     line_out.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
     line_out.write(&pipeline.state_report().to_string());
     let (pairs, _) = samples.as_chunks::<2>();
@@ -110,7 +117,7 @@ fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool) {
                 continue;
             };
             if let Ok(Command::Raw(on)) = command {
-                raw = on;
+                raw.store(on, Ordering::Relaxed);
             }
             if let Ok(Command::Align(AlignCommand::Begin)) = command {
                 pipeline.begin_alignment();
@@ -127,7 +134,7 @@ fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool) {
                 line_out.write(&report.to_string());
             }
         }
-        if raw {
+        if raw.load(Ordering::Relaxed) {
             let samples: [Sample; 2] = *pair;
             line_out.write(&EmgReport { first, samples }.to_string());
         }

@@ -4,7 +4,7 @@ use myointent::live::{self, Live, Options, Source};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::board::{Board, Damage};
 use super::viewer::Viewer;
@@ -46,8 +46,14 @@ fn a_board_is_asked_what_it_is_and_shown_with_samples_labels_and_scores() {
     viewer.find("scores", |_| true);
     viewer.say(r#"{"do":"align"}"#);
     viewer.find("alignment", |alignment| alignment["state"] == "waiting");
+    assert!(board.is_raw());
     live.stop().unwrap();
-    drop(board);
+    // As it was found.
+    let end = Instant::now() + Duration::from_secs(10);
+    while board.is_raw() {
+        assert!(Instant::now() < end, "the raw stream is still on");
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 #[test]

@@ -12,7 +12,9 @@ pub const VARIABLE: &str = "MYOINTENT_CHROMIUM";
 /// The command that installs what is missing.
 const HINT: &str = "cargo xtask browser --install";
 
-/// Its program and the Debian package of it, and the letters of the page.
+/// Programs that are tried.
+const PROGRAMS: [&str; 3] = ["chromium", "google-chrome", "chromium-browser"];
+/// Debian's packages: the browser, and the letters of the page.
 const CHROMIUM: &str = "chromium";
 const FONT: &str = "fonts-dejavu-core";
 
@@ -35,9 +37,20 @@ pub fn prepare(install: bool) -> Result<()> {
 /// # Errors
 /// When there is none; names the command that installs one.
 pub fn find() -> Result<PathBuf> {
-    let program: PathBuf = env::var_os(VARIABLE).map_or_else(|| CHROMIUM.into(), Into::into);
-    match Command::new(&program).arg("--version").output() {
-        Ok(output) if output.status.success() => Ok(program),
-        _ => bail!("no browser {}: {HINT}", program.display()),
+    let runs = |program: &PathBuf| {
+        let version = Command::new(program).arg("--version").output();
+        version.is_ok_and(|output| output.status.success())
+    };
+    if let Some(program) = env::var_os(VARIABLE).map(PathBuf::from) {
+        ensure!(
+            runs(&program),
+            "{VARIABLE}: {} does not run",
+            program.display()
+        );
+        return Ok(program);
+    }
+    match PROGRAMS.map(PathBuf::from).into_iter().find(runs) {
+        Some(program) => Ok(program),
+        None => bail!("no browser, {}: {HINT}", PROGRAMS.join(" nor ")),
     }
 }
