@@ -7,6 +7,7 @@ pub mod dataset;
 pub mod evaluation;
 pub mod execution;
 pub mod inference;
+pub mod live;
 pub mod report;
 pub mod run;
 pub mod statistics;

@@ -24,7 +24,7 @@
 //!
 //! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
 //! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Who sends none sees
-//! none of these.
+//! none of these. A program that reads a device finds lines of every kind with [`mod@line`].
 //!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
@@ -36,6 +36,7 @@ pub mod answer;
 pub mod command;
 pub mod emg;
 pub mod gate;
+pub mod line;
 mod refusal;
 
 use core::fmt::{self, Write};
@@ -231,17 +232,22 @@ fn unframed(line: &[u8]) -> Result<&str, ParseError> {
         .filter(|text| text.is_ascii())
         .and_then(|text| text.strip_prefix('$')?.rsplit_once('*'))
         .ok_or(ParseError::Frame)?;
-    let is_digit = |byte: u8| matches!(byte, b'0'..=b'9' | b'A'..=b'F');
-    if found.len() != 2 || !found.bytes().all(is_digit) {
-        return Err(ParseError::Frame);
-    }
-    let found = u8::from_str_radix(found, 16).map_err(|_| ParseError::Frame)?;
+    let found = hexadecimal(found).ok_or(ParseError::Frame)?;
     let expected = checksum(body);
     if found == expected {
         Ok(body)
     } else {
         Err(ParseError::Checksum { expected, found })
     }
+}
+
+/// Two upper-case hexadecimal digits.
+fn hexadecimal(text: &str) -> Option<u8> {
+    let is_digit = |byte: u8| matches!(byte, b'0'..=b'9' | b'A'..=b'F');
+    if text.len() != 2 || !text.bytes().all(is_digit) {
+        return None;
+    }
+    u8::from_str_radix(text, 16).ok()
 }
 
 fn number(text: &str, field: &'static str) -> Result<u32, ParseError> {

@@ -126,6 +126,14 @@ impl Run {
         machine.send(bytes.as_ref())
     }
 
+    /// What UART0 writes, from its beginning; more comes while the machine runs.
+    ///
+    /// # Errors
+    /// When the file cannot be opened.
+    pub fn open_labels(&self) -> anyhow::Result<std::fs::File> {
+        Ok(std::fs::File::open(self.output.lines_file())?)
+    }
+
     /// Sends a command and gives its answer's body. The answers to all commands before must have come.
     ///
     /// # Errors

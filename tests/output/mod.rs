@@ -89,6 +89,12 @@ impl Output {
         }
     }
 
+    /// The file of UART0's lines.
+    #[must_use]
+    pub fn lines_file(&self) -> PathBuf {
+        self.folder.join(self.lines)
+    }
+
     /// Complete lines of UART0 that are reports, line ends included.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {

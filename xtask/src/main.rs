@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{count, emulator, energy, firmware, fuzz, modules, toolchain};
+use xtask::{browser, count, emulator, energy, firmware, fuzz, modules, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -34,6 +34,12 @@ enum Step {
         #[arg(long)]
         install: bool,
     },
+    /// Prints which browser the tests of `myointent live` drive.
+    Browser {
+        /// Installs what is missing, as root, with apt-get.
+        #[arg(long)]
+        install: bool,
+    },
     /// Prints which toolchain builds the board's images.
     Toolchain {
         /// Installs what is missing, as root, with apt-get.
@@ -51,6 +57,7 @@ fn main() -> Result<()> {
         Step::Fuzz(arguments) => fuzz::run(&arguments),
         Step::Modules(arguments) => modules::check(&arguments),
         Step::Emulator { install } => emulator::prepare(install),
+        Step::Browser { install } => browser::prepare(install),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),
     }
 }

@@ -8,6 +8,7 @@ mod gate;
 mod info;
 #[cfg(test)]
 mod killed;
+mod live;
 mod personalize;
 mod predict;
 mod presets;
@@ -30,7 +31,7 @@ use crate::run::personalize::PersonalizeError;
 use crate::run::preset::PresetError;
 use crate::run::resolve::ConfigError;
 
-/// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay.
+/// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -39,7 +40,8 @@ use crate::run::resolve::ConfigError;
                   a microcontroller, and evaluates it on subjects that are held out from training.",
     after_help = "Start here:\n  \
                   myointent quickstart                                       all steps in one command, in a few minutes\n  \
-                  myointent replay models/three-class.intent RECORDING       the UART lines that the device would write\n\n\
+                  myointent replay models/three-class.intent RECORDING       the UART lines that the device would write\n  \
+                  myointent live --demo                                      EMG and labels on a page, without hardware\n\n\
                   Step by step, each into the same run folder:\n  \
                   myointent train --preset cpu --data DIR --run runs/mine\n  \
                   myointent distill --run runs/mine\n  \
@@ -75,6 +77,8 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),
+    /// Show EMG, scores and labels of a board or a recording on a page in a browser.
+    Live(live::Arguments),
     /// Write a model's labels and logits for a recording or a window.
     Predict(predict::Arguments),
     /// Score any predicted label sequence against the true one.
@@ -109,6 +113,7 @@ impl Cli {
             Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
+            Command::Live(arguments) => live::run(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),

@@ -8,12 +8,11 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::pipeline::Pipeline;
-use shared::stream::safe_state::Start;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 use crate::dataset::{LoadOptions, Recording, load};
 use crate::execution::bounded_read;
+use crate::inference::stream::pipeline;
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
@@ -110,10 +109,7 @@ fn replay(
 ) -> anyhow::Result<()> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
-    let settings = model.header.smoother.in_patches();
-    let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
-    pipeline.normalize(model.header.normalized);
-    pipeline.set_template(model.header.template);
+    let mut pipeline = pipeline(model, encoder, &mut state)?;
     output(&pipeline.state_report().to_string())?;
     if align {
         pipeline.begin_alignment();

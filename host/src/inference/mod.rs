@@ -9,6 +9,7 @@ use shared::stream::preprocess::clean;
 use shared::units::{CleanSample, Sample};
 
 mod device;
+pub(crate) mod stream;
 mod student;
 mod teacher;
 

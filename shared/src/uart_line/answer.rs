@@ -42,6 +42,8 @@
 //! $ERR,checksum,04*4C
 //! ```
 
+mod reading;
+
 use core::fmt;
 
 use super::command::AlignCommand;

@@ -30,11 +30,16 @@ impl GateCommand {
         if arguments == "state" {
             return Some(Self::State);
         }
-        let (entry, other) = arguments.strip_prefix("set,")?.split_once(',')?;
-        let [entry, other] = [margin(entry)?, margin(other)?];
-        let is_valid = entry.is_none_or(|entry| entry >= 0);
-        is_valid.then_some(Self::Set(Gate { entry, other }))
+        gate(arguments.strip_prefix("set,")?).map(Self::Set)
     }
+}
+
+/// Reads `entry,other`; none where it is not written so.
+pub(super) fn gate(text: &str) -> Option<Gate> {
+    let (entry, other) = text.split_once(',')?;
+    let [entry, other] = [margin(entry)?, margin(other)?];
+    let is_valid = entry.is_none_or(|entry| entry >= 0);
+    is_valid.then_some(Gate { entry, other })
 }
 
 /// A margin that is written as it would be; the outer none where it is not.

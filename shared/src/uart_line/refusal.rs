@@ -33,6 +33,19 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// All of them, the checksum's with 0.
+    pub const ALL: [Self; 9] = [
+        Self::TooLong,
+        Self::Frame,
+        Self::Checksum(0),
+        Self::Unknown,
+        Self::Arguments,
+        Self::NoModel,
+        Self::NoStream,
+        Self::BuiltIn,
+        Self::Busy,
+    ];
+
     /// Its word on the line.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -6,13 +6,16 @@ use std::path::Path;
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::{Model, random};
-use shared::myo::Characteristic;
 use shared::myo::binding::to_record;
+use shared::myo::{Address, Characteristic, Following};
 use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::{Cause, Status};
+use shared::stream::smoother::Gate;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::emg::EmgReport;
+use shared::uart_line::gate::GateCommand;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::SampleIndex;
 
@@ -129,6 +132,10 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Align(AlignCommand::Set(Alignment::new(5, true))),
         Command::Bind(BindCommand::Set(address(1))),
         Command::Bind(BindCommand::Forget),
+        Command::Gate(GateCommand::Set(Gate {
+            entry: Some(150),
+            other: Some(-50),
+        })),
     ];
     let line = |command: &Command| command.to_string().into_bytes();
     let body = |command: &Command| {
@@ -170,11 +177,29 @@ fn reports() -> Vec<Vec<u8>> {
             [8, 9, 10, 11, 12, 13, 14, 15],
         ],
     };
+    let armband = Address::parse("FA:12:34:56:78:9A").expect("an address");
+    let identity = Identity {
+        version: "0.1.0",
+        revision: "0123456789ab",
+        image: "nrf52840-s140",
+        model: Some(0x5f3a_0c11),
+        armband: Some(armband),
+        firmware: None,
+        battery: Some(80),
+    };
+    let binding = Binding {
+        following: Following::Bound(armband),
+        is_kept: true,
+    };
     let lines = [
         report.to_string(),
         safe.to_string(),
         alignment.to_string(),
         emg.to_string(),
+        Answer::Identity(identity).to_string(),
+        Answer::Counts(Counts::default()).to_string(),
+        Answer::Binding(binding).to_string(),
+        Answer::Refused(Refusal::Checksum(4)).to_string(),
     ];
     let bodies = lines.clone().map(|line| line[1..line.len() - 5].to_owned());
     lines

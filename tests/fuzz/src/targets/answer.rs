@@ -1,7 +1,8 @@
-//! The answers to commands: of any counters and armbands, each a line that is no command.
+//! The answers to commands: of any counters and armbands, each a line that is no command and is read back.
 
 use shared::myo::{Address, AddressKind, Counters, FirmwareVersion, Following};
 use shared::stream::alignment::Alignment;
+use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::AlignCommand;
 
@@ -25,10 +26,12 @@ pub fn run(data: &[u8]) {
     let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
     assert_eq!(sum, format!("{expected:02X}"));
     is_not_answered(&line);
+    let read = Answer::parse(line.as_bytes()).expect("the device's own answer");
+    assert_eq!(read.to_string(), line);
 }
 
 fn answer(input: &mut Input<'_>) -> Answer<'static> {
-    match input.below(6) {
+    match input.below(7) {
         0 => Answer::Identity(Identity {
             version: env!("CARGO_PKG_VERSION"),
             revision: "0123456789ab-modified",
@@ -73,6 +76,10 @@ fn answer(input: &mut Input<'_>) -> Answer<'static> {
                 _ => Following::Pairing,
             },
             is_kept: input.flag(),
+        }),
+        5 => Answer::Gate(Gate {
+            entry: input.flag().then(|| i16::from(input.byte()) * 19),
+            other: input.flag().then(|| i16::from(input.byte()) * 39 - 4972),
         }),
         _ => Answer::Refused(match input.below(9) {
             0 => Refusal::TooLong,

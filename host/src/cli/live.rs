@@ -1,0 +1,164 @@
+//! `myointent live`: the stream of a board or a recording, on a page or in the terminal.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use super::replay::one_recording;
+use crate::execution::bounded_read;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::progress;
+use crate::live::{self, Options, Source, is_local};
+
+/// The port of the page, where it is free.
+const PORT: u16 = 8377;
+
+/// Arguments of `live`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Give one source: --demo, --replay or --port. The address of the page is printed on standard output; Ctrl-C ends it.\n\
+    A recording plays in real time and begins again at its end; its labels are shown beside the emitted ones. A board on\n\
+    --port is asked for its raw stream, and looked for again when it is lost. The page has pause, marks and a csv of what was\n\
+    seen, which `myointent data inspect` reads. docs/live.md explains it.\n\n\
+    Examples:\n  myointent live --demo                                              no hardware, no recording\n  \
+    myointent live --demo --tui                                        in the terminal\n  \
+    myointent live --replay recordings/s1/s1_grasp.csv\n  \
+    myointent live --port /dev/ttyACM0 --model models/three-class.intent"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    source: SourceArguments,
+    /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
+    #[arg(long, requires = "replay")]
+    name: Option<String>,
+    /// Model file. Without it, recordings run through the shipped three-class model, and a board shows no scores.
+    #[arg(long, value_name = "FILE.intent")]
+    model: Option<PathBuf>,
+    /// Show the stream in this terminal instead of on a page.
+    #[arg(long, conflicts_with = "listen")]
+    tui: bool,
+    /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
+    /// the connection is not encrypted.
+    #[arg(long, value_name = "ADDR", value_parser = listen)]
+    listen: Option<(IpAddr, Option<u16>)>,
+}
+
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+struct SourceArguments {
+    /// A simulated forearm and the shipped model: needs nothing else.
+    #[arg(long)]
+    demo: bool,
+    /// A recording: any format that `data inspect` reads.
+    #[arg(long, value_name = "RECORDING")]
+    replay: Option<PathBuf>,
+    /// A board's serial port, such as /dev/ttyACM0 or COM3, or a pseudo-terminal.
+    #[arg(long, value_name = "PATH")]
+    port: Option<PathBuf>,
+}
+
+fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
+    let address = text.parse().map(|address: IpAddr| (address, None));
+    let socket = |_| {
+        text.parse()
+            .map(|at: SocketAddr| (at.ip(), Some(at.port())))
+    };
+    address.or_else(socket).map_err(|_| {
+        "expected an address such as 0.0.0.0 or 192.168.0.2:8377; names are not looked up"
+            .to_owned()
+    })
+}
+
+/// Serves the page, or shows the stream in the terminal, until Ctrl-C.
+///
+/// # Errors
+/// When the model is refused, the recording cannot be read or the address cannot be listened on.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let model = arguments
+        .model
+        .as_deref()
+        .map(|path| {
+            bounded_read::read(path, bounded_read::MODEL)
+                .with_context(|| path.display().to_string())
+        })
+        .transpose()?;
+    let chosen = &arguments.source;
+    let source = match (&chosen.replay, &chosen.port) {
+        (Some(path), _) => {
+            Source::Replay(Box::new(one_recording(path, arguments.name.as_deref())?))
+        }
+        (None, Some(path)) => Source::Port(path.clone()),
+        (None, None) => Source::Demo,
+    };
+    if arguments.tui {
+        if !std::io::stdout().is_terminal() {
+            bail!("--tui needs a terminal: leave it out for a page in a browser");
+        }
+        let interrupt = Interrupt::listen();
+        return live::show(source, model, || interrupt.requested());
+    }
+    let (address, port) = arguments
+        .listen
+        .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
+    let listen = SocketAddr::new(address, port.unwrap_or_else(|| free(address)));
+    let interrupt = Interrupt::listen();
+    let live = live::start(Options {
+        source,
+        model,
+        listen,
+    })?;
+    writeln!(std::io::stdout(), "{}", live.url())?;
+    progress::log("open this address in a browser; Ctrl-C ends it");
+    if !is_local(address) {
+        progress::log(
+            "whoever knows the whole address can look; it is not encrypted: use it on a network that you trust",
+        );
+        if address.is_unspecified() {
+            progress::log("from elsewhere, put this machine's address in place of the first part");
+        }
+    }
+    while !interrupt.requested() && !live.is_over() {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    live.stop()
+}
+
+/// The usual port, or any if another program has it.
+fn free(address: IpAddr) -> u16 {
+    TcpListener::bind((address, PORT)).map_or(0, |_| PORT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Cli;
+    use clap::Parser as _;
+
+    fn refusal(line: &[&str]) -> String {
+        let line = ["myointent", "live"].iter().chain(line);
+        Cli::try_parse_from(line).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn without_a_source_all_of_them_are_listed() {
+        let error = refusal(&[]);
+        for source in ["--demo", "--replay <RECORDING>", "--port <PATH>"] {
+            assert!(error.contains(source), "{error}");
+        }
+        assert!(refusal(&["--demo", "--port", "x"]).contains("cannot be used with"));
+    }
+
+    #[test]
+    fn an_address_may_have_a_port_and_no_name() {
+        let any = IpAddr::from([0, 0, 0, 0]);
+        assert_eq!(listen("0.0.0.0"), Ok((any, None)));
+        assert_eq!(listen("0.0.0.0:81"), Ok((any, Some(81))));
+        assert_eq!(listen("::1").unwrap().1, None);
+        assert_eq!(listen("[::1]:81").unwrap().1, Some(81));
+        assert!(listen("localhost").is_err());
+    }
+}

@@ -1,0 +1,147 @@
+//! From one source to all viewers. A viewer that is slow loses messages; the source never waits for one.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use tokio::sync::broadcast;
+
+use super::event::{Event, Topic};
+
+/// Messages that a viewer may be behind: 4 s of samples.
+const BEHIND: usize = 512;
+
+/// A message as JSON.
+pub(crate) type Message = Arc<str>;
+
+/// Takes events, and hands each to all viewers of the moment.
+#[derive(Debug)]
+pub(crate) struct Hub {
+    state: Mutex<State>,
+    began: Instant,
+}
+
+#[derive(Debug)]
+struct State {
+    newest: BTreeMap<Topic, Message>,
+    sender: broadcast::Sender<Message>,
+}
+
+/// What a viewer is told.
+#[derive(Debug)]
+pub(crate) struct Subscription {
+    /// What is known already.
+    pub(crate) known: Vec<Message>,
+    /// What follows, without a gap.
+    pub(crate) following: broadcast::Receiver<Message>,
+}
+
+impl Hub {
+    pub(crate) fn new() -> Self {
+        let state = State {
+            newest: BTreeMap::new(),
+            sender: broadcast::channel(BEHIND).0,
+        };
+        Self {
+            state: Mutex::new(state),
+            began: Instant::now(),
+        }
+    }
+
+    /// Milliseconds since the program began.
+    pub(crate) fn now(&self) -> f64 {
+        // Tenths: a message carries no more digits than it needs.
+        (self.began.elapsed().as_secs_f64() * 10_000.0).round() / 10.0
+    }
+
+    /// Sends an event to all viewers.
+    pub(crate) fn publish(&self, event: &Event) {
+        let Ok(text) = serde_json::to_string(event) else {
+            return;
+        };
+        let message: Message = text.into();
+        let mut state = self.lock();
+        if let Some(topic) = event.topic() {
+            state.newest.insert(topic, message.clone());
+        }
+        // No viewer is no failure.
+        let _ = state.sender.send(message);
+    }
+
+    /// Another stream begins: what was known about labels and placement of the one before is not told any more.
+    pub(crate) fn forget_stream(&self) {
+        let mut state = self.lock();
+        for topic in [Topic::Report, Topic::Alignment, Topic::Board, Topic::Counts] {
+            state.newest.remove(&topic);
+        }
+    }
+
+    /// A new viewer, or one that has lost messages and begins anew.
+    pub(crate) fn subscribe(&self) -> Subscription {
+        let state = self.lock();
+        Subscription {
+            known: state.newest.values().cloned().collect(),
+            following: state.sender.subscribe(),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nothing is left half-changed by a panic: each insertion is whole.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tokio::sync::broadcast::error::TryRecvError;
+
+    fn mark(sample: u32) -> Event {
+        let text = String::new();
+        Event::Mark { sample, text }
+    }
+
+    fn line(damaged: u32) -> Event {
+        Event::Line {
+            damaged,
+            missing: 0,
+            samples: 0,
+        }
+    }
+
+    #[test]
+    fn a_new_viewer_is_told_the_newest_of_each_kind_and_what_follows() {
+        let hub = Hub::new();
+        for event in [line(1), mark(1), Event::End, line(2)] {
+            hub.publish(&event);
+        }
+        let mut viewer = hub.subscribe();
+        let [known] = &viewer.known[..] else {
+            panic!("{viewer:?}");
+        };
+        assert_eq!(
+            &**known,
+            r#"{"type":"line","damaged":2,"missing":0,"samples":0}"#
+        );
+        hub.publish(&mark(7));
+        let next = viewer.following.try_recv().unwrap();
+        assert_eq!(&*next, r#"{"type":"mark","sample":7,"text":""}"#);
+    }
+
+    #[test]
+    fn a_slow_viewer_loses_messages_and_holds_up_nobody() {
+        let hub = Hub::new();
+        let mut slow = hub.subscribe().following;
+        let mut fast = hub.subscribe().following;
+        for sample in 0..3 * BEHIND as u32 {
+            hub.publish(&mark(sample));
+            assert!(fast.try_recv().unwrap().contains(&format!(":{sample},")));
+        }
+        assert_eq!(
+            slow.try_recv(),
+            Err(TryRecvError::Lagged(2 * BEHIND as u64))
+        );
+        let oldest = format!(":{},", 2 * BEHIND);
+        assert!(slow.try_recv().unwrap().contains(&oldest));
+    }
+}

@@ -1,0 +1,238 @@
+// The page: takes messages from the program, draws, and passes on what the viewer asks for.
+
+import { Armband } from "./armband.js";
+import { CHANNELS, Seen } from "./seen.js";
+import { Clock, RATE } from "./clock.js";
+import { Panel, alignmentText } from "./panel.js";
+import { Traces } from "./traces.js";
+import { csv, download, fileName } from "./save.js";
+
+const find = (id) => document.getElementById(id);
+const clock = new Clock();
+const seen = new Seen();
+const panel = new Panel();
+const traces = new Traces(find("traces"));
+const armband = new Armband(find("armband"), find("placement"));
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+let socket = null;
+let ended = false;
+let connected = false;
+let newest = null;
+let paused = null;
+let held = null;
+let marks = 0;
+let aligning = false;
+let skipped = 0;
+let arrived = [];
+let shown = 0;
+let latencies = [];
+
+const TAKE = {
+  hello: (message) => clock.hello(message.now),
+  pong: (message) => clock.pong(message.sent, message.now),
+  source(message) {
+    const kinds = { demo: "demo", replay: "recording", port: "board on" };
+    const name = `${kinds[message.kind]}: ${message.name}`.replace("board on:", "board on");
+    connected = message.connected;
+    panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${message.detail}` : name);
+    document.body.dataset.kind = message.kind;
+    find("align").disabled = !connected;
+    if (!connected) {
+      noStream();
+    }
+  },
+  model(message) {
+    traces.model = message;
+    panel.legend(message);
+  },
+  board(message) {
+    panel.number("board", `${message.image}, ${message.version}`);
+    panel.number("address", message.armband ?? "none connected");
+    panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
+  },
+  counts(message) {
+    const dropped = message.packets_dropped + message.lines_dropped + message.emg_dropped;
+    panel.notice(dropped ? `dropped by the board: ${dropped} lines and packets` : "");
+  },
+  line({ damaged, missing, samples }) {
+    panel.number("line", `${samples} samples, ${missing + damaged} lines`);
+  },
+  samples(message) {
+    const end = message.first + message.emg.length;
+    seen.samples(message.first, message.emg, message.truth);
+    clock.samples(end, message.at);
+    arrived.push([message.at, message.emg.length]);
+    panel.truth(message.truth?.at(-1));
+  },
+  report(message) {
+    newest = message.is_label && message.valid ? message : message.is_label ? newest : null;
+    seen.report(message);
+    panel.report(message);
+  },
+  scores: (message) => seen.scores.push(message),
+  alignment(message) {
+    placed(message.turn, message.mirrored, alignmentText(message), message.state === "waiting");
+  },
+  mark: (message) => seen.marks.push(message),
+  comment: (message) => panel.number("comment", message.text),
+  skipped(message) {
+    skipped += message.messages;
+    panel.number("skipped", `${skipped} messages`);
+  },
+  end() {
+    ended = true;
+    lost("the program has ended");
+  },
+};
+
+function lost(text) {
+  connected = false;
+  panel.source("lost", text);
+  find("align").disabled = true;
+  noStream();
+}
+
+function noStream() {
+  newest = null;
+  panel.noLabel("no stream");
+  placed(0, false, "not known", false);
+}
+
+function placed(turn, mirrored, text, waiting) {
+  armband.place(turn, mirrored, text);
+  aligning = waiting;
+  find("align").setAttribute("aria-pressed", String(waiting));
+}
+
+function connect() {
+  const address = new URL("socket", location.href);
+  address.protocol = "ws:";
+  socket = new WebSocket(address);
+  socket.onopen = ping;
+  socket.onmessage = ({ data }) => {
+    for (const message of JSON.parse(data)) {
+      TAKE[message.type]?.(message);
+    }
+  };
+  socket.onclose = () => {
+    if (!ended) {
+      lost("the program does not answer; trying again");
+    }
+    // A program that is started again has the same address, unless that has a token.
+    setTimeout(connect, ended ? 3000 : 1000);
+  };
+}
+
+function say(message) {
+  if (socket?.readyState === WebSocket.OPEN) {
+    socket.send(JSON.stringify(message));
+  }
+}
+
+function ping() {
+  ended = false;
+  for (const wait of [0, 50, 100, 150]) {
+    setTimeout(() => say({ do: "ping", sent: performance.now() }), wait);
+  }
+}
+
+const actions = {
+  pause() {
+    paused = paused === null ? edge() : null;
+    held = newest;
+    find("pause").setAttribute("aria-pressed", String(paused !== null));
+    find("pause").firstChild.textContent = paused === null ? "Pause" : "Resume";
+    panel.notice(paused === null ? "" : "paused: arrow keys move by half a second; the stream is still recorded");
+  },
+  mark() {
+    if (seen.end !== null) {
+      marks += 1;
+      const sample = Math.max(0, Math.round(paused ?? seen.end - 1));
+      say({ do: "mark", sample, text: `mark ${marks}` });
+    }
+  },
+  save() {
+    const { text, seconds } = csv(seen);
+    const name = fileName(new Date());
+    download(name, text);
+    const gap = seen.stretch()[0] > seen.first ? ", from the last gap on" : "";
+    panel.notice(`saved ${seconds.toFixed(1)} s${gap}: ${name}`);
+  },
+  align: () => say({ do: aligning ? "cancel" : "align" }),
+};
+
+for (const [id, action] of Object.entries(actions)) {
+  find(id).addEventListener("click", action);
+}
+
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.repeat && event.key === " ") {
+    return;
+  }
+  const keys = { " ": "pause", m: "mark", s: "save", a: "align" };
+  const id = keys[event.key.toLowerCase()];
+  if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
+    event.preventDefault();
+    find(id).click();
+  }
+  if (paused !== null && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
+    event.preventDefault();
+    const step = event.key === "ArrowLeft" ? -RATE / 2 : RATE / 2;
+    paused = Math.min(seen.end ?? 0, Math.max(seen.first, paused + step));
+    held = null;
+  }
+});
+
+/** Where the picture ends: with the stream, evenly; without motion in steps of a second, ahead of it. */
+function edge() {
+  const end = seen.end ?? 0;
+  const position = Math.min(end, clock.position() ?? end);
+  return still.matches ? Math.ceil(position / RATE) * RATE : position;
+}
+
+function frame() {
+  traces.draw(seen, paused ?? edge(), paused === null ? newest : held);
+  // Of what is drawn for the first time: from its arrival at the program to the picture.
+  const end = Math.min(seen.end ?? 0, edge());
+  if (paused === null && connected && end > shown) {
+    latencies.push(Math.max(0, clock.age(end)));
+  }
+  shown = end;
+  requestAnimationFrame(frame);
+}
+
+function numbers() {
+  if (latencies.length) {
+    const sorted = latencies.toSorted((a, b) => a - b);
+    const at = (share) => sorted[Math.floor(share * (sorted.length - 1))].toFixed(0);
+    panel.number("latency", `${at(0.5)} ms, up to ${at(1)}`);
+    latencies = [];
+  }
+  const now = clock.now();
+  arrived = arrived.filter(([at]) => at > now - 2500);
+  const [first, last] = [arrived[0], arrived.at(-1)];
+  const samples = arrived.slice(1).reduce((sum, [, count]) => sum + count, 0);
+  panel.number("rate", samples ? ((1000 * samples) / (last[0] - first[0])).toFixed(0) : "0");
+  find("mark").disabled = find("save").disabled = seen.end === null;
+}
+
+function activity() {
+  const end = seen.end ?? 0;
+  const levels = new Array(CHANNELS).fill(0);
+  const from = Math.max(seen.first, end - RATE / 4);
+  for (let sample = from; sample < end; sample += 1) {
+    for (let channel = 0; channel < CHANNELS; channel += 1) {
+      levels[channel] += Math.abs(seen.value(sample, channel)) / (end - from) / 40;
+    }
+  }
+  armband.activity(levels);
+}
+
+panel.legend(null);
+numbers();
+setInterval(numbers, 1000);
+setInterval(activity, 100);
+setInterval(ping, 10_000);
+connect();
+requestAnimationFrame(frame);

@@ -1,0 +1,108 @@
+// What this page has seen: samples, labels, scores and marks of the last minutes, by the number of the sample.
+
+import { RATE } from "./clock.js";
+
+export const CHANNELS = 8;
+const MINUTES = 10;
+const CAPACITY = MINUTES * 60 * RATE;
+
+export class Seen {
+  emg = new Int8Array(CAPACITY * CHANNELS);
+  truth = new Array(CAPACITY).fill(null);
+  #present = new Uint8Array(CAPACITY);
+  /** After the newest sample; null before the first. */
+  end = null;
+  first = 0;
+  hasTruth = false;
+  /** { from, label, valid, cause }, in order: each until the next. */
+  labels = [];
+  /** { instant, scores }, in order. */
+  scores = [];
+  /** { sample, text }, in order. */
+  marks = [];
+
+  /** Takes consecutive samples. */
+  samples(first, emg, truth) {
+    if (this.end === null || first < this.end - RATE || first - this.end > CAPACITY / 2) {
+      this.clear();
+      this.first = this.end = first;
+    }
+    for (; this.end < first; this.end += 1) {
+      this.#present[this.end % CAPACITY] = 0;
+    }
+    emg.forEach((sample, place) => {
+      const slot = (first + place) % CAPACITY;
+      this.#present[slot] = 1;
+      this.emg.set(sample, slot * CHANNELS);
+      this.truth[slot] = truth ? truth[place] : null;
+    });
+    this.hasTruth ||= Boolean(truth);
+    this.end = Math.max(this.end, first + emg.length);
+    this.first = Math.max(this.first, this.end - CAPACITY);
+    this.#forget();
+  }
+
+  /** Takes a label, or a change of state. */
+  report(report) {
+    const from = report.is_label ? report.instant : report.emitted;
+    while (this.labels.length && this.labels.at(-1).from > from) {
+      this.labels.pop();
+    }
+    const { label, valid, cause } = report;
+    this.labels.push({ from, label, valid, cause });
+  }
+
+  has(sample) {
+    return sample >= this.first && sample < this.end && this.#present[sample % CAPACITY] === 1;
+  }
+
+  value(sample, channel) {
+    return this.emg[(sample % CAPACITY) * CHANNELS + channel];
+  }
+
+  truthAt(sample) {
+    return this.truth[sample % CAPACITY];
+  }
+
+  /** The newest samples without a gap: [first, end]. */
+  stretch() {
+    let first = this.end ?? 0;
+    while (first > this.first && this.has(first - 1)) {
+      first -= 1;
+    }
+    return [first, this.end ?? 0];
+  }
+
+  clear() {
+    this.#present.fill(0);
+    this.end = null;
+    this.first = 0;
+    this.hasTruth = false;
+    this.labels = [];
+    this.scores = [];
+    this.marks = [];
+  }
+
+  #forget() {
+    // By halves: moving a list costs as much as it is long.
+    if (this.scores.length > MINUTES * 60 * 40) {
+      this.scores = this.scores.filter((one) => one.instant >= this.first);
+      this.labels = this.labels.filter((one, at) => (this.labels[at + 1]?.from ?? Infinity) >= this.first);
+      this.marks = this.marks.filter((one) => one.sample >= this.first);
+    }
+  }
+}
+
+/** The place in a list, ordered by `key`, of the last entry that is not after `value`; -1 if there is none. */
+export function lastUpTo(list, key, value) {
+  let [low, high] = [0, list.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (list[middle][key] <= value) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low - 1;
+}

@@ -1,0 +1,254 @@
+// The picture: eight traces, scores, the recording's labels, the emitted ones, look-ahead and hold, all over one time.
+
+import { CHANNELS, lastUpTo } from "./seen.js";
+import { RATE } from "./clock.js";
+import { axis, grid, marks, ruler } from "./time.js";
+
+const GUTTER = 52;
+const HEIGHTS = { scores: 84, label: 22, ruler: 34, axis: 18, gap: 8 };
+// Of a lane: strong samples may reach into the next ones.
+const REACH = 0.85;
+const SCALES = [16, 32, 64, 128];
+
+export class Traces {
+  #canvas;
+  #context;
+  #colours = {};
+  #scale = 64;
+  #weak = 0;
+  /** Seconds over the width. */
+  seconds = 5;
+  /** { classes, other, look_ahead, hold }; null without a model on the PC. */
+  model = null;
+
+  constructor(canvas) {
+    this.#canvas = canvas;
+    this.#context = canvas.getContext("2d");
+    this.colours();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.colours());
+    new ResizeObserver(() => this.#resize()).observe(canvas);
+    this.#resize();
+  }
+
+  /** Reads the colours of the style sheet. */
+  colours() {
+    const style = getComputedStyle(document.documentElement);
+    const names = ["card", "ink", "quiet", "line", "trace", "relax", "open", "close", "wave-in", "wave-out", "pinch", "other",
+      "on-class", "shade", "bad", "focus"];
+    for (const name of names) {
+      this.#colours[name] = style.getPropertyValue(`--${name}`).trim();
+    }
+    this.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+  }
+
+  #resize() {
+    const ratio = devicePixelRatio || 1;
+    const { clientWidth, clientHeight } = this.#canvas;
+    this.#canvas.width = Math.round(clientWidth * ratio);
+    this.#canvas.height = Math.round(clientHeight * ratio);
+    this.#context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.seconds = clientWidth < 620 ? 3 : 5;
+  }
+
+  /** Draws what was seen up to a position, in samples; `newest` is the label whose look-ahead and hold are shown, or null. */
+  draw(seen, position, newest) {
+    const pen = this.#context;
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    pen.clearRect(0, 0, width, height);
+    pen.font = this.font;
+    pen.textBaseline = "middle";
+    const span = this.seconds * RATE;
+    const view = {
+      seen, pen, colours: this.#colours, width, left: GUTTER, from: position - span, to: position,
+      x: (sample) => GUTTER + ((sample - position + span) / span) * (width - GUTTER - 1),
+    };
+    const { scores, label, ruler: rule, axis: bottom, gap } = HEIGHTS;
+    const rest = (this.model ? scores + gap : 0) + (seen.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
+    const lane = (height - rest) / CHANNELS;
+    grid(view, height - bottom);
+    this.#adapt(view);
+    for (let channel = 0; channel < CHANNELS; channel += 1) {
+      this.#trace(view, channel, channel * lane, lane);
+    }
+    let top = CHANNELS * lane + gap;
+    if (this.model) {
+      this.#scores(view, top, scores);
+      top += scores + gap;
+    }
+    if (seen.hasTruth) {
+      this.#truth(view, top, label);
+      top += label + gap;
+    }
+    this.#labels(view, top, label);
+    ruler(view, newest, this.hold, top + label, rule);
+    marks(view, height - bottom);
+    axis(view, height - bottom, bottom);
+  }
+
+  #caption(text, y) {
+    const pen = this.#context;
+    pen.fillStyle = this.#colours.quiet;
+    pen.textAlign = "right";
+    pen.fillText(text, GUTTER - 8, y);
+  }
+
+  // The strongest sample in view decides; a weaker view changes the scale after a while alone, or it would flicker.
+  #adapt(view) {
+    let most = 0;
+    for (let sample = Math.max(view.seen.first, Math.ceil(view.from)); sample < Math.min(view.seen.end, view.to); sample += 2) {
+      for (let channel = 0; channel < CHANNELS; channel += 1) {
+        most = Math.max(most, Math.abs(view.seen.value(sample, channel)));
+      }
+    }
+    const needed = SCALES.find((scale) => scale >= most) ?? 128;
+    if (needed >= this.#scale) {
+      this.#weak = 0;
+      this.#scale = needed;
+    } else {
+      this.#weak += 1;
+      if (this.#weak > 120) {
+        this.#scale = needed;
+        this.#weak = 0;
+      }
+    }
+  }
+
+  #trace(view, channel, top, height) {
+    const pen = this.#context;
+    const middle = top + height / 2;
+    const gain = (REACH * height) / this.#scale;
+    this.#caption(String(channel + 1), middle);
+    if (channel === 0) {
+      this.#caption(`±${this.#scale}`, middle + 15);
+    }
+    pen.strokeStyle = this.#colours.trace;
+    // Thin and without round joins: 8000 lines a frame, by the processor where there is no graphics card.
+    pen.lineWidth = 1;
+    pen.lineJoin = "bevel";
+    pen.beginPath();
+    let drawing = false;
+    const first = Math.max(view.seen.first, Math.ceil(view.from));
+    const end = Math.min(view.seen.end ?? 0, Math.floor(view.to) + 1);
+    for (let sample = first; sample < end; sample += 1) {
+      if (!view.seen.has(sample)) {
+        drawing = false;
+        continue;
+      }
+      const [x, y] = [view.x(sample), middle - gain * view.seen.value(sample, channel)];
+      if (drawing) {
+        pen.lineTo(x, y);
+      } else {
+        pen.moveTo(x, y);
+        drawing = true;
+      }
+    }
+    pen.stroke();
+  }
+
+  #scores(view, top, height) {
+    const pen = this.#context;
+    const { classes, other } = this.model;
+    const names = other ? [...classes, "other"] : classes;
+    this.#caption("1", top + 5);
+    this.#caption("scores", top + height / 2);
+    this.#caption("0", top + height - 5);
+    pen.strokeStyle = this.#colours.line;
+    pen.strokeRect(view.left + 0.5, Math.round(top) + 0.5, view.width - view.left - 1, height);
+    const start = Math.max(0, lastUpTo(view.seen.scores, "instant", view.from) - 1);
+    names.forEach((name, place) => {
+      pen.strokeStyle = this.#colours[name];
+      pen.lineWidth = name === "other" ? 1.2 : 2;
+      pen.setLineDash(name === "other" ? [4, 3] : []);
+      pen.save();
+      pen.beginPath();
+      pen.rect(view.left, top, view.width - view.left, height);
+      pen.clip();
+      pen.beginPath();
+      let last = -Infinity;
+      for (let at = start; at < view.seen.scores.length; at += 1) {
+        const { instant, scores } = view.seen.scores[at];
+        if (instant > view.to) {
+          break;
+        }
+        const [x, y] = [view.x(instant), top + 3 + (1 - scores[place]) * (height - 6)];
+        if (instant - last > RATE / 4) {
+          pen.moveTo(x, y);
+        } else {
+          pen.lineTo(x, y);
+        }
+        last = instant;
+      }
+      pen.stroke();
+      pen.restore();
+    });
+    pen.setLineDash([]);
+  }
+
+  // One block of a label, with its name if there is room.
+  #block(view, from, to, name, top, height, safe) {
+    const pen = this.#context;
+    const [left, right] = [Math.max(view.left, view.x(from)), Math.min(view.width, view.x(to))];
+    if (right <= left) {
+      return;
+    }
+    if (safe) {
+      pen.strokeStyle = this.#colours.line;
+      pen.strokeRect(left + 0.5, top + 0.5, right - left - 1, height - 1);
+    } else {
+      // Rest is most of the time: quiet, so that gestures stand out.
+      pen.fillStyle = name === "relax" ? this.#colours.line : this.#colours[name] ?? this.#colours.quiet;
+      pen.fillRect(left, top, right - left, height);
+    }
+    if (pen.measureText(name).width + 10 < right - left) {
+      const onRest = name === "relax" ? this.#colours.ink : this.#colours["on-class"];
+      pen.fillStyle = safe ? this.#colours.quiet : onRest;
+      pen.textAlign = "left";
+      pen.fillText(name, left + 5, top + height / 2 + 0.5);
+    }
+  }
+
+  #truth(view, top, height) {
+    this.#caption("cue", top + height / 2);
+    const end = Math.min(view.seen.end, Math.floor(view.to));
+    let from = Math.max(view.seen.first, Math.ceil(view.from));
+    while (from < end) {
+      const name = view.seen.truthAt(from);
+      let to = from + 1;
+      while (to < end && view.seen.truthAt(to) === name) {
+        to += 1;
+      }
+      if (name) {
+        this.#block(view, from, to, name, top, height, false);
+      }
+      from = to;
+    }
+  }
+
+  #labels(view, top, height) {
+    this.#caption("label", top + height / 2);
+    const { labels } = view.seen;
+    let at = Math.max(0, lastUpTo(labels, "from", view.from));
+    while (at < labels.length && labels[at].from < view.to) {
+      const { from, label, valid, cause } = labels[at];
+      let next = at + 1;
+      while (next < labels.length && labels[next].label === label && labels[next].valid === valid) {
+        next += 1;
+      }
+      // The newest label is for the hold alone; a state lasts.
+      const open = valid ? Math.min(view.to, labels[next - 1].from + this.hold) : view.to;
+      const to = next < labels.length ? labels[next].from : open;
+      this.#block(view, from, to, valid ? label : `not valid: ${cause}`, top, height, !valid);
+      at = next;
+    }
+  }
+
+  /** Samples from one label to the next. */
+  get hold() {
+    return this.model?.hold ?? 20;
+  }
+
+  /** Samples from one label to the next. */
+  get hold() {
+    return this.model?.hold ?? 20;
+  }
+}

@@ -1,0 +1,149 @@
+//! The page over HTTP, and a websocket for each viewer: one thread, whatever the number of viewers.
+
+pub(crate) mod access;
+mod assets;
+mod viewer;
+
+use std::net::TcpListener;
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::State;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::http::{HeaderMap, Method, StatusCode, Uri};
+use axum::response::{IntoResponse as _, Response};
+use tokio::sync::{Semaphore, watch};
+
+use self::access::{Access, Denied};
+use super::hub::Hub;
+use super::source::Request;
+
+/// Viewers at a time.
+const MOST_VIEWERS: usize = 16;
+/// Bytes of a message of a viewer: a mark with its text.
+const MAX_REQUEST_BYTES: usize = 1024;
+/// How long viewers have to take the last message.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// What every request is answered from.
+#[derive(Debug)]
+struct Served {
+    hub: Arc<Hub>,
+    access: Access,
+    requests: SyncSender<Request>,
+    viewers: Arc<Semaphore>,
+    stop: watch::Receiver<bool>,
+}
+
+/// The server's thread.
+#[derive(Debug)]
+pub(crate) struct Server {
+    thread: JoinHandle<()>,
+    stop: watch::Sender<bool>,
+}
+
+impl Server {
+    /// Serves on a thread of its own.
+    ///
+    /// # Errors
+    /// When the system gives no thread or no events for its sockets.
+    pub(crate) fn start(
+        listener: TcpListener,
+        access: Access,
+        hub: Arc<Hub>,
+        requests: SyncSender<Request>,
+    ) -> std::io::Result<Self> {
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_io()
+            .enable_time()
+            .build()?;
+        listener.set_nonblocking(true)?;
+        let listener = {
+            let _within = runtime.enter();
+            tokio::net::TcpListener::from_std(listener)?
+        };
+        let (stop, stopped) = watch::channel(false);
+        let served = Served {
+            hub,
+            access,
+            requests,
+            viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
+            stop: stopped.clone(),
+        };
+        let router = Router::new().fallback(answer).with_state(Arc::new(served));
+        let thread = std::thread::Builder::new()
+            .name("server".to_owned())
+            .spawn(move || {
+                let ended = async move {
+                    let mut stopped = stopped;
+                    let _ = stopped.wait_for(|stop| *stop).await;
+                };
+                runtime.block_on(async {
+                    let serve = axum::serve(listener, router).into_future();
+                    tokio::select! {
+                        _ = serve => {}
+                        () = ended => tokio::time::sleep(PATIENCE / 4).await,
+                    }
+                });
+                runtime.shutdown_timeout(PATIENCE);
+            })?;
+        Ok(Self { thread, stop })
+    }
+
+    /// Ends it, with the messages that were published before.
+    pub(crate) fn stop(self) {
+        let _ = self.stop.send(true);
+        // A panic of the server is no reason for another one: it was printed.
+        let _ = self.thread.join();
+    }
+}
+
+/// Every request: is it allowed, and what is asked for?
+async fn answer(
+    State(served): State<Arc<Served>>,
+    method: Method,
+    uri: Uri,
+    headers: HeaderMap,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Response {
+    let allowed = match served.access.check(uri.path(), &headers) {
+        Ok(allowed) => allowed,
+        Err(denied) => return refuse(&denied),
+    };
+    if method != Method::GET && method != Method::HEAD {
+        return StatusCode::METHOD_NOT_ALLOWED.into_response();
+    }
+    if allowed.path != "socket" {
+        return assets::answer(allowed.path, &allowed.host);
+    }
+    let upgrade = match upgrade {
+        Ok(upgrade) => upgrade,
+        Err(rejection) => return rejection.into_response(),
+    };
+    let Ok(place) = served.viewers.clone().try_acquire_owned() else {
+        return StatusCode::SERVICE_UNAVAILABLE.into_response();
+    };
+    let viewer = viewer::Viewer {
+        hub: served.hub.clone(),
+        requests: served.requests.clone(),
+        stop: served.stop.clone(),
+    };
+    upgrade
+        .max_message_size(MAX_REQUEST_BYTES)
+        .max_frame_size(MAX_REQUEST_BYTES)
+        .on_upgrade(async move |socket| {
+            viewer.serve(socket).await;
+            drop(place);
+        })
+}
+
+fn refuse(denied: &Denied) -> Response {
+    (denied.status(), denied.to_string()).into_response()
+}
+
+#[cfg(test)]
+mod tests;

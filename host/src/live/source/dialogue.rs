@@ -1,0 +1,248 @@
+//! The dialogue with a board, without I/O: bytes and time in; events and commands out.
+
+use shared::stream::alignment::Alignment;
+use shared::uart_line::answer::Answer;
+use shared::uart_line::command::Command;
+use shared::uart_line::emg::EmgReport;
+use shared::uart_line::line::{Line, LineReader};
+use shared::units::{Millis, SampleIndex};
+
+use crate::live::event::Event;
+
+/// How often the board is asked for its losses.
+const COUNTERS_MS: u32 = 2_000;
+/// How often it is asked what it is: the battery changes slowly.
+const IDENTIFY_MS: u32 = 10_000;
+/// Without samples for so long the raw stream is asked for again: the board may have restarted.
+const RAW_MS: u32 = 1_000;
+/// Without a line for so long nothing that is known here is connected. A board answers every command.
+const SILENCE_MS: u32 = 5_000;
+
+/// What a line says besides what viewers are told.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Heard {
+    /// For viewers.
+    Event(Event),
+    /// Two samples, and how many are missing before them; none if the stream is another one.
+    Samples(EmgReport, Option<u32>),
+    /// In force on the board.
+    Alignment(Alignment),
+    /// The board restarted: its counts begin anew.
+    Restart,
+}
+
+/// What is known of the other end of the line.
+#[derive(Debug)]
+pub(super) struct Dialogue {
+    reader: LineReader,
+    began: Millis,
+    heard: Option<Millis>,
+    samples: Option<Millis>,
+    raw: Option<Millis>,
+    counters: Option<Millis>,
+    identify: Option<Millis>,
+    /// Number of the next line.
+    number: Option<u32>,
+    /// Index of the next sample.
+    next: Option<SampleIndex>,
+    losses: Losses,
+    told: Option<Losses>,
+}
+
+/// What was lost on the line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Losses {
+    damaged: u32,
+    missing: u32,
+    samples: u32,
+}
+
+impl Dialogue {
+    /// At the beginning of a connection; losses of those before count on.
+    pub(super) fn new(now: Millis, losses: Losses) -> Self {
+        Self {
+            reader: LineReader::new(),
+            began: now,
+            heard: None,
+            samples: None,
+            raw: None,
+            counters: None,
+            identify: None,
+            number: None,
+            next: None,
+            losses,
+            told: None,
+        }
+    }
+
+    pub(super) const fn losses(&self) -> Losses {
+        self.losses
+    }
+
+    /// Whether nothing that is known here has been heard for 5 s.
+    pub(super) fn is_silent(&self, now: Millis) -> bool {
+        now.elapsed_since(self.heard.unwrap_or(self.began)) >= SILENCE_MS
+    }
+
+    /// Whether a line has come since the beginning.
+    pub(super) const fn has_heard(&self) -> bool {
+        self.heard.is_some()
+    }
+
+    /// The next command that is due; to be asked until there is none.
+    pub(super) fn command(&mut self, now: Millis) -> Option<Command> {
+        let due = |last: Option<Millis>, period| {
+            last.is_none_or(|last| now.elapsed_since(last) >= period)
+        };
+        if due(self.identify, IDENTIFY_MS) {
+            self.identify = Some(now);
+            return Some(Command::Identify);
+        }
+        if due(self.samples, RAW_MS) && due(self.raw, RAW_MS) {
+            self.raw = Some(now);
+            return Some(Command::Raw(true));
+        }
+        if due(self.counters, COUNTERS_MS) {
+            self.counters = Some(now);
+            return Some(Command::Counters);
+        }
+        None
+    }
+
+    /// Takes received bytes. `at` is the time that viewers are told.
+    pub(super) fn bytes(
+        &mut self,
+        now: Millis,
+        at: f64,
+        bytes: &[u8],
+        mut output: impl FnMut(Heard),
+    ) {
+        for &byte in bytes {
+            match self.reader.push(byte) {
+                None => continue,
+                Some(Err(_)) => self.losses.damaged = self.losses.damaged.saturating_add(1),
+                Some(Ok(line)) => {
+                    self.heard = Some(now);
+                    // The borrow of the reader ends with what is made of the line.
+                    let news = News::of(line, at);
+                    self.take(now, news, &mut output);
+                }
+            }
+        }
+        if self.told != Some(self.losses) {
+            self.told = Some(self.losses);
+            let Losses {
+                damaged,
+                missing,
+                samples,
+            } = self.losses;
+            output(Heard::Event(Event::Line {
+                damaged,
+                missing,
+                samples,
+            }));
+        }
+    }
+
+    fn take(&mut self, now: Millis, news: News, output: &mut impl FnMut(Heard)) {
+        if let Some(number) = news.number {
+            let restarted = self.number.is_some_and(|next| is_before(number, next));
+            if restarted {
+                self.next = None;
+                output(Heard::Restart);
+            } else {
+                let missing = self.number.map_or(0, |next| number.wrapping_sub(next));
+                self.losses.missing = self.losses.missing.saturating_add(missing);
+            }
+            self.number = Some(number.wrapping_add(1));
+        }
+        if let Some(alignment) = news.alignment {
+            output(Heard::Alignment(alignment));
+        }
+        if let Some(report) = news.emg {
+            self.samples = Some(now);
+            let missing = self.missing(report.first);
+            self.next = Some(report.first.plus(report.samples.len() as u32));
+            self.losses.samples = self.losses.samples.saturating_add(missing.unwrap_or(0));
+            output(Heard::Samples(report, missing));
+        }
+        if let Some(event) = news.event {
+            output(Heard::Event(event));
+        }
+    }
+
+    /// Samples that are missing before one; none if it is the first of a stream.
+    fn missing(&self, first: SampleIndex) -> Option<u32> {
+        let next = self.next?;
+        (!is_before(first.0, next.0)).then(|| first.since(next))
+    }
+}
+
+/// Whether a count went back rather than on; right across a wrap.
+const fn is_before(count: u32, expected: u32) -> bool {
+    count.wrapping_sub(expected) > u32::MAX / 2
+}
+
+/// What a line says.
+#[derive(Default)]
+struct News {
+    number: Option<u32>,
+    emg: Option<EmgReport>,
+    alignment: Option<Alignment>,
+    event: Option<Event>,
+}
+
+impl News {
+    fn of(line: Line<'_>, at: f64) -> Self {
+        match line {
+            Line::Report(report) => Self {
+                number: Some(report.sequence),
+                event: Some(Event::of_report(at, &report)),
+                ..Self::default()
+            },
+            Line::Alignment(report) => Self {
+                number: Some(report.sequence),
+                alignment: Some(report.alignment),
+                event: Some(Event::of_alignment(at, &report)),
+                ..Self::default()
+            },
+            Line::Emg(report) => Self {
+                emg: Some(report),
+                event: Some(Event::Samples {
+                    at,
+                    first: report.first.0,
+                    emg: report.samples.to_vec(),
+                    truth: None,
+                }),
+                ..Self::default()
+            },
+            Line::Answer(answer) => Self {
+                event: Self::of_answer(answer, at),
+                ..Self::default()
+            },
+            Line::Comment(text) => Self {
+                event: Some(Event::Comment {
+                    at,
+                    text: text.trim().to_owned(),
+                }),
+                ..Self::default()
+            },
+        }
+    }
+
+    fn of_answer(answer: Answer<'_>, at: f64) -> Option<Event> {
+        match answer {
+            Answer::Identity(identity) => Some(Event::of_identity(&identity)),
+            Answer::Counts(counts) => Some(Event::of_counts(&counts)),
+            // Of what a viewer may ask for, the alignment alone can be refused.
+            Answer::Refused(why) => Some(Event::Comment {
+                at,
+                text: format!("the board refuses: {why}"),
+            }),
+            Answer::Align(_) | Answer::Raw(_) | Answer::Binding(_) | Answer::Gate(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+//! A board's lines, whole, cut and in noise.
+
+use super::*;
+use proptest::prelude::*;
+use shared::stream::safe_state::{Cause, Status};
+use shared::uart_line::{Counters, Kind, Report};
+use shared::units::Sample;
+
+fn report(sequence: u32) -> String {
+    Report {
+        kind: Kind::State,
+        sequence,
+        instant: SampleIndex(0),
+        emitted: SampleIndex(0),
+        status: Status::Safe(Cause::Boot),
+        counters: Counters::default(),
+    }
+    .to_string()
+}
+
+fn emg(first: u32) -> String {
+    let sample: Sample = [first as i8; 8];
+    EmgReport {
+        first: SampleIndex(first),
+        samples: [sample; 2],
+    }
+    .to_string()
+}
+
+fn dialogue() -> Dialogue {
+    Dialogue::new(Millis(0), Losses::default())
+}
+
+fn heard(dialogue: &mut Dialogue, text: &[u8]) -> Vec<Heard> {
+    let mut all = Vec::new();
+    dialogue.bytes(Millis(0), 0.0, text, |heard| all.push(heard));
+    all
+}
+
+/// Samples missing before each notification that was heard.
+fn missing(dialogue: &mut Dialogue, lines: &[String]) -> Vec<Option<u32>> {
+    let heard = heard(dialogue, lines.concat().as_bytes());
+    let missing = heard.into_iter().filter_map(|heard| match heard {
+        Heard::Samples(_, missing) => Some(missing),
+        _ => None,
+    });
+    missing.collect()
+}
+
+#[test]
+fn lost_samples_and_lines_are_counted() {
+    let mut dialogue = dialogue();
+    let lines = [emg(100), emg(102), emg(110), report(5), report(8)];
+    let found = missing(&mut dialogue, &lines);
+    assert_eq!(found, [None, Some(0), Some(6)]);
+    let damaged = emg(112).replacen("70", "71", 1);
+    assert_eq!(missing(&mut dialogue, &[damaged, emg(114)]), [Some(2)]);
+    let expected = Losses {
+        damaged: 1,
+        missing: 2,
+        samples: 8,
+    };
+    assert_eq!(dialogue.losses(), expected);
+}
+
+#[test]
+fn a_restarted_board_begins_another_stream_and_nothing_is_missing() {
+    let mut dialogue = dialogue();
+    let lines = [report(70_000), emg(9_000), report(0), emg(0), emg(2)];
+    let found = heard(&mut dialogue, lines.concat().as_bytes());
+    assert!(found.contains(&Heard::Restart));
+    assert_eq!(dialogue.losses(), Losses::default());
+    // Its samples are told from lost ones even if the line of its start is lost.
+    assert_eq!(missing(&mut dialogue, &[emg(0)]), [None]);
+}
+
+#[test]
+fn numbers_go_on_over_their_wrap() {
+    let mut dialogue = dialogue();
+    let lines = [report(u32::MAX), report(0), emg(u32::MAX - 1), emg(0)];
+    assert_eq!(missing(&mut dialogue, &lines), [None, Some(0)]);
+    assert_eq!(dialogue.losses(), Losses::default());
+}
+
+#[test]
+fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
+    let mut dialogue = dialogue();
+    let mut asked = Vec::new();
+    for now in 0..4_000 {
+        while let Some(command) = dialogue.command(Millis(now)) {
+            asked.push((now, command));
+        }
+        // Samples come from 1.5 to 2.5 s.
+        if (1_500..2_500).contains(&now) && now % 10 == 0 {
+            dialogue.bytes(Millis(now), 0.0, emg(now / 5).as_bytes(), |_| {});
+        }
+    }
+    let expected = [
+        (0, Command::Identify),
+        (0, Command::Raw(true)),
+        (0, Command::Counters),
+        (1_000, Command::Raw(true)),
+        (2_000, Command::Counters),
+        (3_490, Command::Raw(true)),
+    ];
+    assert_eq!(asked, expected);
+    let later = dialogue.command(Millis(IDENTIFY_MS));
+    assert_eq!(later, Some(Command::Identify));
+}
+
+#[test]
+fn five_seconds_without_a_line_are_a_silence() {
+    let mut dialogue = dialogue();
+    assert!(!dialogue.is_silent(Millis(4_999)) && dialogue.is_silent(Millis(5_000)));
+    // Noise is no board.
+    dialogue.bytes(Millis(4_000), 0.0, b"login: \xff\r\n", |_| {});
+    assert!(!dialogue.has_heard() && dialogue.is_silent(Millis(5_000)));
+    dialogue.bytes(Millis(6_000), 0.0, report(0).as_bytes(), |_| {});
+    assert!(dialogue.has_heard() && !dialogue.is_silent(Millis(10_999)));
+}
+
+proptest! {
+    #[test]
+    fn a_line_cut_out_anywhere_is_noticed_and_what_follows_is_read(
+        from in 0_usize..2_000, length in 0_usize..400, noise: Vec<u8>,
+    ) {
+        let lines: Vec<String> = (0..50).map(|pair| emg(2 * pair)).collect();
+        let mut bytes = lines.concat().into_bytes();
+        let to = bytes.len().min(from + length);
+        let from = from.min(to);
+        // A line end ends whatever the noise began.
+        let noise: Vec<u8> = noise.into_iter().chain(*b"\r\n").collect();
+        bytes.splice(from..to, noise);
+        bytes.extend(emg(100).bytes());
+        let mut dialogue = dialogue();
+        let (mut received, mut last) = (0, None);
+        for heard in heard(&mut dialogue, &bytes) {
+            if let Heard::Samples(report, _) = heard {
+                prop_assert_eq!(report.samples[0], [report.first.0 as i8; 8]);
+                received += 2;
+                last = Some(report.first.0);
+            }
+        }
+        prop_assert_eq!(last, Some(100));
+        // Those before the first line that was heard are not known to be missing.
+        let Losses { samples, .. } = dialogue.losses();
+        prop_assert!(received + samples <= 102 && received >= 60, "{received} {samples}");
+        if from > 60 {
+            prop_assert_eq!(received + samples, 102);
+        }
+    }
+
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes: Vec<u8>) {
+        heard(&mut dialogue(), &bytes);
+    }
+}

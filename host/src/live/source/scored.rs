@@ -1,0 +1,116 @@
+//! The device's pipeline on the PC, with the scores of every patch.
+
+use std::cell::RefCell;
+
+use shared::model::Encode;
+use shared::model::file::Model;
+use shared::pipeline::{Pipeline, Reports};
+use shared::stream::alignment::Alignment;
+use shared::stream::smoother::{Settings, SettingsError};
+use shared::uart_line::Report;
+use shared::uart_line::alignment::AlignmentReport;
+use shared::units::{Millis, PATCH, Sample, SampleIndex};
+
+use crate::inference::stream::pipeline;
+use crate::live::event::Event;
+use crate::live::scores::{Observed, Outputs};
+
+/// A pipeline whose encoder is observed.
+pub(super) struct Scored<'r, E: Encode> {
+    pipeline: Pipeline<'r, Observed<'r, E>>,
+    outputs: &'r RefCell<Outputs>,
+    settings: Settings,
+    columns: usize,
+    /// Sample with which the newest output came.
+    last: Option<SampleIndex>,
+}
+
+/// What comes of a sample.
+pub(super) struct Found {
+    pub(super) reports: Reports,
+    pub(super) alignment: Option<AlignmentReport>,
+    pub(super) scores: Option<Event>,
+}
+
+impl<'r, E: Encode> Scored<'r, E> {
+    /// The pipeline of a model before its first sample; `encoder` is that of the model.
+    ///
+    /// # Errors
+    /// When the smoother refuses the settings of the model.
+    pub(super) fn new(
+        model: &Model<'_>,
+        encoder: E,
+        state: &'r mut E::State,
+        outputs: &'r RefCell<Outputs>,
+    ) -> Result<Self, SettingsError> {
+        let dimensions = model.header.dimensions;
+        Ok(Self {
+            pipeline: pipeline(model, Observed::new(encoder, outputs), state)?,
+            outputs,
+            settings: model.header.smoother.in_patches(),
+            columns: dimensions.vocabulary.classes() + usize::from(dimensions.other),
+            last: None,
+        })
+    }
+
+    /// A report of the present state.
+    pub(super) fn state_report(&mut self) -> Report {
+        self.pipeline.state_report()
+    }
+
+    /// Takes the sample of that index.
+    pub(super) fn sample(&mut self, now: Millis, index: SampleIndex, sample: Sample) -> Found {
+        let reports = self.pipeline.sample(now, sample);
+        Found {
+            reports,
+            alignment: self.pipeline.take_alignment_report(),
+            scores: self.scores(index),
+        }
+    }
+
+    /// The scores of the instant whose label is due with a sample.
+    fn scores(&mut self, index: SampleIndex) -> Option<Event> {
+        let scores = self
+            .outputs
+            .borrow_mut()
+            .take(&self.settings, self.columns)?;
+        let last = self.last.replace(index);
+        // After a change of the alignment the encoder takes the window again, a patch with each sample. Where these lie
+        // only the pipeline knows, and they were shown before.
+        if last.is_some_and(|last| index.since(last) < PATCH as u32) {
+            return None;
+        }
+        let behind = (self.settings.look_ahead * PATCH) as u32 + 1;
+        let instant = index.0.checked_sub(behind)?;
+        Some(Event::Scores { instant, scores })
+    }
+
+    /// Samples are missing before the next one.
+    pub(super) fn gap(&mut self, now: Millis, missing: u32) {
+        self.pipeline.gap(now, missing);
+    }
+
+    /// The stream has ended.
+    pub(super) fn disconnected(&mut self, now: Millis) {
+        self.pipeline.disconnected(now);
+        self.last = None;
+    }
+
+    /// Begins or ends an alignment.
+    pub(super) fn align(&mut self, begin: bool) -> Option<AlignmentReport> {
+        if begin {
+            self.pipeline.begin_alignment();
+        } else {
+            self.pipeline.cancel_alignment();
+        }
+        self.pipeline.take_alignment_report()
+    }
+
+    /// Puts an alignment in force that was found elsewhere.
+    pub(super) fn set_alignment(&mut self, alignment: Alignment) {
+        if self.pipeline.alignment() != alignment {
+            self.pipeline.set_alignment(alignment);
+            self.last = None;
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Any line that a device writes, and finding lines among received bytes: the PC's side of the UART.
+
+use core::fmt;
+
+use super::alignment::AlignmentReport;
+use super::answer::Answer;
+use super::emg::EmgReport;
+use super::{ParseError, Report, framed};
+
+/// Most bytes of a line, CR LF included.
+pub const MAX_LINE_BYTES: usize = 256;
+
+/// A line of any kind. `Display` writes it, CR LF included.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Line<'a> {
+    /// A label or a change of state.
+    Report(Report),
+    /// What an alignment does.
+    Alignment(AlignmentReport),
+    /// Two samples.
+    Emg(EmgReport),
+    /// The answer to a command.
+    Answer(Answer<'a>),
+    /// For people: what follows `#`, without the line end.
+    Comment(&'a str),
+}
+
+impl<'a> Line<'a> {
+    /// Reads one line, CR LF included.
+    ///
+    /// # Errors
+    /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field; a comment of other characters
+    /// than printable ASCII has a wrong frame.
+    pub fn parse(line: &'a [u8]) -> Result<Self, ParseError> {
+        if let [b'#', comment @ .., b'\r', b'\n'] = line {
+            let is_text = |byte: &u8| byte.is_ascii_graphic() || *byte == b' ';
+            return core::str::from_utf8(comment)
+                .ok()
+                .filter(|_| comment.iter().all(is_text))
+                .map(Self::Comment)
+                .ok_or(ParseError::Frame);
+        }
+        let body = framed(line)?;
+        let (kind, _) = body.split_once(',').unwrap_or((body, ""));
+        match kind {
+            "LABEL" | "STATE" => Report::parse(line).map(Self::Report),
+            "ALIGN" => AlignmentReport::parse(line).map(Self::Alignment),
+            "EMG" => EmgReport::parse(line).map(Self::Emg),
+            "OK" | "ERR" => Answer::of_body(body).map(Self::Answer),
+            _ => Err(ParseError::Field { field: "kind" }),
+        }
+    }
+}
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Report(report) => report.fmt(formatter),
+            Self::Alignment(report) => report.fmt(formatter),
+            Self::Emg(report) => report.fmt(formatter),
+            Self::Answer(answer) => answer.fmt(formatter),
+            Self::Comment(text) => write!(formatter, "#{text}\r\n"),
+        }
+    }
+}
+
+/// Finds the lines of a device among received bytes, wherever reception begins or bytes are lost.
+///
+/// Takes any bytes; each costs bounded work, and nothing is kept of a line that is too long. A `$` begins a line anew, but
+/// for one inside a comment, which may quote a command; a line behind a comment that was cut is found nevertheless.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LineReader {
+    line: [u8; MAX_LINE_BYTES],
+    /// Bytes of `line` so far.
+    length: usize,
+    /// The newest line has been given, and is dropped with the next byte.
+    is_done: bool,
+    /// The line is too long, or began before the reader did: bytes are dropped up to its end.
+    is_lost: bool,
+}
+
+impl Default for LineReader {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl LineReader {
+    /// Before the first byte, which need not be that of a line.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            line: [0; MAX_LINE_BYTES],
+            length: 0,
+            is_done: false,
+            is_lost: false,
+        }
+    }
+
+    /// Takes a byte; gives the line, or why it is none, that ends with it.
+    ///
+    /// # Errors
+    /// As [`Line::parse`], once for each damaged line.
+    pub fn push(&mut self, byte: u8) -> Option<Result<Line<'_>, ParseError>> {
+        if self.is_done {
+            *self = Self {
+                line: self.line,
+                ..Self::new()
+            };
+        }
+        if byte == b'$' && !(self.line[..self.length].starts_with(b"#")) {
+            self.length = 0;
+            self.is_lost = false;
+        }
+        if self.length == MAX_LINE_BYTES {
+            self.length = 0;
+            self.is_lost = true;
+        }
+        if self.is_lost {
+            self.is_done = byte == b'\n';
+            return self.is_done.then_some(Err(ParseError::Frame));
+        }
+        let free = self.line.get_mut(self.length)?;
+        *free = byte;
+        self.length += 1;
+        if byte != b'\n' {
+            return None;
+        }
+        self.is_done = true;
+        let line = &self.line[..self.length];
+        // A comment without its end, and the line behind it.
+        let inner = line.iter().rposition(|&byte| byte == b'$').unwrap_or(0);
+        if inner > 0
+            && let Ok(found) = Line::parse(&line[inner..])
+        {
+            return Some(Ok(found));
+        }
+        Some(Line::parse(line))
+    }
+
+    /// Bytes were lost, or the connection is a new one: what has come of a line is dropped.
+    pub const fn interrupt(&mut self) {
+        self.length = 0;
+        self.is_done = false;
+        self.is_lost = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::{
+        format,
+        string::{String, ToString},
+        vec::Vec,
+    };
+    use proptest::prelude::*;
+
+    const LINES: [&str; 8] = [
+        "$STATE,0,0,0,relax,0,boot,0,0,0*3F\r\n",
+        "$LABEL,2,609,660,close,1,-,0,0,0*0D\r\n",
+        "$ALIGN,97,2550,aligned,2,5,0,214,1130*2E\r\n",
+        "$EMG,1200,0001FF7F80050607,08090A0B0C0D0E0F*1A\r\n",
+        "$OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,5f3a0c11,FA:12:34:56:78:9A,1.5.1970,80*05\r\n",
+        "$ERR,checksum,04*4C\r\n",
+        "# pairing over: no armband was heard\r\n",
+        "# follows no armband: none is bound. Wear yours, or send $BIND,begin*4A\r\n",
+    ];
+
+    /// Each line written again, or `!` in place of one that is none.
+    fn read(bytes: &[u8]) -> Vec<String> {
+        let mut reader = LineReader::new();
+        let mut lines = Vec::new();
+        for &byte in bytes {
+            if let Some(found) = reader.push(byte) {
+                lines.push(found.map_or("!".into(), |line| line.to_string()));
+            }
+        }
+        lines
+    }
+
+    #[test]
+    fn every_kind_of_line_is_read_and_written_back() {
+        assert_eq!(read(LINES.concat().as_bytes()), LINES);
+        let kinds = LINES.map(|line| match Line::parse(line.as_bytes()).unwrap() {
+            Line::Report(_) => 0,
+            Line::Alignment(_) => 1,
+            Line::Emg(_) => 2,
+            Line::Answer(_) => 3,
+            Line::Comment(_) => 4,
+        });
+        assert_eq!(kinds, [0, 0, 1, 2, 3, 3, 4, 4]);
+    }
+
+    #[test]
+    fn a_line_that_is_none_has_its_reason() {
+        let parse = |text: &'static str| Line::parse(text.as_bytes());
+        let field = |field| Err(ParseError::Field { field });
+        assert_eq!(parse("$REBOOT*01\r\n"), field("kind"));
+        assert_eq!(parse("$OK,RAW,1*71\r\n"), field("raw"));
+        assert_eq!(parse("# caf\u{e9}\r\n"), Err(ParseError::Frame));
+        assert_eq!(parse("# \u{7}\r\n"), Err(ParseError::Frame));
+        assert_eq!(parse("hello\r\n"), Err(ParseError::Frame));
+        assert_eq!(parse("# a\n"), Err(ParseError::Frame));
+    }
+
+    #[test]
+    fn a_line_after_a_cut_is_read() {
+        let [state, label, .., comment, _] = LINES;
+        // Of a framed line, of a comment, and of one that reception began in.
+        assert_eq!(read(format!("{}{label}", &state[..20]).as_bytes()), [label]);
+        assert_eq!(
+            read(format!("{}{label}", &comment[..9]).as_bytes()),
+            [label]
+        );
+        let late = format!("{}{label}", &state[5..]);
+        assert_eq!(read(late.as_bytes()), ["!", label]);
+    }
+
+    #[test]
+    fn a_line_of_256_bytes_is_read_and_a_longer_one_refused_once() {
+        let comment = |length: usize| format!("#{}\r\n", "x".repeat(length - 3));
+        let [_, label, ..] = LINES;
+        let longest = comment(MAX_LINE_BYTES);
+        assert_eq!(read(longest.as_bytes()), [longest.as_str()]);
+        for length in [MAX_LINE_BYTES + 1, 10_000] {
+            let bytes = comment(length) + label;
+            assert_eq!(read(bytes.as_bytes()), ["!", label], "{length}");
+        }
+    }
+
+    #[test]
+    fn after_an_interruption_nothing_is_left_of_a_line() {
+        let mut reader = LineReader::new();
+        for &byte in LINES[6].as_bytes().iter().take(10) {
+            assert_eq!(reader.push(byte), None);
+        }
+        reader.interrupt();
+        assert_eq!(
+            reader,
+            LineReader {
+                line: reader.line,
+                ..LineReader::new()
+            }
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn after_any_bytes_and_a_line_end_every_line_is_read(
+            mut bytes: Vec<u8>, order in Just(Vec::from(LINES)).prop_shuffle(),
+        ) {
+            bytes.push(b'\n');
+            bytes.extend(order.concat().bytes());
+            let found = read(&bytes);
+            prop_assert!(found.ends_with(&order.iter().map(ToString::to_string).collect::<Vec<_>>()));
+        }
+
+        #[test]
+        fn arbitrary_bytes_give_at_most_a_line_for_each_end(bytes: Vec<u8>) {
+            let ends = bytes.iter().filter(|&&byte| byte == b'\n').count();
+            prop_assert!(read(&bytes).len() <= ends);
+        }
+
+        #[test]
+        fn what_is_accepted_is_written_back(bytes: Vec<u8>, text in "[#$]?[ -~]{0,30}\r\n") {
+            for bytes in [bytes, text.into_bytes()] {
+                if let Ok(line) = Line::parse(&bytes) {
+                    prop_assert_eq!(line.to_string().into_bytes(), bytes);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! `myointent live`: the page and its messages, a board on a pseudo-terminal, and the page in a browser.
+
+#[cfg(target_os = "linux")]
+#[path = "live/board.rs"]
+mod board;
+#[path = "live/browser.rs"]
+mod browser;
+#[cfg(target_os = "linux")]
+#[path = "live/emulator.rs"]
+mod emulator;
+#[cfg(unix)]
+#[path = "live/interrupt.rs"]
+mod interrupt;
+#[path = "live/page.rs"]
+mod page;
+#[cfg(target_os = "linux")]
+#[path = "live/port.rs"]
+mod port;
+#[path = "live/server.rs"]
+mod server;
+#[path = "live/viewer.rs"]
+mod viewer;
+
+use std::path::Path;
+
+use myointent::dataset::Recording;
+use myointent::dataset::synthetic::{self, SynthOptions};
+use myointent::live::{self, Live, Options, Source};
+
+/// The page of a source, on any free port of this machine.
+fn serve(source: Source) -> Live {
+    live::start(Options {
+        source,
+        model: None,
+        listen: "127.0.0.1:0".parse().unwrap(),
+    })
+    .unwrap()
+}
+
+fn shipped() -> Vec<u8> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::fs::read(root.join("models/three-class.intent")).unwrap()
+}
+
+/// A recording of nobody.
+fn synthetic(seconds: usize) -> Recording {
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        seconds,
+        ..SynthOptions::default()
+    };
+    synthetic::generate(&options).remove(0)
+}

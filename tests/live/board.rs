@@ -1,0 +1,194 @@
+//! A board at the other end of a pseudo-terminal: answers commands, streams samples and the pipeline's labels.
+
+use std::os::fd::AsRawFd as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serial2::SerialPort;
+use shared::model::encoder::HostEncoder;
+use shared::model::file::Model;
+use shared::myo::{Address, Counters};
+use shared::pipeline::Pipeline;
+use shared::stream::safe_state::Start;
+use shared::stream::smoother::Gate;
+use shared::uart_line::answer::{Answer, Counts, Identity, Refusal};
+use shared::uart_line::command::{AlignCommand, Command, CommandReader};
+use shared::uart_line::emg::EmgReport;
+use shared::units::{Millis, Sample, SampleIndex};
+
+use super::{shipped, synthetic};
+
+/// Between two notifications: a quarter of what an armband takes.
+const PACE: Duration = Duration::from_micros(2500);
+
+/// What happens to the board's bytes on their way.
+#[derive(Clone, Copy)]
+pub enum Damage {
+    None,
+    /// Each chunk may be cut short or have other bytes behind it; with this seed.
+    CutsAndGarbage(u64),
+}
+
+/// A board that runs until it is dropped.
+pub struct Board {
+    stop: Arc<AtomicBool>,
+    raw: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Board {
+    /// Plays a board, its terminal at the path `link`.
+    pub fn start(link: &Path, damage: Damage) -> Self {
+        let (mut master, slave) = SerialPort::pair().unwrap();
+        // A read is the pace, and a write never waits for long.
+        master.set_read_timeout(PACE).unwrap();
+        master.set_write_timeout(8 * PACE).unwrap();
+        let name = terminal(&slave);
+        let _ = std::fs::remove_file(link);
+        std::os::unix::fs::symlink(name, link).unwrap();
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let raw = Arc::new(AtomicBool::new(false));
+        let switched = raw.clone();
+        let thread = std::thread::spawn(move || {
+            run(&master, damage, &stopped, &switched);
+            drop(slave);
+        });
+        let thread = Some(thread);
+        Self { stop, raw, thread }
+    }
+
+    /// Whether the raw stream is on.
+    pub fn is_raw(&self) -> bool {
+        self.raw.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let _ = self.thread.take().unwrap().join();
+    }
+}
+
+/// The path of a terminal.
+pub fn terminal(slave: &SerialPort) -> PathBuf {
+    let path = format!("/proc/self/fd/{}", slave.as_raw_fd());
+    std::fs::read_link(path).unwrap()
+}
+
+/// Samples of a recording at four times their speed, with labels, until it is stopped.
+fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool, raw: &AtomicBool) {
+    let mut line_out = Out {
+        line,
+        damage,
+        random: ChaCha8Rng::seed_from_u64(match damage {
+            Damage::CutsAndGarbage(seed) => seed,
+            Damage::None => 0,
+        }),
+    };
+    let bytes = shipped();
+    let model = Model::parse(&bytes).unwrap();
+    let encoder = HostEncoder::new(&model).unwrap();
+    let mut state = shared::model::Encode::fresh(&encoder);
+    let settings = model.header.smoother.in_patches();
+    let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot).unwrap();
+    pipeline.normalize(model.header.normalized);
+    pipeline.set_template(model.header.template);
+    let samples = synthetic(60).samples;
+    let mut reader = CommandReader::new();
+    line_out.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
+    line_out.write(&pipeline.state_report().to_string());
+    let (pairs, _) = samples.as_chunks::<2>();
+    for (place, pair) in pairs.iter().cycle().enumerate() {
+        if stop.load(Ordering::Relaxed) {
+            return;
+        }
+        let mut buffer = [0; 256];
+        let began = Instant::now();
+        let length = line.read(&mut buffer).unwrap_or(0);
+        std::thread::sleep(PACE.saturating_sub(began.elapsed()));
+        for &byte in &buffer[..length] {
+            let Some(command) = reader.push(byte) else {
+                continue;
+            };
+            if let Ok(Command::Raw(on)) = command {
+                raw.store(on, Ordering::Relaxed);
+            }
+            if let Ok(Command::Align(AlignCommand::Begin)) = command {
+                pipeline.begin_alignment();
+            }
+            line_out.write(&answer(command).to_string());
+        }
+        let first = SampleIndex(2 * place as u32);
+        let now = Millis(10 * place as u32);
+        for &sample in pair {
+            for report in pipeline.sample(now, sample) {
+                line_out.write(&report.to_string());
+            }
+            if let Some(report) = pipeline.take_alignment_report() {
+                line_out.write(&report.to_string());
+            }
+        }
+        if raw.load(Ordering::Relaxed) {
+            let samples: [Sample; 2] = *pair;
+            line_out.write(&EmgReport { first, samples }.to_string());
+        }
+    }
+}
+
+fn answer(command: Result<Command, Refusal>) -> Answer<'static> {
+    match command {
+        Ok(Command::Identify) => Answer::Identity(Identity {
+            version: "0.1.0",
+            revision: "0123456789ab",
+            image: "test",
+            model: Some(7),
+            armband: Address::parse("FA:12:34:56:78:9A").ok(),
+            firmware: None,
+            battery: Some(80),
+        }),
+        Ok(Command::Counters) => Answer::Counts(Counts {
+            session: Counters {
+                connections: 1,
+                notifications: 1000,
+                ..Counters::default()
+            },
+            ..Counts::default()
+        }),
+        Ok(Command::Align(command)) => Answer::Align(command),
+        Ok(Command::Raw(on)) => Answer::Raw(on),
+        Ok(Command::Bind(_)) => Answer::Refused(Refusal::BuiltIn),
+        Ok(Command::Gate(_)) => Answer::Gate(Gate::default()),
+        Err(refusal) => Answer::Refused(refusal),
+    }
+}
+
+/// The board's transmitter.
+struct Out<'l> {
+    line: &'l SerialPort,
+    damage: Damage,
+    random: ChaCha8Rng,
+}
+
+impl Out<'_> {
+    fn write(&mut self, text: &str) {
+        let mut bytes = text.as_bytes().to_vec();
+        if let Damage::CutsAndGarbage(_) = self.damage {
+            if self.random.random_bool(0.1) {
+                bytes.truncate(self.random.random_range(0..bytes.len()));
+            }
+            if self.random.random_bool(0.1) {
+                let noise: [u8; 12] = self.random.random();
+                bytes.extend(noise);
+            }
+        }
+        // With nobody at the other end, or one that is slow, bytes are lost, as on a real line.
+        let _ = self.line.write_all(&bytes);
+    }
+}
