@@ -17,6 +17,8 @@ pub(super) struct Epoch<'a> {
     pub(super) title: &'a str,
     /// From 1 on.
     pub(super) number: usize,
+    /// Of the schedule.
+    pub(super) first_step: usize,
     pub(super) schedule: &'a LearningRate,
     pub(super) interrupt: &'a Interrupt,
 }
@@ -54,7 +56,7 @@ pub(super) struct Trained<M> {
 }
 
 impl Epoch<'_> {
-    /// Takes the steps; the first of the epoch is `step` of the schedule. `after` sees the training after each. None if the
+    /// Takes the steps. `after` sees the training after each. None if the
     /// user interrupts.
     ///
     /// # Errors
@@ -64,7 +66,6 @@ impl Epoch<'_> {
         learner: &L,
         mut model: L::Model,
         optimizer: &mut ModuleOptimizer,
-        step: usize,
         rng: &mut ChaCha8Rng,
         start: Start,
         mut after: impl FnMut(Taken<'_, L::Model>) -> Result<(), RunError>,
@@ -76,7 +77,7 @@ impl Epoch<'_> {
         let mut means = start.means;
         let mut rate = match start.steps {
             0 => 0.0,
-            taken => self.schedule.rate(step + taken - 1),
+            taken => self.schedule.rate(self.first_step + taken - 1),
         };
         // The items are drawn first, and anew.
         if let Some(drawn) = start.drawn {
@@ -86,7 +87,7 @@ impl Epoch<'_> {
             if self.interrupt.requested() {
                 return Ok(None);
             }
-            rate = self.schedule.rate(step + at);
+            rate = self.schedule.rate(self.first_step + at);
             let (gradients, metrics) = gradients(learner, &model, learner.shards(&item, rng));
             finite(learner.name(), self.number, "training", &metrics)?;
             model = optimizer.step(rate, model, gradients);

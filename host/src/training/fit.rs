@@ -110,6 +110,7 @@ pub fn fit<L: Learner>(
         let steps = Epoch {
             title: &title,
             number: epoch,
+            first_step: step,
             schedule: &schedule,
             interrupt: training.interrupt,
         };
@@ -138,7 +139,6 @@ pub fn fit<L: Learner>(
             learner,
             checkpoint.model,
             &mut checkpoint.optimizer,
-            step,
             &mut rng,
             start.take().unwrap_or_default(),
             after,

@@ -25,14 +25,13 @@ pub(crate) fn tune<L: Learner>(
     let epoch = Epoch {
         title: learner.name(),
         number: 1,
+        first_step: 0,
         schedule: &schedule,
         interrupt,
     };
     let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
     let mut optimizer = optimizer(config.weight_decay);
     let start = Start::default();
-    let done = epoch.take(learner, model, &mut optimizer, 0, &mut rng, start, |_| {
-        Ok(())
-    })?;
+    let done = epoch.take(learner, model, &mut optimizer, &mut rng, start, |_| Ok(()))?;
     Ok(done.map(|trained| trained.model))
 }
