@@ -1,6 +1,9 @@
 //! `myointent live`: the page and its messages, a board on a pseudo-terminal, and the page in a browser.
 
 #[cfg(target_os = "linux")]
+#[path = "live/ask.rs"]
+mod ask;
+#[cfg(target_os = "linux")]
 #[path = "live/board.rs"]
 mod board;
 #[path = "live/browser.rs"]

@@ -2,6 +2,7 @@
 
 #![deny(missing_docs)]
 
+pub mod board;
 pub mod cli;
 pub mod dataset;
 pub mod evaluation;

@@ -202,7 +202,7 @@ impl Output {
     /// Labels and states after each start of the program, the newest start last.
     ///
     /// # Errors
-    /// As [`Run::lines_by_start`].
+    /// As [`Output::lines_by_start`].
     pub fn reports_by_start(&self) -> anyhow::Result<Vec<Vec<Report>>> {
         let starts = self.lines_by_start()?.into_iter();
         Ok(starts

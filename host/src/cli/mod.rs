@@ -1,6 +1,7 @@
 //! The command line: parse, call, print. One file a subcommand; those of a run folder are in `steps`.
 
 pub mod arguments;
+mod board;
 mod completions;
 mod data;
 mod evaluate_models;
@@ -91,6 +92,8 @@ enum Command {
     Template(template::Arguments),
     /// Move the operating point of a model file: the margins of its confidence gate.
     Gate(gate::Arguments),
+    /// Ask a board on a serial port: what runs there, what was lost, an alignment, a binding, its operating point.
+    Board(board::Arguments),
     /// List the built-in presets, or print one.
     Presets(presets::Arguments),
     /// Print the completions of a shell.
@@ -120,6 +123,7 @@ impl Cli {
             Command::Personalize(arguments) => personalize::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
+            Command::Board(arguments) => board::run(&arguments),
             Command::Presets(arguments) => presets::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => completions::run_man(&arguments),

@@ -17,10 +17,9 @@ use shared::units::Millis;
 use super::dialogue::{Dialogue, Heard, Losses};
 use super::scored::Scored;
 use super::{Context, Request};
+use crate::board::BAUD;
 use crate::live::event::Event;
 
-/// Of the board's UART.
-const BAUD: u32 = 115_200;
 /// How long a read waits for bytes: the longest delay that a page sees.
 const WAIT: Duration = Duration::from_millis(10);
 /// Between two attempts to open the port.

@@ -1,0 +1,238 @@
+//! `myointent board`: one command to a board on a serial port.
+
+mod words;
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::bail;
+use clap::{Args, Subcommand};
+use shared::myo::{Address, Following};
+use shared::stream::alignment::Alignment;
+use shared::stream::smoother::Gate as Margins;
+use shared::uart_line::alignment::AlignmentState;
+use shared::uart_line::answer::Answer;
+use shared::uart_line::command::{AlignCommand, BindCommand, Command};
+use shared::uart_line::gate::GateCommand;
+use shared::uart_line::line::Line;
+
+use self::words::{Bound, Counted, Identified, Placed, why};
+use crate::board::Board;
+
+/// An alignment or a pairing takes 30 s at most.
+const PATIENCE: Duration = Duration::from_secs(35);
+/// Between two questions whether a pairing is over.
+const AGAIN: Duration = Duration::from_secs(1);
+
+/// Arguments of `board`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The board's serial port is one USB cable away on the development kits. Close other programs that read it.\n\n\
+    Examples:\n  myointent board --port /dev/ttyACM0 identify\n  \
+    myointent board --port /dev/ttyACM0 bind begin            the strongest armband of the next 30 s\n  \
+    myointent board --port /dev/ttyACM0 align begin           open the hand twice, with rest before and after\n  \
+    myointent board --port COM3 gate --entry 1.5              fewer false activations, until the next start"
+)]
+pub struct Arguments {
+    /// The board's serial port, such as /dev/ttyACM0 or COM3, or a pseudo-terminal.
+    #[arg(long, value_name = "PATH")]
+    port: PathBuf,
+    #[command(subcommand)]
+    request: Request,
+}
+
+#[derive(Debug, Subcommand)]
+enum Request {
+    /// Say what runs there: program, model, armband, battery.
+    Identify,
+    /// Say what was lost and dropped since its start.
+    Counters,
+    /// Begin, cancel or set an alignment to how the armband is worn.
+    #[command(subcommand)]
+    Align(Align),
+    /// Bind an armband, forget it, or say which one is followed.
+    #[command(subcommand)]
+    Bind(Bind),
+    /// Move the operating point until the next start; without margins, say which is in force.
+    Gate {
+        /// By how much the mean logit of a class has to exceed that of every other one, 0 to 50; `model`: as the model file
+        /// says.
+        #[arg(long, value_name = "MARGIN", value_parser = margin)]
+        entry: Option<Margin>,
+        /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50; `model`: as the model file says.
+        #[arg(long, value_name = "MARGIN", value_parser = margin, allow_negative_numbers = true)]
+        other: Option<Margin>,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+enum Align {
+    /// Begin one, as the button does, and wait for its result.
+    Begin,
+    /// End the one in progress.
+    Cancel,
+    /// Put one in force that is known.
+    Set {
+        /// Places that the armband is turned by, 0 to 7.
+        #[arg(value_parser = clap::value_parser!(u8).range(0..8))]
+        turn: u8,
+        /// On the other arm.
+        #[arg(long)]
+        mirrored: bool,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+enum Bind {
+    /// Bind the armband with the strongest signal of the next 30 s.
+    Begin,
+    /// Bind the one with this address.
+    Set {
+        /// Such as FA:12:34:56:78:9A.
+        #[arg(value_parser = |text: &str| Address::parse(text).map_err(|error| error.to_string()))]
+        address: Address,
+    },
+    /// Bind none.
+    Forget,
+    /// Say which one is followed.
+    State,
+}
+
+/// A margin in hundredths; none: the model file's.
+type Margin = Option<i16>;
+
+fn margin(text: &str) -> Result<Margin, String> {
+    if text == "model" {
+        return Ok(None);
+    }
+    let margin: f32 = text.parse().map_err(|_| "a number, or `model`")?;
+    if !(-50.0..=50.0).contains(&margin) {
+        return Err("-50 to 50, or `model`".to_owned());
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "at most 5000")]
+    Ok(Some((margin * 100.0).round() as i16))
+}
+
+/// Asks the board, and prints its answer.
+///
+/// # Errors
+/// When the board does not answer or refuses, or an alignment does not succeed.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let mut board = Board::open(&arguments.port)?;
+    let said = match &arguments.request {
+        Request::Identify => board.ask(Command::Identify, |answer| match answer {
+            Answer::Identity(identity) => Some(Identified(identity).to_string()),
+            _ => None,
+        })?,
+        Request::Counters => board.ask(Command::Counters, |answer| match answer {
+            Answer::Counts(counts) => Some(Counted(counts).to_string()),
+            _ => None,
+        })?,
+        Request::Align(align) => return run_align(&mut board, align),
+        Request::Bind(bind) => return run_bind(&mut board, bind),
+        Request::Gate { entry, other } => run_gate(&mut board, *entry, *other)?,
+    };
+    write!(std::io::stdout(), "{said}")?;
+    Ok(())
+}
+
+fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
+    let command = match *align {
+        Align::Begin => AlignCommand::Begin,
+        Align::Cancel => AlignCommand::Cancel,
+        Align::Set { turn, mirrored } => AlignCommand::Set(Alignment::new(turn, mirrored)),
+    };
+    let accepted = |answer: &Answer<'_>| matches!(answer, Answer::Align(_)).then_some(());
+    board.ask(Command::Align(command), accepted)?;
+    let mut out = std::io::stdout();
+    if command != AlignCommand::Begin {
+        writeln!(out, "done")?;
+        return Ok(());
+    }
+    writeln!(out, "open the hand twice, with rest before and after")?;
+    let result = board.wait(PATIENCE, |line| match line {
+        Line::Alignment(report) if report.state != AlignmentState::Waiting => Some(*report),
+        _ => None,
+    })?;
+    let Some(result) = result else {
+        bail!("the board did not say what came of the alignment");
+    };
+    match result.state {
+        AlignmentState::Aligned => {
+            writeln!(out, "aligned: {}", Placed(&result))?;
+            Ok(())
+        }
+        state => bail!("not aligned, nothing has changed: {}", why(state)),
+    }
+}
+
+fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {
+    let command = match *bind {
+        Bind::Begin => BindCommand::Begin,
+        Bind::Set { address } => BindCommand::Set(address),
+        Bind::Forget => BindCommand::Forget,
+        Bind::State => BindCommand::State,
+    };
+    let read = |answer: &Answer<'_>| match answer {
+        Answer::Binding(binding) => Some(*binding),
+        _ => None,
+    };
+    let mut out = std::io::stdout();
+    let mut binding = board.ask(Command::Bind(command), read)?;
+    let end = Instant::now() + PATIENCE;
+    if matches!(bind, Bind::Begin) {
+        writeln!(out, "pairing: wear the armband close to the board for 30 s")?;
+        while binding.following == Following::Pairing && Instant::now() < end {
+            std::thread::sleep(AGAIN);
+            binding = board.ask(Command::Bind(BindCommand::State), read)?;
+        }
+    }
+    writeln!(out, "{}", Bound(binding))?;
+    Ok(())
+}
+
+fn run_gate(
+    board: &mut Board,
+    entry: Option<Margin>,
+    other: Option<Margin>,
+) -> anyhow::Result<String> {
+    let read = |answer: &Answer<'_>| match answer {
+        Answer::Gate(gate) => Some(*gate),
+        _ => None,
+    };
+    let mut gate = board.ask(Command::Gate(GateCommand::State), read)?;
+    if entry.is_some() || other.is_some() {
+        let wanted = Margins {
+            entry: entry.unwrap_or(gate.entry),
+            other: other.unwrap_or(gate.other),
+        };
+        if wanted.entry.is_some_and(|entry| entry < 0) {
+            bail!("--entry is 0 or more");
+        }
+        gate = board.ask(Command::Gate(GateCommand::Set(wanted)), read)?;
+    }
+    let shown = |margin: Option<i16>| match margin {
+        Some(hundredths) => format!("{:.2}", f32::from(hundredths) / 100.0),
+        None => "as the model file says".to_owned(),
+    };
+    let (entry, other) = (shown(gate.entry), shown(gate.other));
+    Ok(format!(
+        "entry  {entry}\nother  {other}\nuntil the next start; `myointent gate` changes a model file\n"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_margin_is_a_number_of_hundredths_or_the_models() {
+        assert_eq!(margin("1.5"), Ok(Some(150)));
+        assert_eq!(margin("-0.5"), Ok(Some(-50)));
+        assert_eq!(margin("model"), Ok(None));
+        for wrong in ["51", "-50.1", "NaN", "inf", "x", ""] {
+            assert!(margin(wrong).is_err(), "{wrong}");
+        }
+    }
+}
