@@ -9,10 +9,11 @@ use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
 /// Names and texts of the research presets: the paper's comparisons on few people; preset `cpu` with settings for the
-/// baselines.
-const OWN: [(&str, &str); 2] = [
+/// baselines; the paper's teacher at what two cores can do.
+const OWN: [(&str, &str); 3] = [
     ("study", include_str!("../../presets/study.toml")),
     ("comparison", include_str!("../../presets/comparison.toml")),
+    ("paper-size", include_str!("../../presets/paper-size.toml")),
 ];
 /// The table of a preset file that the product does not know.
 const TABLE: &str = "baselines";
@@ -192,7 +193,10 @@ mod tests {
     #[test]
     fn an_unknown_preset_is_refused_with_the_known_names() {
         let error = find_preset("nonsense").unwrap_err().to_string();
-        assert!(error.contains("study, comparison, quickstart"), "{error}");
+        assert!(
+            error.contains("study, comparison, paper-size, quickstart"),
+            "{error}"
+        );
     }
 
     #[test]
