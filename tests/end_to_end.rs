@@ -16,6 +16,8 @@ mod faults;
 mod model;
 #[path = "end_to_end/recordings.rs"]
 mod recordings;
+#[path = "end_to_end/soak.rs"]
+mod soak;
 #[path = "end_to_end/timing.rs"]
 mod timing;
 

@@ -294,6 +294,69 @@ fn a_template_is_made_of_the_people_whom_the_model_has_seen_and_nothing_else_cha
 }
 
 #[test]
+fn a_page_of_several_compares_them_over_the_people_whom_both_have_not_seen() {
+    let folder = folder("report-several");
+    recordings(&folder);
+    let seen: [(&str, &[&str]); 2] = [
+        ("a.intent", &["synthetic/s1"]),
+        ("b.intent", &["synthetic/s2"]),
+    ];
+    for (name, seen) in seen {
+        model(&folder.join(name), seen, Vocabulary::Three);
+    }
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (a, b, data, page) = (
+        path("a.intent"),
+        path("b.intent"),
+        path("data"),
+        path("page.html"),
+    );
+    let report = |models: &[&str]| {
+        let mut line = vec!["report", "--data", &data, "--out", &page];
+        line.extend(models);
+        myointent(&line)
+    };
+    assert!(report(&[&a, &b]));
+    let text = fs::read_to_string(&page).unwrap();
+    // Each has three people; s3 and s4 are of both.
+    assert!(text.contains("a on 3 subjects, b on 3 subjects"));
+    let row = text
+        .split("<tr>")
+        .find(|row| row.contains("b - a"))
+        .unwrap();
+    assert!(row.contains(" n 2, no difference shown"), "{row}");
+    // Floors over other people are other floors.
+    assert!(text.contains("energy detector (b)"));
+    for section in [
+        "Results",
+        "People",
+        "Errors",
+        "Recordings",
+        "Cost on a board",
+    ] {
+        assert!(text.contains(&format!("<h2>{section}</h2>")), "{section}");
+    }
+    // Worst and best of each.
+    assert_eq!(text.matches("EMG and labels: ").count(), 4);
+    assert!(!text.contains("<script") && !text.contains("http"));
+
+    // The same file twice has two names, and nothing to compare.
+    assert!(report(&[&a, &a]));
+    let text = fs::read_to_string(&page).unwrap();
+    let row = text
+        .split("<tr>")
+        .find(|row| row.contains("a (2) - a"))
+        .unwrap();
+    assert!(row.contains("+0.000 [+0.000, +0.000] n 3"), "{row}");
+
+    let six = path("six.intent");
+    model(Path::new(&six), &[], Vocabulary::Six);
+    assert!(!report(&[&a, &six]));
+    assert!(!myointent(&["report", &a, "--out", &page]));
+    assert!(!report(&[&a, &a, &a, &a, &a, &a]));
+}
+
+#[test]
 fn json_names_models_people_and_scores() {
     let folder = folder("evaluate-json");
     recordings(&folder);

@@ -11,6 +11,9 @@ mod browser;
 #[cfg(target_os = "linux")]
 #[path = "live/emulator.rs"]
 mod emulator;
+#[cfg(target_os = "linux")]
+#[path = "live/install.rs"]
+mod install;
 #[cfg(unix)]
 #[path = "live/interrupt.rs"]
 mod interrupt;
@@ -19,6 +22,11 @@ mod page;
 #[cfg(target_os = "linux")]
 #[path = "live/port.rs"]
 mod port;
+#[path = "live/record.rs"]
+mod record;
+#[cfg(unix)]
+#[path = "live/record_process.rs"]
+mod record_process;
 #[path = "live/server.rs"]
 mod server;
 #[path = "live/viewer.rs"]
@@ -36,6 +44,7 @@ fn serve(source: Source) -> Live {
         source,
         model: None,
         listen: "127.0.0.1:0".parse().unwrap(),
+        record: None,
     })
     .unwrap()
 }

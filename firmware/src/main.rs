@@ -9,9 +9,11 @@
 //! tasks           radio, inference, output, control, watchdog
 //! board           pins, UART, watchdog, Bluetooth controller: nRF52, emulator, or simulated on a PC
 //! radio           the Myo session on a Bluetooth stack: SoftDevice or trouble
+//! installation    the model is exchanged
 //! messages        what the tasks send each other
 //! model_region    the model in flash
 //! binding_region  the bound armband in flash
+//! flash           both, and the journal of an installation, as they are written
 //! stack_guard     memory below the stack that nothing may access
 //! settings, clock, reset_reason
 //! ```
@@ -26,6 +28,8 @@ mod board;
 mod clock;
 #[cfg(target_os = "none")]
 mod fault;
+mod flash;
+mod installation;
 mod messages;
 mod model_region;
 mod radio;

@@ -1,9 +1,15 @@
 //! The part of flash that holds the model file (`MODEL` in `memory.x`).
 //!
-//! It is flashed apart from the program, so it may be erased, or hold an old model or noise.
+//! It is flashed apart from the program, so it may be erased, or hold an old model or noise; or the program exchanges it
+//! ([`installation`](crate::installation)), and power may have failed meanwhile.
 
-use shared::model::file::ModelError;
+use shared::installation::journal::{self, Journal};
+use shared::model::encoder::DeviceEncoder;
+use shared::model::file::{Model, ModelError};
+use shared::pipeline::{Input, Smoother};
 use shared::stream::smoother::SettingsError;
+
+use crate::flash::Region;
 
 /// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
@@ -14,16 +20,68 @@ pub enum ModelRefused {
     /// Its header asks for smoother settings that are out of range.
     #[error("model refused: {0}")]
     Smoother(#[from] SettingsError),
+    /// It is being exchanged.
+    #[error(
+        "no model: an installation is not complete; `myointent board --port PATH install FILE` with the same file goes on with it"
+    )]
+    Incomplete,
+}
+
+/// A model that can be run.
+pub struct Loaded {
+    /// Its network.
+    pub encoder: DeviceEncoder<'static>,
+    /// With its settings.
+    pub smoother: Smoother,
+    /// What it asks of the samples.
+    pub input: Input,
+    /// CRC-32 of its file.
+    pub checksum: u32,
+}
+
+/// Reads the region. Nothing that this gives may be used once an installation has asked for its end.
+///
+/// # Errors
+/// Says why the model cannot be run.
+// Not inlined: its stack frame is released before anything else runs.
+#[inline(never)]
+pub fn load() -> Result<Loaded, ModelRefused> {
+    let bytes = bytes();
+    let model = Model::parse(bytes)?;
+    // The file ends with it.
+    let checksum = bytes[..model.length].last_chunk();
+    let encoder = DeviceEncoder::new(&model)?;
+    let settings = model.header.smoother.in_patches();
+    Ok(Loaded {
+        smoother: Smoother::new(settings, encoder.classes())?,
+        encoder,
+        input: Input {
+            normalized: model.header.normalized,
+            template: model.header.template,
+        },
+        checksum: checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes)),
+    })
+}
+
+/// What the journal says of an installation that is not complete.
+pub fn journal() -> Option<Journal> {
+    journal::read(&Region::Journal.read(0))
 }
 
 #[cfg(target_os = "none")]
-pub use flash::bytes;
+use flash::bytes;
+
+/// The whole region, as it is now.
 #[cfg(not(target_os = "none"))]
-pub use simulated::{bytes, insert};
+fn bytes() -> &'static [u8] {
+    crate::flash::contents(Region::Model).leak()
+}
 
 #[cfg(target_os = "none")]
 mod flash {
     use core::{ptr, slice};
+
+    use crate::flash::Region;
 
     /// The whole region.
     #[expect(
@@ -31,37 +89,12 @@ mod flash {
         reason = "only the linker script knows where the region lies"
     )]
     pub fn bytes() -> &'static [u8] {
-        // SAFETY: memory.x defines both symbols, as the two ends of its region MODEL. Only their
-        // addresses are used; nothing is read through them.
-        unsafe extern "C" {
-            static _model_start: u8;
-            static _model_end: u8;
-        }
-        let start = (&raw const _model_start).addr();
-        let length = (&raw const _model_end).addr() - start;
-        let start = ptr::with_exposed_provenance(start);
-        // SAFETY: the addresses from `start` on, `length` of them, are flash that every board has and
-        // that no section of the program is placed in, so no other Rust object overlaps them. Any byte
-        // is a valid `u8`, and alignment is 1. This program never writes flash, so the bytes stay
-        // constant for `'static`. The region is 160 KiB, far below `isize::MAX`.
-        unsafe { slice::from_raw_parts(start, length) }
-    }
-}
-
-#[cfg(not(target_os = "none"))]
-mod simulated {
-    use std::sync::OnceLock;
-
-    static REGION: OnceLock<Vec<u8>> = OnceLock::new();
-
-    /// Writes the region, once, before it is read.
-    pub fn insert(bytes: Vec<u8>) {
-        // A second writing would be that of flash in use.
-        let _ = REGION.set(bytes);
-    }
-
-    /// The whole region.
-    pub fn bytes() -> &'static [u8] {
-        REGION.get_or_init(Vec::new)
+        let start = ptr::with_exposed_provenance(Region::Model.address(0) as usize);
+        // SAFETY: the addresses of the region are flash that every board has and that no section of the program is placed
+        // in, so no other Rust object overlaps them. Any byte is a valid `u8`, and alignment is 1. The program writes it in
+        // one place, `installation`, and there only after the inference has given up what it borrowed and for as long as no
+        // model is in use; a slice that was given before is not read then, and a fresh one is made after. The region is
+        // 160 KiB, far below `isize::MAX`.
+        unsafe { slice::from_raw_parts(start, Region::Model.length() as usize) }
     }
 }

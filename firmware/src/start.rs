@@ -3,7 +3,10 @@
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 
 use crate::board;
-use crate::messages::uart::{self, UartMessage};
+use crate::messages::{
+    model,
+    uart::{self, UartMessage},
+};
 use crate::tasks::{control, inference, output, radio, watchdog};
 
 #[cfg(not(any(
@@ -25,20 +28,11 @@ pub fn start(spawner: Spawner) {
     let board = board::start();
     spawn(&spawner, output::run(board.labels, board.pins));
     spawn(&spawner, watchdog::run(board.watchdog));
-    let loaded = inference::load(board.reset_reason);
-    let model = loaded.as_ref().ok().map(|(_, checksum)| *checksum);
-    uart::enqueue(UartMessage::Started(board.reset_reason, model));
-    spawn(&spawner, control::run(board.commands, board.button, model));
-    match loaded {
-        Ok((pipeline, _)) => {
-            spawn(&spawner, inference::run(pipeline, board.dead_man));
-            spawn(&spawner, radio::run(spawner, board.radio));
-        }
-        Err(error) => spawn(
-            &spawner,
-            inference::report_refused(error, board.reset_reason),
-        ),
-    }
+    let (pipeline, refused) = inference::load(board.reset_reason);
+    uart::enqueue(UartMessage::Started(board.reset_reason, model::current()));
+    spawn(&spawner, control::run(board.commands, board.button));
+    spawn(&spawner, inference::run(pipeline, refused, board.dead_man));
+    spawn(&spawner, radio::run(spawner, board.radio));
 }
 
 fn spawn<S>(spawner: &Spawner, task: Result<SpawnToken<S>, SpawnError>) {

@@ -1,5 +1,9 @@
 //! Commands to a board on a serial port: one at a time, each with its answer.
 
+mod install;
+
+pub use self::install::{ModelFile, Unfit, install};
+
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -50,6 +54,12 @@ pub enum BoardError {
     /// The board refuses.
     #[error("the board refuses: {0}")]
     Refused(#[from] Refusal),
+    /// The board cannot run a model.
+    #[error("the board cannot run this model, and is safe; it says: {reason}")]
+    Model {
+        /// Its own words.
+        reason: String,
+    },
 }
 
 /// A board.
@@ -58,6 +68,8 @@ pub struct Board {
     path: PathBuf,
     port: SerialPort,
     reader: LineReader,
+    /// Why it has refused a model, in its own words.
+    reason: Option<String>,
 }
 
 impl Board {
@@ -82,6 +94,7 @@ impl Board {
             path: path.to_owned(),
             port,
             reader: LineReader::new(),
+            reason: None,
         })
     }
 
@@ -94,6 +107,7 @@ impl Board {
         command: Command,
         mut read: impl FnMut(&Answer<'_>) -> Option<T>,
     ) -> Result<T, BoardError> {
+        let mut refused = None;
         for _ in 0..ATTEMPTS {
             self.port
                 .write_all(command.to_string().as_bytes())
@@ -106,12 +120,23 @@ impl Board {
             match answer {
                 Some(Ok(answer)) => return Ok(answer),
                 // The board says so of a line that was damaged on the way.
-                Some(Err(Refusal::Checksum(_) | Refusal::Frame | Refusal::TooLong)) | None => {}
+                Some(Err(
+                    refusal @ (Refusal::Checksum(_)
+                    | Refusal::Frame
+                    | Refusal::TooLong
+                    | Refusal::Block
+                    | Refusal::Flash
+                    | Refusal::Busy),
+                )) => refused = Some(refusal),
+                None => {}
                 Some(Err(refusal)) => return Err(refusal.into()),
             }
         }
-        Err(BoardError::Silent {
-            path: self.path.clone(),
+        Err(match refused {
+            Some(refusal) => refusal.into(),
+            None => BoardError::Silent {
+                path: self.path.clone(),
+            },
         })
     }
 
@@ -132,10 +157,15 @@ impl Board {
                 Ok(0) => return Err(self.lost(ErrorKind::UnexpectedEof.into())),
                 Ok(_) => {
                     // A damaged line is no line: what it may have said is asked for again.
-                    if let Some(Ok(line)) = self.reader.push(byte[0])
-                        && let Some(found) = read(&line)
-                    {
-                        return Ok(Some(found));
+                    if let Some(Ok(line)) = self.reader.push(byte[0]) {
+                        if let Line::Comment(text) = line
+                            && text.starts_with(" model refused: ")
+                        {
+                            self.reason = Some(text.trim().to_owned());
+                        }
+                        if let Some(found) = read(&line) {
+                            return Ok(Some(found));
+                        }
                     }
                 }
                 Err(error)

@@ -9,6 +9,7 @@ pub mod evaluation;
 pub mod execution;
 pub mod inference;
 pub mod live;
+pub mod record;
 pub mod report;
 pub mod run;
 pub mod statistics;

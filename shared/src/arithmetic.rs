@@ -9,10 +9,10 @@ use micromath::F32Ext;
 /// Above this [`exp`] is infinite; below its negative, where e^x is under 1.7e-38, it is zero.
 const EXP_LIMIT: f32 = 87.0;
 /// Entries of [`exp`]'s table per power of two.
-const STEPS: usize = 32;
-/// `2^(step / 32)`, by 32 products in f64.
+const STEPS: usize = 128;
+/// `2^(step / 128)`, by 128 products in f64.
 const POWERS: [f32; STEPS] = {
-    const ROOT: f64 = 1.021_897_148_654_116_7;
+    const ROOT: f64 = 1.005_429_901_112_802_8;
     let mut powers = [1.0; STEPS];
     let mut power = 1.0;
     let mut step = 0;
@@ -27,22 +27,24 @@ const POWERS: [f32; STEPS] = {
 /// bits, as two's complement.
 pub(crate) const ROUNDING: f32 = 12_582_912.0;
 
-/// e to the power `x`; relative error at most 6e-7 for |x| <= 8, 5e-6 everywhere.
+/// e to the power `x`; relative error at most 5e-6 for |x| <= 8, 1e-5 everywhere.
 ///
-/// Infinite above 87, zero below -87, NaN for NaN. `x` = n ln 2 / 32 + r with |r| <= 0.011; e^r is its Taylor
-/// series to the second power (r^3 / 6 is 2e-7), the rest a power of two from a table, shifted.
+/// Infinite above 87, zero below -87, NaN for NaN. `x` is a number of steps of ln 2 / 128 and a fraction of at most half
+/// of one, whose power is its Taylor series to the first power (the next term is 3.7e-6); that of the steps is from a
+/// table, shifted.
 #[must_use]
 #[inline(always)]
 pub(crate) fn exp(x: f32) -> f32 {
     if x.to_bits() & 0x7fff_ffff > EXP_LIMIT.to_bits() {
         return exp_beyond(x);
     }
-    let shifted = x * (STEPS as f32 * core::f32::consts::LOG2_E) + ROUNDING;
+    let steps = x * (STEPS as f32 * core::f32::consts::LOG2_E);
+    let shifted = steps + ROUNDING;
     let bits = shifted.to_bits();
-    let r = x - (shifted - ROUNDING) * (core::f32::consts::LN_2 / STEPS as f32);
-    let series = (r * 0.5 + 1.0) * r + 1.0;
+    let fraction = steps - (shifted - ROUNDING);
+    let series = fraction * (core::f32::consts::LN_2 / STEPS as f32) + 1.0;
     let power = POWERS[bits as usize % STEPS].to_bits();
-    // The integer's bits above the five of the table index, as an exponent.
+    // The integer's bits above those of the table index, as an exponent.
     let exponent = (bits >> STEPS.ilog2()) << 23;
     series * f32::from_bits(power.wrapping_add(exponent))
 }
@@ -58,11 +60,49 @@ fn exp_beyond(x: f32) -> f32 {
     }
 }
 
-/// `x * sigmoid(1.702 x)`: the GELU approximation that the student is trained with.
+/// From here on [`gelu`]'s distance to a ramp counts as 0: it is below 1e-5.
+const GELU_END: f32 = 8.0;
+/// Lines of [`gelu`]'s table, from 0 to [`GELU_END`].
+const LINES: usize = 256;
+/// `a * sigmoid(-1.702 a)` at the beginning of each line, and what it grows by until the next.
+const RAMP_LESS_GELU: [[f32; 2]; LINES] = {
+    // e^(-1.702 / 32), by whose powers the exponential is computed.
+    const RATIO: f64 = 0.948_202_207_899_688_3;
+    let mut lines = [[0.0; 2]; LINES];
+    let (mut line, mut power, mut before) = (0, 1.0, 0.0);
+    while line < LINES {
+        power *= RATIO;
+        let a = (line + 1) as f64 * (GELU_END as f64 / LINES as f64);
+        let next = a * power / (1.0 + power);
+        lines[line] = [before as f32, (next - before) as f32];
+        before = next;
+        line += 1;
+    }
+    lines
+};
+
+/// `x * sigmoid(1.702 x)`: the GELU approximation that the student is trained with; error at most 1.1e-4.
+///
+/// A ramp less an even function, which is interpolated in a table: a third of the cycles of an exponential and a
+/// division on a Cortex-M4, and far finer than the codes that the result is rounded to.
 #[must_use]
 #[inline(always)]
 pub(crate) fn gelu(x: f32) -> f32 {
-    x / (1.0 + exp(-1.702 * x))
+    let bits = x.to_bits();
+    if bits & 0x7fff_ffff >= GELU_END.to_bits() {
+        return gelu_beyond(x);
+    }
+    let place = x.abs() * (LINES as f32 / GELU_END);
+    let line = place as u32;
+    let [start, slope] = RAMP_LESS_GELU[line as usize % LINES];
+    // max(x, 0): no bits if the sign is set.
+    let ramp = f32::from_bits(bits & !(bits.cast_signed() >> 31).cast_unsigned());
+    ramp - (start + (place - line as f32) * slope)
+}
+
+#[cold]
+fn gelu_beyond(x: f32) -> f32 {
+    if x < 0.0 { 0.0 } else { x }
 }
 
 /// One over the square root of `x`, relative error at most 2e-7; 0 for what is not above 0.
@@ -123,7 +163,7 @@ mod tests {
 
     fn worst_error_of_exp(limit: f32) -> f64 {
         let mut worst = 0.0_f64;
-        for step in -870_000..=870_000 {
+        for step in (-870_000..=870_000).step_by(5) {
             let x = step as f32 * 1e-6 * limit / 0.87;
             let truth = libm::exp(f64::from(x));
             worst = worst.max((f64::from(exp(x)) / truth - 1.0).abs());
@@ -134,8 +174,8 @@ mod tests {
     #[test]
     fn exp_has_its_stated_errors() {
         let [near, everywhere] = [8.0, EXP_LIMIT].map(worst_error_of_exp);
-        assert!(near <= 6e-7, "relative error {near:e}");
-        assert!(everywhere <= 5e-6, "relative error {everywhere:e}");
+        assert!(near <= 5e-6, "relative error {near:e}");
+        assert!(everywhere <= 1e-5, "relative error {everywhere:e}");
     }
 
     #[test]
@@ -163,9 +203,13 @@ mod tests {
         for step in -2000..=2000 {
             let x = step as f32 * 0.01;
             let truth = f64::from(x) / (1.0 + libm::exp(-1.702 * f64::from(x)));
-            assert!((f64::from(gelu(x)) - truth).abs() <= 4e-7 * truth.abs().max(1.0));
+            assert!((f64::from(gelu(x)) - truth).abs() <= 1.1e-4, "{x}");
         }
-        assert_eq!(gelu(-1e30), 0.0);
+        assert_eq!(
+            [-1e30, f32::NEG_INFINITY, -0.0, 1e30].map(gelu),
+            [0.0, 0.0, 0.0, 1e30]
+        );
+        assert!(gelu(f32::NAN).is_nan() && gelu(-f32::NAN).is_nan());
     }
 
     #[test]
@@ -231,7 +275,7 @@ mod tests {
                 digest.update(&result.to_bits().to_le_bytes());
             }
         }
-        assert_eq!(digest.finalize(), 2_185_938_945);
+        assert_eq!(digest.finalize(), 1_749_541_507);
     }
 
     #[test]

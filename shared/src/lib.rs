@@ -11,6 +11,8 @@
 //! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
 //! | `kernels`, `arithmetic` | what takes the time, in plain Rust and with a Cortex-M4's DSP instructions; float functions |
+//! | [`installation`] | a new model in place of the one in flash, block by block |
+//! | `checksum` | CRC-32 of a few bytes |
 //! | [`button`] | a push button: pressed, held |
 //! | [`intent`], [`units`] | intents and classes; samples, patches, time |
 //!
@@ -36,6 +38,8 @@ test::entry!(run_tests);
 
 mod arithmetic;
 pub mod button;
+mod checksum;
+pub mod installation;
 pub mod intent;
 mod kernels;
 pub mod model;

@@ -15,20 +15,23 @@
 
 mod alignment;
 mod gate;
+mod in_use;
 mod reports;
 
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
+use self::in_use::InUse;
+pub use self::in_use::{Input, Smoother};
 pub use self::reports::Reports;
-use crate::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
+use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
 use crate::stream::preprocess::Preprocessor;
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
-use crate::stream::smoother::{Settings, SettingsError, Smoother};
+use crate::stream::smoother::{Settings, SettingsError};
 use crate::uart_line::{Counters, Kind, Report};
-use crate::units::{LOOK_BACK, Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
+use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
 
 /// Most consecutive lost samples that are filled in, by repeating the last sample before them.
 const MAX_BRIDGED: u32 = 5;
@@ -46,10 +49,10 @@ pub struct Pipeline<'s, E: Encode> {
     ring: SampleRing,
     /// Complete patches in the ring that the encoder has yet to take, the newest ones.
     behind: usize,
-    encoder: E,
+    /// None while no model may be read: it was refused, or another one is being installed.
+    model: Option<InUse<E>>,
     /// Borrowed: it is too large to be moved over a device's stack.
     state: &'s mut E::State,
-    smoother: Smoother<MAX_LOGITS, LOOK_BACK>,
     safe_state: SafeState,
     counters: Counters,
     /// The newest sample of the ring's newest complete patch.
@@ -81,27 +84,22 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             });
         }
         let smoother = Smoother::new(settings, classes)?;
-        Ok(Self::with_smoother(encoder, state, smoother, start))
+        let mut pipeline = Self::without_model(state, start);
+        pipeline.set_model(encoder, smoother);
+        Ok(pipeline)
     }
 
-    /// As [`Pipeline::new`], with a smoother for the encoder's number of classes. Cannot fail, so the
-    /// pipeline can be constructed in place.
-    pub fn with_smoother(
-        encoder: E,
-        state: &'s mut E::State,
-        smoother: Smoother<MAX_LOGITS, LOOK_BACK>,
-        start: Start,
-    ) -> Self {
-        encoder.reset(state);
+    /// A pipeline before its first sample, in the safe state, that has no model yet. Cannot fail, so it can be constructed
+    /// in place.
+    pub fn without_model(state: &'s mut E::State, start: Start) -> Self {
         Self {
             normalizer: None,
             placement: Placement::default(),
             preprocessor: Preprocessor::new(),
             ring: SampleRing::new(),
             behind: 0,
-            smoother,
+            model: None,
             state,
-            encoder,
             safe_state: SafeState::new(start),
             counters: Counters::default(),
             newest_end: SampleIndex(0),
@@ -223,19 +221,22 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         if self.behind == 0 {
             return;
         }
+        let Some(InUse { encoder, smoother }) = &mut self.model else {
+            return;
+        };
         // One patch a sample: ten times as fast as they come, and on a device less than the time between two samples.
         let behind = self.behind.min(self.ring.complete()).saturating_sub(1);
         self.behind = behind;
         let patch = self.ring.before_newest(behind);
-        let rows = self.encoder.step(self.state, patch);
+        let rows = encoder.step(self.state, patch);
         let window_full = self.ring.contiguous() as usize / PATCH >= WINDOW_PATCHES + behind;
         // The labels that older windows take part in were emitted under the alignment before.
-        if !window_full || behind > self.smoother.look_ahead() {
+        if !window_full || behind > smoother.look_ahead() {
             return;
         }
         let after = (behind * PATCH) as u32;
         let window_end = SampleIndex(self.newest_end.0.wrapping_sub(after));
-        let Some(decision) = self.smoother.push(window_end, &rows) else {
+        let Some(decision) = smoother.push(window_end, &rows) else {
             return;
         };
         let Some(intent) = Intent::from_class(decision.class) else {
@@ -261,8 +262,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         self.ring.reset();
         self.behind = 0;
         self.interrupt_alignment();
-        self.encoder.reset(self.state);
-        self.smoother.restart();
+        self.restart_model();
     }
 
     fn handle(&mut self, now: Millis, event: Event, reports: &mut Reports) {

@@ -217,10 +217,12 @@ class Armband:
                 await asyncio.sleep(seconds)
             case "vanish":
                 await self._delivered()
+                self._refusals += step.fields["refuse"]
                 self._disconnect(LOST, step.fields["for_ms"] / 1000)
                 return False
             case "sleep":
                 await self._delivered()
+                self._refusals += step.fields["refuse"]
                 self._disconnect(HUNG_UP, step.fields["for_ms"] / 1000)
                 return False
             case "battery":

@@ -12,6 +12,7 @@
     {"do": "vanish", "at": 100, "for_ms": 500}   before 100 the link is lost (supervision timeout);
                                                  no advertising for 500 ms; then 100 is the next
     {"do": "sleep", "at": 100, "for_ms": 500}    the same, but the armband ends the connection
+         with "refuse": 2 either closes the next two connections at once
     {"do": "battery", "at": 100, "percent": 5}   the battery level falls; subscribers are notified
     {"do": "refuse", "count": 2}                 the first two connections are closed at once
     {"do": "chatter", "ms": 5}                   from every connection to its stream, a notification without
@@ -37,8 +38,8 @@ _FIELDS: dict[str, dict[str, Any]] = {
     "swap": {"at": None},
     "corrupt": {"at": None, "kind": None},
     "delay": {"at": None, "ms": None},
-    "vanish": {"at": None, "for_ms": None},
-    "sleep": {"at": None, "for_ms": 1000},
+    "vanish": {"at": None, "for_ms": None, "refuse": 0},
+    "sleep": {"at": None, "for_ms": 1000, "refuse": 0},
     "battery": {"at": None, "percent": None},
     "refuse": {"count": None},
     "chatter": {"ms": None},

@@ -281,6 +281,19 @@ class Misbehaviour(ArmbandTest):
         await central.start(ADDRESS)
         await self.until("end")
 
+    async def test_after_it_has_vanished_it_refuses_as_many_connections_as_scripted(self):
+        step = {"do": "vanish", "at": 50, "for_ms": 50, "refuse": 1}
+        central = await self.start_armband(script=[step])
+        await central.start(ADDRESS)
+        await until(lambda: central.disconnections == [0x08], "a lost link")
+        await self.until("advertising", 2)
+        await central.connect(ADDRESS)
+        await until(lambda: central.disconnections == [0x08, 0x3E], "a refusal")
+        await self.until("advertising", 3)
+        await central.start(ADDRESS)
+        await self.until("end")
+        self.assertEqual(len(self.log.named("refused")), 1)
+
     async def test_a_falling_battery_level_is_notified(self):
         central = await self.start_armband(script=[{"do": "battery", "at": 50, "percent": 5}])
         await central.connect(ADDRESS)

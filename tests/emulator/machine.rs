@@ -49,6 +49,8 @@ pub enum Fault {
     ClockStops = 8,
     /// Nothing more is received from the Bluetooth controller.
     RadioStops = 9,
+    /// The inference takes 300 ms for one packet, and goes on.
+    InferencePauses = 10,
 }
 
 /// Configuration words of the emulated board. A reset keeps them.

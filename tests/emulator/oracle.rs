@@ -3,7 +3,7 @@
 use shared::model::Encode;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
-use shared::pipeline::{Pipeline, Reports};
+use shared::pipeline::{self, Pipeline, Reports, Smoother};
 use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
@@ -26,6 +26,10 @@ pub enum Input<'s> {
     SetAlignment(Alignment),
     /// A command changes the confidence gate.
     SetGate(Gate),
+    /// An installation begins to write.
+    Suspend,
+    /// This model is in use.
+    Resume(&'s [u8]),
 }
 
 /// The lines for these inputs, the first one at boot.
@@ -64,6 +68,19 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
             }
             Input::SetGate(gate) => {
                 anyhow::ensure!(pipeline.set_gate(gate), "a margin that the model has not");
+                Reports::default()
+            }
+            Input::Suspend => pipeline.suspend(now),
+            Input::Resume(file) => {
+                let model = Model::parse(file)?;
+                let encoder = DeviceEncoder::new(&model)?;
+                let settings = model.header.smoother.in_patches();
+                let smoother = Smoother::new(settings, encoder.classes())?;
+                let input = pipeline::Input {
+                    normalized: model.header.normalized,
+                    template: model.header.template,
+                };
+                pipeline.resume(now, encoder, smoother, input);
                 Reports::default()
             }
             Input::Align => {

@@ -90,7 +90,7 @@ fn each_command_is_answered_and_wrong_lines_are_refused() -> anyhow::Result<()> 
         ("$IDENTIFY\r\n", "ERR,frame"),
         (&framed("REBOOT"), "ERR,unknown"),
         (&framed("ALIGN,set,9,0"), "ERR,arguments"),
-        (&format!("${}", "x".repeat(70)), "ERR,too-long"),
+        (&format!("${}", "x".repeat(120)), "ERR,too-long"),
         (&framed("RAW,off"), "OK,RAW,off"),
         (&framed("ALIGN,begin"), "OK,ALIGN,begin"),
         (&framed("ALIGN,cancel"), "OK,ALIGN,cancel"),

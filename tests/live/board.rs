@@ -165,6 +165,7 @@ fn answer(command: Result<Command, Refusal>) -> Answer<'static> {
         Ok(Command::Raw(on)) => Answer::Raw(on),
         Ok(Command::Bind(_)) => Answer::Refused(Refusal::BuiltIn),
         Ok(Command::Gate(_)) => Answer::Gate(Gate::default()),
+        Ok(Command::Install(_) | Command::Block(..)) => Answer::Refused(Refusal::Flash),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

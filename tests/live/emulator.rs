@@ -80,6 +80,7 @@ fn the_emulated_board_is_shown_with_its_armbands_samples_and_its_own_labels() ->
         source: Source::Port(terminal(&slave)),
         model: Some(shipped()),
         listen: "127.0.0.1:0".parse()?,
+        record: None,
     })?;
     let mut viewer = Viewer::connect(live.url());
     let (sender, messages) = channel();

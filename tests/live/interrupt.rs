@@ -1,12 +1,22 @@
 //! The program as a process: Ctrl-C ends it, viewers are told, and the shell sees that all is well; and in a terminal.
 
 use std::io::{BufRead as _, BufReader};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Child, Command, ExitCode, Stdio};
 
 use clap::Parser as _;
 use myointent::cli::Cli;
 
 use super::viewer::Viewer;
+
+/// The address of the page that a program prints at its start.
+pub fn address(program: &mut Child) -> String {
+    let lines = BufReader::new(program.stdout.take().unwrap()).lines();
+    let url = lines.map_while(Result::ok).find_map(|line| {
+        let at = line.find("http://")?;
+        Some(line[at..].to_owned())
+    });
+    url.unwrap()
+}
 
 #[test]
 fn ctrl_c_ends_the_program_in_order() {
@@ -17,12 +27,7 @@ fn ctrl_c_ends_the_program_in_order() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let lines = BufReader::new(child.stdout.take().unwrap()).lines();
-    let url = lines.map_while(Result::ok).find_map(|line| {
-        let at = line.find("http://")?;
-        Some(line[at..].to_owned())
-    });
-    let mut viewer = Viewer::connect(&url.unwrap());
+    let mut viewer = Viewer::connect(&address(&mut child));
     viewer.find("samples", |_| true);
     let process = child.id().to_string();
     let sent = Command::new("kill").args(["-INT", &process]).status();

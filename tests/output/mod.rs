@@ -2,6 +2,7 @@
 
 mod invariants;
 mod pins;
+mod tail;
 
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,7 @@ use serde_json::Value;
 use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport};
 
 pub use pins::Pins;
+pub use tail::Tail;
 
 /// The lines of UART0, unless somebody copies them elsewhere.
 pub const LINES: &str = "uart0.out";
@@ -93,6 +95,24 @@ impl Output {
     #[must_use]
     pub fn lines_file(&self) -> PathBuf {
         self.folder.join(self.lines)
+    }
+
+    /// Follows UART0's lines.
+    #[must_use]
+    pub fn follow_lines(&self) -> Tail {
+        Tail::new(&self.lines_file())
+    }
+
+    /// Follows the log of the pins.
+    #[must_use]
+    pub fn follow_pins(&self) -> Tail {
+        Tail::new(&self.folder.join(LEVELS))
+    }
+
+    /// Follows the armband's log.
+    #[must_use]
+    pub fn follow_armband(&self) -> Tail {
+        Tail::new(&self.folder.join(ARMBAND_LOG))
     }
 
     /// Complete lines of UART0 that are reports, line ends included.

@@ -22,8 +22,6 @@ const COVERAGE: [&str; 5] = [
 ];
 /// Seconds of a target where nothing else is said.
 const SECONDS: u32 = 10;
-/// Longest input, in bytes.
-const LONGEST: &str = "-max_len=4096";
 /// Seconds that one input may take.
 const TIMEOUT: &str = "-timeout=10";
 /// KiB of address space: an allocation by a number in the input fails instead of being left unused.
@@ -60,15 +58,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Ok(());
     }
     let known = targets(&program)?;
+    let names: Vec<&str> = known.iter().map(|target| target.name.as_str()).collect();
     for name in &arguments.target {
-        let all = known.join(", ");
-        ensure!(known.contains(name), "no target {name}; there are {all}");
+        let all = names.join(", ");
+        ensure!(
+            names.contains(&name.as_str()),
+            "no target {name}; there are {all}"
+        );
     }
-    let wanted = |name: &&String| arguments.target.is_empty() || arguments.target.contains(name);
+    let wanted =
+        |target: &&Target| arguments.target.is_empty() || arguments.target.contains(&target.name);
     println!("target             executions  a second  branches  inputs  result");
     let mut findings = Vec::new();
-    for name in known.iter().filter(wanted) {
-        let outcome = fuzz(&program, name, arguments)?;
+    for target in known.iter().filter(wanted) {
+        let outcome = fuzz(&program, target, arguments)?;
+        let name = &target.name;
         println!("{name:<16} {outcome}");
         if let Some(finding) = outcome.finding {
             findings.push(format!("{name}: {finding}"));
@@ -125,14 +129,34 @@ fn host() -> Result<String> {
     Ok(host.context("rustc names no host")?.to_owned())
 }
 
-fn targets(program: &Path) -> Result<Vec<String>> {
+/// What the program has to offer.
+#[derive(PartialEq, Eq, Debug)]
+struct Target {
+    name: String,
+    /// Bytes of its longest input.
+    longest: u32,
+}
+
+impl Target {
+    /// Of a line of the program: both, with a space between.
+    fn of(line: &str) -> Result<Self> {
+        let named = line.split_once(' ');
+        let (name, longest) = named.with_context(|| format!("{line:?} is no target"))?;
+        Ok(Self {
+            name: name.to_owned(),
+            longest: longest.parse()?,
+        })
+    }
+}
+
+fn targets(program: &Path) -> Result<Vec<Target>> {
     let output = Command::new(program)
         .env("MYOINTENT_FUZZ_LIST", "1")
         .output()
         .with_context(|| format!("{} cannot be run", program.display()))?;
     let text = String::from_utf8(output.stdout)?;
     ensure!(!text.is_empty(), "no targets");
-    Ok(text.lines().map(str::to_owned).collect())
+    text.lines().map(Target::of).collect()
 }
 
 /// What became of a target.
@@ -162,7 +186,8 @@ impl fmt::Display for Outcome {
     }
 }
 
-fn fuzz(program: &Path, name: &str, arguments: &Arguments) -> Result<Outcome> {
+fn fuzz(program: &Path, target: &Target, arguments: &Arguments) -> Result<Outcome> {
+    let Target { name, longest } = target;
     let corpus = folder().join("corpus").join(name);
     let findings = folder().join("findings").join(name);
     for folder in [&corpus, &findings] {
@@ -185,7 +210,8 @@ fn fuzz(program: &Path, name: &str, arguments: &Arguments) -> Result<Outcome> {
         .arg("-c")
         .arg(format!("ulimit -v {MEMORY_KIB} && exec \"$0\" \"$@\""))
         .arg(program)
-        .args([LONGEST, TIMEOUT, "-print_final_stats=1", "-verbosity=1"])
+        .arg(format!("-max_len={longest}"))
+        .args([TIMEOUT, "-print_final_stats=1", "-verbosity=1"])
         .args(limits)
         .arg(format!("-artifact_prefix={}/", findings.display()))
         .args([&corpus, &crate_folder().join("corpus").join(name)])
@@ -276,6 +302,13 @@ mod tests {
         };
         assert_eq!(Figures::of(log), expected);
         assert_eq!(Figures::of("nothing\n"), Figures::default());
+    }
+
+    #[test]
+    fn a_target_is_a_name_and_the_length_of_its_longest_input() {
+        let target = Target::of("npy 1024").unwrap();
+        assert_eq!((target.name.as_str(), target.longest), ("npy", 1024));
+        assert!(Target::of("npy").is_err() && Target::of("npy many").is_err());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::{
 };
 
 /// Folders whose pages are checked, below the workspace; `.` without its subfolders.
-const FOLDERS: [&str; 3] = [".", "docs", "models"];
+const FOLDERS: [&str; 4] = [".", "docs", "docs/guides", "models"];
 
 /// A page's text without its code blocks, where a `#` or a bracket means something else.
 fn prose(page: &Path) -> String {

@@ -6,12 +6,14 @@
 //!   +----------------------+--------- PinState -------+-------> pins, LEDs
 //!   |                      |                          |
 //!   +------Requests--------+------- control --Answer--+
+//!   +-- installation <-----+----------+
 //!
 //! radio, inference, output ---Heartbeat---> watchdog
 //! ```
 
 pub mod armband;
 pub mod heartbeat;
+pub mod model;
 pub mod packets;
 pub mod pin_state;
 mod queue;

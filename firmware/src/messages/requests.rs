@@ -4,10 +4,13 @@ use embassy_sync::{
     blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel, signal::Signal,
 };
 use embassy_time::{Duration, with_timeout};
+use shared::installation::{Block, Progress, Transfer};
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
+
+use crate::model_region::ModelRefused;
 
 /// To the inference.
 pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
@@ -19,6 +22,12 @@ pub enum InferenceRequest {
     Align(AlignCommand),
     /// The confidence gate.
     Gate(GateCommand),
+    /// Enter the safe state, and read the model's region no more.
+    Suspend,
+    /// The region holds no model, for this reason.
+    Refuse(ModelRefused),
+    /// Put the region's model in use.
+    Resume,
 }
 
 /// What the inference answers.
@@ -28,6 +37,20 @@ pub enum InferenceAnswer {
     Align(AlignCommand),
     /// This gate is in force from now on.
     Gate(Gate),
+    /// It is done.
+    Done,
+}
+
+/// To the task that exchanges the model.
+pub static INSTALLATION: Requests<InstallationRequest, Progress> = Requests::new();
+
+/// What it is asked for.
+#[derive(Clone, Copy)]
+pub enum InstallationRequest {
+    /// Begin, or go on.
+    Begin(Transfer),
+    /// Take a block.
+    Block(u32, Block),
 }
 
 /// To the radio.

@@ -9,7 +9,7 @@ use embassy_futures::select::{Either3, select3};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel};
 use shared::myo::{Counters, FirmwareVersion, Following};
 use shared::uart_line::answer::{Answer, Identity};
-use shared::uart_line::command::{BindCommand, Command};
+use shared::uart_line::command::BEGIN_PAIRING;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::{Report, alignment::AlignmentReport};
 
@@ -190,11 +190,10 @@ fn write_following(line: &mut Line, following: Following) -> fmt::Result {
             line.write_str("# pairing: in 30 s the armband with the strongest signal is bound\r\n")
         }
         Following::Nobody => {
-            let begin = Command::Bind(BindCommand::Begin);
-            write!(
-                line,
-                "# follows no armband: none is bound. Wear yours beside the board and hold button 1 for 3 s, or send {begin}"
-            )
+            line.write_str(
+                "# follows no armband: none is bound. Wear yours beside the board and hold button 1 for 3 s, or send ",
+            )?;
+            line.write_str(BEGIN_PAIRING)
         }
     }
 }

@@ -5,10 +5,7 @@
 
 use core::cell::{Cell, RefCell};
 
-use embassy_futures::{
-    select::{Either, select},
-    yield_now,
-};
+use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, signal::Signal};
 use embassy_time::{Duration, Ticker};
 use shared::myo::{Action, Address, Discovery, Event, Following, MyoSession, Phase, Progress};
@@ -20,8 +17,9 @@ use super::{
     ConnectionHandler, ENABLE_NOTIFICATIONS, Link, MAX_VALUE_BYTES, OperationFailed, Radio,
     handles::Handles,
 };
-use crate::binding_region::{self, Page};
+use crate::binding_region;
 use crate::clock::now;
+use crate::flash::{Flash, SharedFlash};
 use crate::messages::{
     heartbeat,
     packets::Packets,
@@ -79,13 +77,13 @@ impl<'q> SessionDriver<'q> {
     }
 
     /// Runs the session forever, from one connection to the next.
-    pub async fn run(&self, radio: &mut impl Radio, page: &mut impl Page) {
+    pub async fn run(&self, radio: &mut impl Radio, flash: &SharedFlash<impl Flash>) {
         select(self.tick(), async {
             loop {
                 // Between two scans or connections: erasing a page holds the core up, for longer than a connection bears.
                 let operation = match select(self.keep.wait(), self.operations.receive()).await {
                     Either::First(armband) => {
-                        self.keep(page, armband).await;
+                        self.keep(flash, armband).await;
                         continue;
                     }
                     Either::Second(operation) => operation,
@@ -96,7 +94,7 @@ impl<'q> SessionDriver<'q> {
                         self.disconnect.reset();
                         self.streaming.reset();
                         self.connected.set(false);
-                        select(radio.connect(address, self), self.disconnect_requested()).await;
+                        select(radio.connect(address, self), self.disconnect.wait()).await;
                         self.handle(if self.connected.get() {
                             Event::Disconnected
                         } else {
@@ -111,8 +109,8 @@ impl<'q> SessionDriver<'q> {
         .await;
     }
 
-    async fn keep(&self, page: &mut impl Page, armband: Option<Address>) {
-        if !binding_region::keep(page, armband).await {
+    async fn keep(&self, flash: &SharedFlash<impl Flash>, armband: Option<Address>) {
+        if !binding_region::keep(&mut *flash.lock().await, armband).await {
             uart::enqueue(UartMessage::NotKept);
         }
         self.kept.set(binding_region::load());
@@ -138,15 +136,6 @@ impl<'q> SessionDriver<'q> {
             following: session.following(),
             is_kept: session.bound() == self.kept.get(),
         })
-    }
-
-    /// Waits for the session's request; then the stack's task runs before the connection is dropped.
-    ///
-    /// nrf-softdevice 0.1 panics if it disconnects a link that has ended by itself. After its task has run, it
-    /// knows of every end that the SoftDevice has reported.
-    async fn disconnect_requested(&self) {
-        self.disconnect.wait().await;
-        yield_now().await;
     }
 
     async fn tick(&self) {

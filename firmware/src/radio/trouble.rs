@@ -28,7 +28,7 @@ use super::{
     Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
     driver::SessionDriver,
 };
-use crate::binding_region::Page;
+use crate::flash::{Flash, SharedFlash};
 
 /// Bytes of a notification that are kept, as the `mtu` feature of the packet pool sets them.
 const NOTIFICATION_BYTES: usize = trouble_host::config::GATT_CLIENT_NOTIFICATION_MTU;
@@ -76,7 +76,7 @@ pub async fn run<C: CentralController>(
     controller: C,
     own_address: [u8; 6],
     driver: &SessionDriver<'_>,
-    page: &mut impl Page,
+    flash: &SharedFlash<impl Flash>,
 ) {
     let mut resources: HostResources<DefaultPacketPool, 1, 1> = HostResources::new();
     let advertisements = Advertisements(Channel::new());
@@ -91,7 +91,7 @@ pub async fn run<C: CentralController>(
     };
     select(
         runner.run_with_handler(&advertisements),
-        driver.run(&mut radio, page),
+        driver.run(&mut radio, flash),
     )
     .await;
 }

@@ -12,10 +12,10 @@ use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandRead
 use crate::board::{Button, CommandPort};
 use crate::clock::now;
 use crate::messages::{
-    armband,
+    armband, model,
     packets::PACKETS,
     raw,
-    requests::{self, InferenceAnswer, InferenceRequest},
+    requests::{self, InferenceAnswer, InferenceRequest, InstallationRequest},
     uart,
 };
 
@@ -25,9 +25,9 @@ const _: () = assert!(LOOK.as_millis() * 2 <= button::DEBOUNCE_MS as u64);
 /// Bytes that are taken at once; other tasks run before the next ones, however many wait.
 const AT_ONCE: usize = 32;
 
-/// Runs forever. `model` is the CRC-32 of the model's file, if it runs.
+/// Runs forever.
 #[embassy_executor::task]
-pub async fn run(mut port: CommandPort, mut button: Button, model: Option<u32>) -> ! {
+pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
     let mut reader = CommandReader::new();
     let mut contact = button::Button::new();
     let mut ticker = Ticker::every(LOOK);
@@ -48,7 +48,7 @@ pub async fn run(mut port: CommandPort, mut button: Button, model: Option<u32>) 
                 for &byte in bytes.iter().take(count) {
                     if let Some(command) = reader.push(byte) {
                         let answer = match command {
-                            Ok(command) => carry_out(command, model).await,
+                            Ok(command) => carry_out(command).await,
                             Err(refusal) => Answer::Refused(refusal),
                         };
                         uart::answer(answer).await;
@@ -61,9 +61,9 @@ pub async fn run(mut port: CommandPort, mut button: Button, model: Option<u32>) 
     }
 }
 
-async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
+async fn carry_out(command: Command) -> Answer<'static> {
     match command {
-        Command::Identify => Answer::Identity(uart::identity(model, armband::current())),
+        Command::Identify => Answer::Identity(uart::identity(model::current(), armband::current())),
         Command::Counters => Answer::Counts(Counts {
             session: armband::counters(),
             packets_dropped: PACKETS.dropped(),
@@ -74,7 +74,7 @@ async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
             raw::switch(on);
             Answer::Raw(on)
         }
-        Command::Align(_) | Command::Bind(_) | Command::Gate(_) if model.is_none() => {
+        Command::Align(_) | Command::Bind(_) | Command::Gate(_) if model::current().is_none() => {
             Answer::Refused(Refusal::NoModel)
         }
         Command::Bind(command) => match requests::BIND.ask(command).await {
@@ -83,6 +83,8 @@ async fn carry_out(command: Command, model: Option<u32>) -> Answer<'static> {
         },
         Command::Align(command) => ask_inference(InferenceRequest::Align(command)).await,
         Command::Gate(command) => ask_inference(InferenceRequest::Gate(command)).await,
+        Command::Install(transfer) => install(InstallationRequest::Begin(transfer)).await,
+        Command::Block(number, block) => install(InstallationRequest::Block(number, block)).await,
     }
 }
 
@@ -90,6 +92,15 @@ async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
     match requests::INFERENCE.ask(request).await {
         Ok(InferenceAnswer::Align(command)) => Answer::Align(command),
         Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
+        // That of another request, which was late.
+        Ok(InferenceAnswer::Done) => Answer::Refused(Refusal::Busy),
+        Err(refusal) => Answer::Refused(refusal),
+    }
+}
+
+async fn install(request: InstallationRequest) -> Answer<'static> {
+    match requests::INSTALLATION.ask(request).await {
+        Ok(progress) => Answer::Install(progress),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

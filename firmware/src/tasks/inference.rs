@@ -6,39 +6,37 @@ use embassy_futures::{
 };
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::{DeviceEncoder, DeviceState};
-use shared::model::file::Model;
 use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::Trigger;
 use shared::stream::link_sequence::GapDetector;
-use shared::stream::safe_state::{Event, SafeState, Start};
-use shared::stream::smoother::{Gate, Smoother};
+use shared::stream::safe_state::Start;
+use shared::stream::smoother::Gate;
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::gate::GateCommand;
-use shared::uart_line::{Counters, Kind, Report};
-use shared::units::{Millis, SampleIndex};
+use shared::units::Millis;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board::DeadMan;
 use crate::clock::now;
 use crate::messages::{
-    heartbeat,
+    heartbeat, model,
     packets::PACKETS,
     pin_state, raw,
     requests::{self, InferenceAnswer, InferenceRequest},
     uart::{self, UartMessage},
 };
-use crate::model_region::{self, ModelRefused};
+use crate::model_region::{self, Loaded, ModelRefused};
 use crate::reset_reason::ResetReason;
 use crate::settings::ALIGN_ON_CONNECTION;
 
 /// The encoder's state, the largest variable in RAM.
 static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::fresh());
 
-/// Heartbeat periods between two reports of a refused model: together a second, long enough to
-/// read and short enough for a terminal that is connected late.
-const REPEAT: u32 = 2;
+/// Milliseconds between two reports that there is no model: long enough to read and short enough for a terminal that is
+/// connected late.
+const REPEAT_MS: u32 = 1000;
 
 /// Milliseconds that the alignment's LED is lit, and then dark, while gestures are waited for.
 const BLINK_MS: u32 = 250;
@@ -46,28 +44,41 @@ const BLINK_MS: u32 = 250;
 /// From sample to report, for a model of any dimensions that the device has room for.
 pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
 
-/// The pipeline of the model in flash, before the first sample, and the CRC-32 of its file. To be called once.
-///
-/// # Errors
-/// Says why the model cannot be run.
+/// The pipeline before the first sample, with the model in flash in use, or why it cannot be. To be called once.
+pub fn load(reason: ResetReason) -> (&'static mut DevicePipeline, Option<ModelRefused>) {
+    let pipeline = fresh(reason);
+    let refused = resume(pipeline).err().map(|error| {
+        let is_incomplete = model_region::journal().is_some();
+        if is_incomplete {
+            ModelRefused::Incomplete
+        } else {
+            error
+        }
+    });
+    (pipeline, refused)
+}
+
+/// The pipeline without a model.
+// Not inlined: it is constructed on the stack, 5 KiB of it, which must not lie below those that read the model.
+#[inline(never)]
+fn fresh(reason: ResetReason) -> &'static mut DevicePipeline {
+    static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
+    PIPELINE.init_with(|| Pipeline::without_model(STATE.take(), start(reason)))
+}
+
+/// Puts the model in flash in use.
 // Not inlined: its stack frame is released before anything else runs.
 #[inline(never)]
-pub fn load(reason: ResetReason) -> Result<(&'static mut DevicePipeline, u32), ModelRefused> {
-    static PIPELINE: StaticCell<DevicePipeline> = StaticCell::new();
-    let bytes = model_region::bytes();
-    let model = Model::parse(bytes)?;
-    // The file ends with it.
-    let checksum = bytes[..model.length].last_chunk();
-    let checksum = checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes));
-    let encoder = DeviceEncoder::new(&model)?;
-    let settings = model.header.smoother.in_patches();
-    let smoother = Smoother::new(settings, encoder.classes())?;
-    let pipeline = || Pipeline::with_smoother(encoder, STATE.take(), smoother, start(reason));
-    // In place: it is too large to pass through the stack.
-    let pipeline = PIPELINE.init_with(pipeline);
-    pipeline.normalize(model.header.normalized);
-    pipeline.set_template(model.header.template);
-    Ok((pipeline, checksum))
+fn resume(pipeline: &mut DevicePipeline) -> Result<(), ModelRefused> {
+    let Loaded {
+        encoder,
+        smoother,
+        input,
+        checksum,
+    } = model_region::load()?;
+    pipeline.resume(now(), encoder, smoother, input);
+    model::set(Some(checksum));
+    Ok(())
 }
 
 fn start(reason: ResetReason) -> Start {
@@ -78,18 +89,26 @@ fn start(reason: ResetReason) -> Start {
     }
 }
 
-/// Runs the model forever.
+/// Runs the model forever; without one, for the reason in `refused`, reports that, and waits for one.
 ///
 /// Clears the dead-man timer with every packet that passed the pipeline, provided that the pins show the
 /// state of the packets before. So hardware makes the pins safe whatever stops on the way from radio to pin.
 ///
 /// Carries out requests between packets.
 #[embassy_executor::task]
-pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -> ! {
-    uart::enqueue(UartMessage::Report(pipeline.state_report()));
+pub async fn run(
+    pipeline: &'static mut DevicePipeline,
+    refused: Option<ModelRefused>,
+    mut dead_man: DeadMan,
+) -> ! {
     let mut detector = GapDetector::new();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
     let mut streams = false;
+    let mut absence = Absence::default();
+    match refused {
+        Some(error) => refuse(pipeline, &mut absence, error),
+        None => uart::enqueue(UartMessage::Report(pipeline.state_report())),
+    }
     loop {
         let silence = timer_until(pipeline.deadline());
         let next = select3(PACKETS.receive(), silence, requests::INFERENCE.receive()).await;
@@ -154,6 +173,26 @@ pub async fn run(pipeline: &'static mut DevicePipeline, mut dead_man: DeadMan) -
                 let gate = set_gate(pipeline, command);
                 requests::INFERENCE.answer(gate.map(InferenceAnswer::Gate));
             }
+            Either3::Third(InferenceRequest::Suspend) => {
+                model::set(None);
+                let reports = pipeline.suspend(now);
+                enqueue(pipeline, reports);
+                absence.began(now, ModelRefused::Incomplete);
+                requests::INFERENCE.answer(Ok(InferenceAnswer::Done));
+            }
+            Either3::Third(InferenceRequest::Refuse(error)) => {
+                refuse(pipeline, &mut absence, error);
+                requests::INFERENCE.answer(Ok(InferenceAnswer::Done));
+            }
+            Either3::Third(InferenceRequest::Resume) => {
+                let resumed = resume(pipeline).map_err(|_| Refusal::Model);
+                enqueue(pipeline, Reports::default());
+                requests::INFERENCE.answer(resumed.map(|()| InferenceAnswer::Done));
+            }
+        }
+        if !pipeline.has_model() && absence.is_due(now) {
+            uart::enqueue(UartMessage::ModelRefused(absence.reason));
+            uart::enqueue(UartMessage::Report(pipeline.state_report()));
         }
         pin_state::set_status(pipeline.status());
         pin_state::set_alignment_led(match pipeline.alignment_phase() {
@@ -216,28 +255,43 @@ fn timer_until(deadline: Option<Millis>) -> Timer {
     Timer::at(Instant::now() + wait)
 }
 
-/// In place of [`run`] where the model cannot be run: reports the reason forever.
-#[embassy_executor::task]
-pub async fn report_refused(error: ModelRefused, reason: ResetReason) -> ! {
-    let mut guard = SafeState::new(start(reason));
-    guard.handle(now(), Event::ModelRefused);
-    let mut sequence = 0_u32;
-    loop {
-        uart::enqueue(UartMessage::ModelRefused(error));
-        uart::enqueue(UartMessage::Report(Report {
-            kind: Kind::State,
-            sequence,
-            instant: SampleIndex(0),
-            emitted: SampleIndex(0),
-            status: guard.status(),
-            counters: Counters::default(),
-        }));
-        sequence = sequence.wrapping_add(1);
-        for _ in 0..REPEAT {
-            heartbeat::INFERENCE.beat();
-            // No radio runs without a model.
-            heartbeat::RADIO.beat();
-            Timer::after(heartbeat::PERIOD).await;
+/// That there is no model is reported again and again.
+struct Absence {
+    reason: ModelRefused,
+    reported: Millis,
+}
+
+impl Default for Absence {
+    fn default() -> Self {
+        Self {
+            reason: ModelRefused::Incomplete,
+            reported: Millis(0),
         }
     }
+}
+
+impl Absence {
+    /// It was reported now.
+    const fn began(&mut self, now: Millis, reason: ModelRefused) {
+        self.reported = now;
+        self.reason = reason;
+    }
+
+    /// Whether it is to be reported now.
+    fn is_due(&mut self, now: Millis) -> bool {
+        let is_due = now.elapsed_since(self.reported) >= REPEAT_MS;
+        if is_due {
+            self.reported = now;
+        }
+        is_due
+    }
+}
+
+/// The region holds no model: says why.
+fn refuse(pipeline: &mut DevicePipeline, absence: &mut Absence, error: ModelRefused) {
+    uart::enqueue(UartMessage::ModelRefused(error));
+    let reports = pipeline.refuse_model(now());
+    enqueue(pipeline, reports);
+    pin_state::set_status(pipeline.status());
+    absence.began(now(), error);
 }

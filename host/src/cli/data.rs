@@ -1,22 +1,18 @@
-//! `myointent data`: contents of a folder of recordings, and synthetic recordings.
+//! `myointent data`: contents of a folder of recordings, and synthetic recordings. Published ones are fetched by `fetch`.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{Args, Subcommand};
-use shared::intent::{Intent, Vocabulary};
-use shared::units::SAMPLE_PERIOD_MS;
+use shared::intent::Vocabulary;
 
 use super::arguments::refused;
-use crate::dataset::library::inspection::{Files, Inspection, SetInspection};
-use crate::dataset::readers::excerpt::printable;
+use super::contents::tables;
+use super::fetch;
+use crate::dataset::library::inspection::Inspection;
 use crate::dataset::synthetic::{self, SynthOptions};
 use crate::dataset::{DataSet, LoadOptions, load};
-use crate::report::Table;
-
-/// How many files with the same anomaly are listed; `--json` has all.
-const SHOWN: usize = 4;
 
 /// What `myointent data` does.
 #[derive(Subcommand, Debug)]
@@ -25,6 +21,8 @@ pub enum Command {
     Inspect(InspectArguments),
     /// Write synthetic recordings, to try things without a data set
     Synth(SynthArguments),
+    /// Download a published data set, or put a downloaded archive in place
+    Fetch(fetch::Arguments),
 }
 
 /// Arguments of `myointent data inspect`.
@@ -110,6 +108,7 @@ pub(super) fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Inspect(args) => inspect(&args),
         Command::Synth(args) => write_synthetic(&args),
+        Command::Fetch(args) => fetch::run(&args),
     }
 }
 
@@ -127,93 +126,6 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
     };
     std::io::stdout().write_all(report.as_bytes())?;
     Ok(())
-}
-
-fn tables(inspection: &Inspection) -> String {
-    let mut text = sets(&inspection.sets).plain() + "\n" + &taken(&inspection.taken).plain();
-    for suspicion in &inspection.suspicions {
-        text += &format!(
-            "\n{} ({})\n",
-            printable(&suspicion.what),
-            suspicion.which.len()
-        );
-        for which in suspicion.which.iter().take(SHOWN) {
-            text += &format!("    {}\n", printable(which));
-        }
-        if suspicion.which.len() > SHOWN {
-            text += "    ...\n";
-        }
-    }
-    for ignored in &inspection.ignored {
-        text += &format!(
-            "\n{} files not read, {}: {}{}\n",
-            ignored.files,
-            ignored.what,
-            printable(&ignored.first.display().to_string()),
-            if ignored.files > 1 { ", ..." } else { "" }
-        );
-    }
-    text
-}
-
-fn taken(taken: &[Files]) -> Table {
-    let caption = "Which reader took how many files, and what it recognises them by.";
-    let mut table = Table::new(caption, ["data set", "files", "recognised by", "first"]);
-    for files in taken {
-        let first = files.first.file_name().unwrap_or_default();
-        table.push([
-            files.what.clone(),
-            files.files.to_string(),
-            files.recognised_by.to_owned(),
-            printable(&first.to_string_lossy()),
-        ]);
-    }
-    table
-}
-
-fn sets(sets: &[SetInspection]) -> Table {
-    let columns = [
-        &["data set", "subjects", "recordings", "seconds"][..],
-        &Intent::ALL.map(Intent::name),
-        &[
-            "other",
-            "unlabelled",
-            "transitions",
-            "saturated %",
-            "lag ms",
-        ],
-    ];
-    let caption = "Seconds by label; other: movement that is none of the six intents; the largest share of a \
-        channel that saturates in a recording; label lag (median; onset: the labels are the muscle's onsets).";
-    let mut table = Table::new(caption, columns.concat());
-    for set in sets {
-        let mut row = vec![
-            set.data_set.name().to_owned(),
-            set.subjects.to_string(),
-            set.recordings.to_string(),
-            format!("{:.0}", set.seconds),
-        ];
-        row.extend(Intent::ALL.map(|intent| {
-            let seconds = set.seconds_by_intent.get(intent.name());
-            seconds.map_or_else(String::new, |seconds| format!("{seconds:.0}"))
-        }));
-        let lag = set
-            .label_lag
-            .map(|lag| lag.lag_samples * SAMPLE_PERIOD_MS as usize);
-        row.extend([
-            format!("{:.0}", set.seconds_other_movement),
-            format!("{:.0}", set.seconds_unlabelled),
-            set.transitions.to_string(),
-            format!("{:.1}", 100.0 * set.worst_saturation),
-            match lag {
-                Some(lag) => lag.to_string(),
-                None if set.labelled_by_activity => "onset".to_owned(),
-                None => String::new(),
-            },
-        ]);
-        table.push(row);
-    }
-    table
 }
 
 fn write_synthetic(args: &SynthArguments) -> anyhow::Result<()> {

@@ -15,16 +15,9 @@ use crate::run::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
 
-/// Options of `evaluate` for model files on any recordings.
+/// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Model files on any recordings (--data)")]
-pub(in crate::cli) struct Options {
-    /// Evaluate model files on the recordings below DIR; no run folder is read or written.
-    #[arg(long, value_name = "DIR", conflicts_with = "run", requires = "model")]
-    pub(in crate::cli) data: Option<PathBuf>,
-    /// Refuse damaged files instead of leaving them out.
-    #[arg(long, requires = "data")]
-    strict: bool,
+pub(in crate::cli) struct PeopleArguments {
     /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given. Subjects named here are
     /// evaluated even if the model has seen them or they are test people.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "data")]
@@ -35,6 +28,32 @@ pub(in crate::cli) struct Options {
     /// Also evaluate test people (host/people.toml), who are for releases.
     #[arg(long, requires = "data")]
     test_people: bool,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long, requires = "data")]
+    pub(in crate::cli) strict: bool,
+}
+
+impl PeopleArguments {
+    /// These people, with the armband as it was worn.
+    pub(in crate::cli) fn selection(&self) -> Selection {
+        Selection {
+            subjects: self.subjects.clone(),
+            seen: self.seen,
+            test: self.test_people,
+            ..Selection::default()
+        }
+    }
+}
+
+/// Options of `evaluate` for model files on any recordings.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Model files on any recordings (--data)")]
+pub(in crate::cli) struct Options {
+    /// Evaluate model files on the recordings below DIR; no run folder is read or written.
+    #[arg(long, value_name = "DIR", conflicts_with = "run", requires = "model")]
+    pub(in crate::cli) data: Option<PathBuf>,
+    #[command(flatten)]
+    people: PeopleArguments,
     /// Turn the armband by this many places, 0 to 7, or by another number for each person: any.
     #[arg(long, value_name = "K", requires = "data", default_value = "0", value_parser = turn)]
     rotate: Turn,
@@ -94,22 +113,25 @@ pub(in crate::cli) fn run(
             );
         }
     }
-    let library = every_recording(data, options.strict)?;
+    let library = every_recording(data, options.people.strict)?;
     let selection = Selection {
-        subjects: options.subjects.clone(),
-        seen: options.seen,
-        test: options.test_people,
         worn: Worn {
             turn: options.rotate,
             mirrored: options.mirror,
         },
         align: options.align,
         lost_percent: options.lose,
+        ..options.people.selection()
     };
     let evaluation = evaluate_models(&models, &library, &selection)?;
     let results = &evaluation.results;
     warn(results);
-    model_report::write(&evaluation, &data.display().to_string(), &options.report)?;
+    model_report::write(
+        &evaluation,
+        &models,
+        &data.display().to_string(),
+        &options.report,
+    )?;
     if let Some(path) = &options.csv {
         write_whole(path, &people_rows(results).csv()?)?;
     }
@@ -126,7 +148,7 @@ pub(in crate::cli) fn run(
 }
 
 /// Says who was left out, and who should not be looked at.
-fn warn(results: &ModelResults) {
+pub(in crate::cli) fn warn(results: &ModelResults) {
     let count = |people: usize, what: &str| {
         if people > 0 {
             progress::log(&format!("{what}: {people} people"));

@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal as _, Write as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
@@ -49,7 +49,7 @@ pub struct Arguments {
 
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
-struct SourceArguments {
+pub(super) struct SourceArguments {
     /// A simulated forearm and the shipped model: needs nothing else.
     #[arg(long)]
     demo: bool,
@@ -61,7 +61,7 @@ struct SourceArguments {
     port: Option<PathBuf>,
 }
 
-fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
+pub(super) fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
     let address = text.parse().map(|address: IpAddr| (address, None));
     let socket = |_| {
         text.parse()
@@ -73,27 +73,18 @@ fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
     })
 }
 
+/// The bytes of a model file.
+pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
+    bounded_read::read(path, bounded_read::MODEL).with_context(|| path.display().to_string())
+}
+
 /// Serves the page, or shows the stream in the terminal, until Ctrl-C.
 ///
 /// # Errors
 /// When the model is refused, the recording cannot be read or the address cannot be listened on.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let model = arguments
-        .model
-        .as_deref()
-        .map(|path| {
-            bounded_read::read(path, bounded_read::MODEL)
-                .with_context(|| path.display().to_string())
-        })
-        .transpose()?;
-    let chosen = &arguments.source;
-    let source = match (&chosen.replay, &chosen.port) {
-        (Some(path), _) => {
-            Source::Replay(Box::new(one_recording(path, arguments.name.as_deref())?))
-        }
-        (None, Some(path)) => Source::Port(path.clone()),
-        (None, None) => Source::Demo,
-    };
+    let model = arguments.model.as_deref().map(read_model).transpose()?;
+    let source = arguments.source.source(arguments.name.as_deref())?;
     if arguments.tui {
         if !std::io::stdout().is_terminal() {
             bail!("--tui needs a terminal: leave it out for a page in a browser");
@@ -104,13 +95,40 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (address, port) = arguments
         .listen
         .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
-    let listen = SocketAddr::new(address, port.unwrap_or_else(|| free(address)));
-    let interrupt = Interrupt::listen();
-    let live = live::start(Options {
+    serve(address, port, |listen| Options {
         source,
         model,
         listen,
-    })?;
+        record: None,
+    })
+}
+
+impl SourceArguments {
+    /// The source; `name` chooses among the recordings of a path.
+    ///
+    /// # Errors
+    /// When the recording cannot be read.
+    pub(super) fn source(&self, name: Option<&str>) -> anyhow::Result<Source> {
+        Ok(match (&self.replay, &self.port) {
+            (Some(path), _) => Source::Replay(Box::new(one_recording(path, name)?)),
+            (None, Some(path)) => Source::Port(path.clone()),
+            (None, None) => Source::Demo,
+        })
+    }
+}
+
+/// Serves a page until Ctrl-C.
+///
+/// # Errors
+/// When the model is refused or the address cannot be listened on.
+pub(super) fn serve(
+    address: IpAddr,
+    port: Option<u16>,
+    options: impl FnOnce(SocketAddr) -> Options,
+) -> anyhow::Result<()> {
+    let listen = SocketAddr::new(address, port.unwrap_or_else(|| free(address)));
+    let interrupt = Interrupt::listen();
+    let live = live::start(options(listen))?;
     writeln!(std::io::stdout(), "{}", live.url())?;
     progress::log("open this address in a browser; Ctrl-C ends it");
     if !is_local(address) {

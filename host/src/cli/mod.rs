@@ -3,8 +3,10 @@
 pub mod arguments;
 mod board;
 mod completions;
+mod contents;
 mod data;
 mod evaluate_models;
+mod fetch;
 mod gate;
 mod info;
 #[cfg(test)]
@@ -13,7 +15,9 @@ mod live;
 mod personalize;
 mod predict;
 mod presets;
+mod record;
 pub mod replay;
+mod report;
 mod score;
 mod steps;
 mod template;
@@ -42,7 +46,8 @@ use crate::run::resolve::ConfigError;
     after_help = "Start here:\n  \
                   myointent quickstart                                       all steps in one command, in a few minutes\n  \
                   myointent replay models/three-class.intent RECORDING       the UART lines that the device would write\n  \
-                  myointent live --demo                                      EMG and labels on a page, without hardware\n\n\
+                  myointent live --demo                                      EMG and labels on a page, without hardware\n  \
+                  myointent record --person me --demo                        one's own recordings, guided, on a page\n\n\
                   Step by step, each into the same run folder:\n  \
                   myointent train --preset cpu --data DIR --run runs/mine\n  \
                   myointent distill --run runs/mine\n  \
@@ -76,10 +81,16 @@ enum Command {
     Export(export::Arguments),
     /// Evaluate a run's models on its held-out subjects, or model files on any recordings.
     Evaluate(evaluate::Arguments),
+    /// Write one printable page on one or several runs or model files, side by side.
+    Report(report::Arguments),
     /// Stream one recording through the device's pipeline and print the device's UART lines.
     Replay(replay::Arguments),
     /// Show EMG, scores and labels of a board or a recording on a page in a browser.
     Live(live::Arguments),
+    /// Record a person in a guided session on a page in a browser, and tune a model on it.
+    Record(record::Arguments),
+    /// List the built-in recording protocols, or print one.
+    Protocols(record::ProtocolArguments),
     /// Write a model's labels and logits for a recording or a window.
     Predict(predict::Arguments),
     /// Score any predicted label sequence against the true one.
@@ -115,8 +126,11 @@ impl Cli {
             Command::Quantize(arguments) => quantize::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
+            Command::Report(arguments) => report::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Live(arguments) => live::run(&arguments),
+            Command::Record(arguments) => record::run(&arguments),
+            Command::Protocols(arguments) => record::protocols(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),

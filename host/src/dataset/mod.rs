@@ -17,6 +17,7 @@ pub mod movement;
 pub(crate) mod readers;
 mod recording;
 mod seed;
+pub mod source;
 pub mod splice;
 pub mod split;
 pub mod synthetic;

@@ -22,6 +22,7 @@ pub use durable::write_whole;
 pub use error::RunError;
 pub use json::Stamped;
 use lock::Lock;
+pub(crate) use lock::utc;
 pub(crate) use weights::{load_model_bytes, model_bytes};
 
 /// Ending of a checkpoint's name.

@@ -9,6 +9,10 @@ use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::answer::{Counts, Identity};
 use shared::units::Sample;
 
+use super::lead::ViewerId;
+use super::outcome::{Kept, Tuning};
+use crate::record::session::View;
+
 /// One message. Times `at` are milliseconds of the server's clock, samples are numbered as on the UART.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
@@ -102,6 +106,19 @@ pub(crate) enum Event {
     Mark { sample: u32, text: String },
     /// What the board writes for people.
     Comment { at: f64, text: String },
+    /// Where the recording session is.
+    Session {
+        #[serde(flatten)]
+        view: View,
+        /// What keeps it from being written, and what to do; empty if nothing.
+        trouble: String,
+    },
+    /// Who leads it; nobody if null.
+    Lead { viewer: Option<ViewerId> },
+    /// What was kept of it.
+    Kept(Kept),
+    /// What comes of tuning a model on it.
+    Tuning(Tuning),
     /// The program ends.
     End,
 }
@@ -116,6 +133,10 @@ pub(crate) enum Topic {
     Line,
     Report,
     Alignment,
+    Session,
+    Lead,
+    Kept,
+    Tuning,
 }
 
 impl Event {
@@ -129,6 +150,10 @@ impl Event {
             Self::Line { .. } => Topic::Line,
             Self::Report { .. } => Topic::Report,
             Self::Alignment { .. } => Topic::Alignment,
+            Self::Session { .. } => Topic::Session,
+            Self::Lead { .. } => Topic::Lead,
+            Self::Kept(_) => Topic::Kept,
+            Self::Tuning(_) => Topic::Tuning,
             _ => return None,
         })
     }

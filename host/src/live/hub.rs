@@ -1,9 +1,11 @@
 //! From one source to all viewers. A viewer that is slow loses messages; the source never waits for one.
 
 use std::collections::BTreeMap;
+use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use shared::units::Millis;
 use tokio::sync::broadcast;
 
 use super::event::{Event, Topic};
@@ -24,6 +26,8 @@ pub(crate) struct Hub {
 #[derive(Debug)]
 struct State {
     newest: BTreeMap<Topic, Message>,
+    /// Who takes everything that a source says, and misses nothing.
+    recorder: Option<Sender<Event>>,
     sender: broadcast::Sender<Message>,
 }
 
@@ -40,6 +44,7 @@ impl Hub {
     pub(crate) fn new() -> Self {
         let state = State {
             newest: BTreeMap::new(),
+            recorder: None,
             sender: broadcast::channel(BEHIND).0,
         };
         Self {
@@ -54,6 +59,22 @@ impl Hub {
         (self.began.elapsed().as_secs_f64() * 10_000.0).round() / 10.0
     }
 
+    /// The same as a board's clock has it.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "wraps after 49 days, as this clock may"
+    )]
+    pub(crate) fn millis(&self) -> Millis {
+        Millis(self.now() as u64 as u32)
+    }
+
+    /// Hands all samples, and what becomes of the source, to a recorder as well. What waits for it is not bounded: it takes
+    /// less time than the samples do.
+    pub(crate) fn record(&self, recorder: Sender<Event>) {
+        self.lock().recorder = Some(recorder);
+    }
+
     /// Sends an event to all viewers.
     pub(crate) fn publish(&self, event: &Event) {
         let Ok(text) = serde_json::to_string(event) else {
@@ -61,6 +82,12 @@ impl Hub {
         };
         let message: Message = text.into();
         let mut state = self.lock();
+        if let (Some(recorder), Event::Samples { .. } | Event::Source { .. }) =
+            (&state.recorder, event)
+        {
+            // A recorder that has ended needs nothing.
+            let _ = recorder.send(event.clone());
+        }
         if let Some(topic) = event.topic() {
             state.newest.insert(topic, message.clone());
         }
@@ -72,6 +99,14 @@ impl Hub {
     pub(crate) fn forget_stream(&self) {
         let mut state = self.lock();
         for topic in [Topic::Report, Topic::Alignment, Topic::Board, Topic::Counts] {
+            state.newest.remove(&topic);
+        }
+    }
+
+    /// Another session begins: what came of the one before is not told any more.
+    pub(crate) fn forget_session(&self) {
+        let mut state = self.lock();
+        for topic in [Topic::Kept, Topic::Tuning] {
             state.newest.remove(&topic);
         }
     }

@@ -7,11 +7,16 @@
 //!                                                   or: a terminal
 //! ```
 //!
+//! `myointent record` is the same with a recorder beside it, which hears all samples and leads through a session.
+//!
 //! Whatever a viewer does, the source never waits for it. The page brings everything with it and asks for nothing from
 //! elsewhere.
 
 mod event;
 mod hub;
+mod lead;
+mod outcome;
+mod recorder;
 mod scores;
 mod server;
 mod source;
@@ -29,12 +34,14 @@ use shared::model::file::Model;
 
 use self::event::Event;
 use self::hub::Hub;
+pub use self::recorder::RecordOptions;
+use self::recorder::{Recorder, Wish};
 use self::server::Server;
 use self::server::access::Access;
 use self::source::board::Board;
-use self::source::{Context, Recorded, Request, Stop};
-use crate::dataset::Recording;
-use crate::dataset::synthetic::{self, SynthOptions};
+use self::source::{Asked, Context, Played, Recorded, Request, Stop};
+use crate::dataset::synthetic::{self, Follower, SynthOptions};
+use crate::dataset::{DataSet, Recording};
 
 /// The shipped model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
@@ -54,7 +61,7 @@ pub enum Source {
 }
 
 /// What to show, and to whom.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// Where the stream comes from.
     pub source: Source,
@@ -62,6 +69,8 @@ pub struct Options {
     pub model: Option<Vec<u8>>,
     /// Where the page is served; port 0 takes any free one. Not on this machine alone: with a token.
     pub listen: SocketAddr,
+    /// What is recorded; nothing, if none.
+    pub record: Option<RecordOptions>,
 }
 
 /// A source that runs, and what it is told and asked through.
@@ -74,12 +83,16 @@ struct Stream {
 }
 
 impl Stream {
-    fn start(source: Source, model: Option<Vec<u8>>) -> anyhow::Result<Self> {
+    fn start(
+        hub: Arc<Hub>,
+        source: Source,
+        model: Option<Vec<u8>>,
+        played: Option<(Asked, u32)>,
+    ) -> anyhow::Result<Self> {
         if let Some(bytes) = &model {
             let model = Model::parse(bytes).context("the model is refused")?;
             HostEncoder::new(&model).context("the model is refused")?;
         }
-        let hub = Arc::new(Hub::new());
         let stop = Stop::default();
         let (requests, received) = mpsc::sync_channel(16);
         let context = Context {
@@ -90,7 +103,7 @@ impl Stream {
         let source = std::thread::Builder::new()
             .name("source".to_owned())
             .stack_size(STACK)
-            .spawn(move || run(source, model, &context))?;
+            .spawn(move || run(source, model, played, &context))?;
         Ok(Self {
             hub,
             stop,
@@ -114,6 +127,7 @@ impl Stream {
 pub struct Live {
     stream: Stream,
     server: Server,
+    recording: Option<(Stop, JoinHandle<()>)>,
     url: String,
 }
 
@@ -126,14 +140,62 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         .with_context(|| format!("{}: cannot be listened on", options.listen))?;
     let access = Access::new(listener.local_addr()?);
     let url = access.url();
-    let stream = Stream::start(options.source, options.model)?;
-    let (hub, requests) = (stream.hub.clone(), stream.requests.clone());
-    let server = Server::start(listener, access, hub, requests)?;
+    let hub = Arc::new(Hub::new());
+    let (mut recording, mut wishes, mut played) = (None, None, None);
+    if let Some(record) = options.record {
+        let asked = Asked::default();
+        played = Some((asked.clone(), record.speed));
+        let recorder = Recorder {
+            source: described(&options.source),
+            port: match &options.source {
+                Source::Port(path) => Some(path.clone()),
+                _ => None,
+            },
+            model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
+            options: record,
+            hub: hub.clone(),
+            asked,
+        };
+        let (thread, stop, sender) = record_beside(&hub, recorder)?;
+        recording = Some((stop, thread));
+        wishes = Some(sender);
+    }
+    let stream = Stream::start(hub.clone(), options.source, options.model, played)?;
+    let server = Server::start(listener, access, hub, stream.requests.clone(), wishes)?;
     Ok(Live {
         stream,
         server,
+        recording,
         url,
     })
+}
+
+/// Starts a recorder; wishes go to it through the sender.
+fn record_beside(
+    hub: &Hub,
+    recorder: Recorder,
+) -> anyhow::Result<(JoinHandle<()>, Stop, SyncSender<Wish>)> {
+    let stop = Stop::default();
+    let stopped = stop.clone();
+    let (events, heard) = mpsc::channel();
+    let (sender, wishes) = mpsc::sync_channel(16);
+    hub.record(events);
+    let thread = std::thread::Builder::new()
+        .name("recorder".to_owned())
+        .spawn(move || recorder.run(&heard, &wishes, &stopped))?;
+    Ok((thread, stop, sender))
+}
+
+/// A source in words, and whether its samples are of nobody.
+fn described(source: &Source) -> (String, bool) {
+    match source {
+        Source::Demo => ("demo".to_owned(), true),
+        Source::Replay(recording) => (
+            format!("replay of {}", recording.full_name()),
+            recording.data_set == DataSet::Synthetic,
+        ),
+        Source::Port(path) => (format!("port {}", path.display()), false),
+    }
 }
 
 /// Shows a stream in the terminal until the user leaves or `over`.
@@ -141,7 +203,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
 /// # Errors
 /// When the model is refused, or standard output is no terminal.
 pub fn show(source: Source, model: Option<Vec<u8>>, over: impl Fn() -> bool) -> anyhow::Result<()> {
-    let stream = Stream::start(source, model)?;
+    let stream = Stream::start(Arc::new(Hub::new()), source, model, None)?;
     let ended = || over() || stream.source.is_finished();
     let shown = tui::show(&stream.hub, &stream.requests, ended);
     stream.stop()?;
@@ -168,6 +230,12 @@ impl Live {
     pub fn stop(self) -> anyhow::Result<()> {
         let hub = self.stream.hub.clone();
         let result = self.stream.stop();
+        // After the last sample.
+        if let Some((stop, thread)) = self.recording {
+            stop.request();
+            // A panic was printed, and what was recorded is in the journal.
+            let _ = thread.join();
+        }
         hub.publish(&Event::End);
         self.server.stop();
         result
@@ -180,11 +248,21 @@ pub const fn is_local(address: IpAddr) -> bool {
     address.is_loopback()
 }
 
-fn run(source: Source, model: Option<Vec<u8>>, context: &Context) -> anyhow::Result<()> {
-    let recorded = |kind, name, recording: Recording, model: Option<Vec<u8>>| Recorded {
+fn run(
+    source: Source,
+    model: Option<Vec<u8>>,
+    played: Option<(Asked, u32)>,
+    context: &Context,
+) -> anyhow::Result<()> {
+    let speed = played.as_ref().map_or(1, |(_, speed)| *speed);
+    let recorded = |kind, name, played, model: Option<Vec<u8>>| Recorded {
         kind,
         name,
         model: model.unwrap_or_else(|| SHIPPED.to_vec()),
+        played,
+        speed,
+    };
+    let of = |recording: Recording| Played::Recording {
         samples: recording.samples,
         labels: recording.labels,
     };
@@ -192,11 +270,15 @@ fn run(source: Source, model: Option<Vec<u8>>, context: &Context) -> anyhow::Res
         Source::Port(path) => Board { path, model }.run(context),
         Source::Replay(recording) => {
             let name = recording.full_name();
-            recorded("replay", name, *recording, model).run(context)
+            recorded("replay", name, of(*recording), model).run(context)
         }
         Source::Demo => {
             let name = "synthetic, of nobody".to_owned();
-            recorded("demo", name, demo(), model).run(context)
+            let emg = match played {
+                Some((asked, _)) => Played::Person(Box::new(Follower::new("demo")), asked),
+                None => of(demo()),
+            };
+            recorded("demo", name, emg, model).run(context)
         }
     }
 }

@@ -42,7 +42,7 @@ pub(super) const LINES: [RGBColor; 5] = [
 /// Style of pictures alone, and their colours on a dark screen.
 pub(super) const STYLE: &str = "\
 svg text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif}\
-@media(prefers-color-scheme:dark){\
+@media screen and (prefers-color-scheme:dark){\
 svg [fill='#1F2933']{fill:#E6E9ED}svg [stroke='#1F2933']{stroke:#E6E9ED}\
 svg [fill='#667085']{fill:#9AA4B0}svg [stroke='#667085']{stroke:#9AA4B0}\
 svg [fill='#E2E6EB']{fill:#2D353F}svg [stroke='#E2E6EB']{stroke:#2D353F}\
@@ -50,6 +50,11 @@ svg [fill='#52606D']{fill:#A9B4C0}svg [stroke='#52606D']{stroke:#A9B4C0}\
 svg [fill='#B8C0CA']{fill:#56616E}\
 svg [fill='#0072B2']{fill:#2B83C0}svg [stroke='#0072B2']{stroke:#2B83C0}\
 }";
+
+/// Colour of an entry of a page in every picture; at most [`LINES`] differ.
+pub(super) const fn entry_colour(number: usize) -> RGBColor {
+    LINES[number % LINES.len()]
+}
 
 /// Colour of an intent in every picture; rest is grey, so that gestures stand out.
 pub(super) fn intent_colour(intent: Intent) -> RGBColor {

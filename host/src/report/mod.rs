@@ -1,4 +1,4 @@
-//! The report of a run: one HTML file that stands alone, and the tables that the terminal shows too.
+//! The report of runs and model files: one HTML file that stands alone, and the tables that the terminal shows too.
 //!
 //! Numbers are formatted and drawn here, not computed. The file contains its pictures and its style, so it
 //! can be mailed, archived and opened without a network.
@@ -8,25 +8,37 @@ mod canvas;
 pub mod cell;
 mod confusion;
 mod curves;
+mod device;
+mod entry;
 mod latencies;
 pub mod model_report;
+mod overview;
 mod page;
+mod people;
+mod people_table;
 pub mod personalization;
 pub mod run_report;
 pub mod scores;
+pub mod several;
+mod side_by_side;
 mod table;
 mod timeline;
 
 use std::path::Path;
 
-use shared::intent::Vocabulary;
-
 use self::curves::Panel;
+use self::device::Device;
+pub use self::entry::MOST_ENTRIES;
+use self::overview::Row;
+use self::people::People;
 pub use self::table::Table;
 use self::timeline::Timeline;
+use crate::evaluation::EvaluationError;
 use crate::evaluation::metric::confusion::Confusion;
-use crate::evaluation::{Candidate, EvaluationError, LookAhead, Trial, confusion, gestures};
 use crate::execution::run_folder::{RunError, write_whole};
+
+/// Name and value of something that a page states.
+type Fact = (String, String);
 
 /// Contents of a report; empty parts are left out of the page.
 #[derive(Clone, Debug, Default)]
@@ -35,43 +47,54 @@ struct ReportData {
     title: String,
     /// One sentence under the headline: what was evaluated, and on whom.
     summary: String,
-    /// What produced the numbers: name and value, in the order to be shown.
-    provenance: Vec<(String, String)>,
+    /// The numbers that the page begins with.
+    headline: Vec<Headline>,
+    /// What produced the numbers, in groups with a name, which may be empty.
+    provenance: Vec<(String, Vec<Fact>)>,
+    /// Means at a glance.
+    overview: Vec<Row>,
     /// Tables, the most important first.
     tables: Vec<Table>,
-    /// Headline of the recordings that are drawn.
+    /// Tables that few readers need, at the end of the page.
+    more_tables: Vec<Table>,
+    /// A bar a person.
+    people: Option<People>,
+    /// Scores of each person.
+    people_tables: Vec<Table>,
+    /// Whose recordings are drawn.
     drawn: String,
     /// Recordings with true and emitted labels.
     timelines: Vec<Timeline>,
     /// Learning curves, one picture per panel.
     panels: Vec<Panel>,
-    /// True against emitted labels, in samples.
-    confusion: Option<Confusion>,
-    /// Latency of every gesture in samples; none for those that were missed.
-    latencies: Vec<Option<i32>>,
+    /// Errors of each entry.
+    errors: Vec<Errors>,
+    /// What the models cost on a board.
+    device: Vec<Device>,
     /// Limits of the numbers; one paragraph each.
     notes: Vec<String>,
 }
 
-impl ReportData {
-    /// Adds the confusion and the latencies of a candidate.
-    ///
-    /// # Errors
-    /// When labels cannot be compared or the smoother's settings are invalid.
-    fn add_errors(
-        &mut self,
-        candidate: &Candidate,
-        trials: &[Trial],
-        vocabulary: Vocabulary,
-        look_ahead: LookAhead,
-    ) -> Result<(), EvaluationError> {
-        self.confusion = Some(confusion(candidate, trials, vocabulary, look_ahead)?);
-        self.latencies = gestures(candidate, trials, vocabulary, look_ahead)?
-            .into_iter()
-            .map(|gesture| gesture.latency)
-            .collect();
-        Ok(())
-    }
+/// A number that the page begins with.
+#[derive(Clone, Debug, Default)]
+struct Headline {
+    name: String,
+    value: String,
+    /// Its interval or unit.
+    remark: String,
+    /// The same of the energy detector.
+    floor: Option<String>,
+}
+
+/// What is wrong with the labels of an entry.
+#[derive(Clone, Debug, Default)]
+struct Errors {
+    /// The entry.
+    name: String,
+    /// True against emitted labels, in samples.
+    confusion: Option<Confusion>,
+    /// Latency of every gesture in samples; none for those that were missed.
+    latencies: Vec<Option<i32>>,
 }
 
 /// Why a report was not written.

@@ -5,69 +5,111 @@ use std::path::Path;
 use shared::units::SAMPLE_PERIOD_MS;
 
 use super::alignment::{self, placement};
-use super::cell::{difference, quantile};
-use super::run_report::{SHOWN, changes, timeline};
+use super::cell::difference;
+use super::entry::{Entry, pictures};
+use super::people_table::{COLUMNS, cells, people_of, people_table};
 use super::scores::{COMPARED, table};
-use super::{ReportData, ReportError, Table};
-use crate::evaluation::metric::event::summary::SubjectEvents;
-use crate::evaluation::metric::summary::SubjectScore;
-use crate::evaluation::{ALL, Difference, Measure, Score};
-use crate::run::model_evaluation::{ModelEvaluation, ModelResults};
+use super::{Fact, ReportData, ReportError, Table};
+use crate::evaluation::{ALL, CONSTANT, Difference, ENERGY, Measure, Score};
+use crate::run::model_evaluation::{EvaluatedModel, ModelEvaluation, ModelResults, NamedModel};
 
-/// People who are drawn: the worst ones, and the best.
-const WORST: usize = 3;
-
-/// Writes the report to `page`. `data` names the recordings.
+/// Writes the report to `page`. `data` names the recordings; `models` are those that were evaluated.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<(), ReportError> {
+pub fn write(
+    evaluation: &ModelEvaluation,
+    models: &[NamedModel],
+    data: &str,
+    page: &Path,
+) -> Result<(), ReportError> {
     let results = &evaluation.results;
-    let Some(model) = results.models.first() else {
+    let entries = entries(evaluation, models);
+    let Some(first) = entries.first() else {
         return Ok(());
     };
-    let mut report = ReportData {
-        title: format!("Evaluation of {}", model.name),
-        summary: format!("On {} subjects of {data}.", results.subjects.len()),
-        provenance: facts(results),
-        tables: tables(results),
-        drawn: "The people with the lowest balanced accuracy, the worst first, then the best one".to_owned(),
-        notes: vec![
-            "Labels are lag-compensated: those that were cues are shifted by one constant for each data set, estimated on \
-             the recordings at hand. The energy detector has its default threshold."
-                .to_owned(),
-        ],
-        ..ReportData::default()
-    };
-    let (trials, candidate) = (&evaluation.trials, &evaluation.candidates[0]);
-    let vocabulary = evaluation.vocabulary;
-    let people = people(results);
-    let drawn = people
-        .iter()
-        .take(WORST)
-        .chain(people.iter().skip(WORST).last());
-    for person in drawn {
-        let own = (0..trials.len()).filter(|&at| trials[at].subject == person.subject);
-        if let Some(at) = own.max_by_key(|&at| changes(&trials[at])) {
-            let classes = vocabulary.classes();
-            let timeline = timeline(candidate, trials, at, model.look_ahead, classes)?;
-            report.timelines.push(timeline.section(0..SHOWN));
-        }
+    let mut tables = scores_and_differences(results);
+    tables.extend(alignment::table(results));
+    let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
+    let mut provenance = vec![(String::new(), facts(results))];
+    for entry in &entries {
+        provenance.push((entry.name.clone(), entry.facts.clone()));
     }
-    report.add_errors(candidate, trials, vocabulary, model.look_ahead)?;
+    let report = ReportData {
+        title: format!("Evaluation of {}", names.join(", ")),
+        summary: format!("On {} subjects of {data}.", results.subjects.len()),
+        provenance,
+        tables,
+        people_tables: people_table(first.over_all(), &|subject| remark(results, subject))
+            .into_iter()
+            .collect(),
+        notes: notes(),
+        ..pictures(&entries[..entries.len().min(super::MOST_ENTRIES)])?
+    };
     super::write_html(&report, page)
+}
+
+/// What a reader of such a page has to know.
+pub(super) fn notes() -> Vec<String> {
+    [
+        "Labels are lag-compensated: those that were cues are shifted by one constant for each data set, estimated on \
+         the recordings at hand. The energy detector has its default threshold.",
+        "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
+         emitted, look-ahead included; a missed gesture counts as infinitely late. Intervals over fewer than about ten people \
+         are too narrow.",
+    ]
+    .map(str::to_owned)
+    .to_vec()
+}
+
+/// The models of an evaluation; aligned ones stand beside the first.
+pub(super) fn entries<'a>(
+    evaluation: &'a ModelEvaluation,
+    models: &'a [NamedModel],
+) -> Vec<Entry<'a>> {
+    let results = &evaluation.results;
+    let with = |wanted: &dyn Fn(&str) -> bool| -> Vec<Score> {
+        let scores = results.scores.iter();
+        scores.filter(|own| wanted(&own.model)).cloned().collect()
+    };
+    let is_model = |name: &str| results.models.iter().any(|own| own.name == name);
+    let is_floor = |name: &str| [CONSTANT, ENERGY].contains(&name);
+    let numbered = results.models.iter().enumerate();
+    numbered
+        .map(|(at, model)| Entry {
+            name: model.name.clone(),
+            facts: model_facts(model),
+            scores: with(&|name| name == model.name),
+            beside: with(&|name| at == 0 && !is_model(name) && !is_floor(name)),
+            floors: with(&is_floor),
+            trials: &evaluation.trials,
+            candidate: &evaluation.candidates[at],
+            vocabulary: evaluation.vocabulary,
+            look_ahead: model.look_ahead,
+            panels: Vec::new(),
+            bytes: models.get(at).map(|named| &named.bytes[..]),
+        })
+        .collect()
 }
 
 /// Scores of all models and floors; differences of the first model to all others; people, the worst first.
 #[must_use]
 pub fn tables(results: &ModelResults) -> Vec<Table> {
+    let mut tables = scores_and_differences(results);
+    tables.extend(alignment::table(results));
+    let over_all = of_first(results).find(|score| score.data_set == ALL);
+    let first = over_all.or_else(|| of_first(results).next());
+    tables.extend(people_table(first, &|subject| remark(results, subject)));
+    tables
+}
+
+/// Caption of the scores of model files.
+pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean [95 % interval] over subjects";
+
+fn scores_and_differences(results: &ModelResults) -> Vec<Table> {
     let mut scores: Vec<&Score> = results.scores.iter().collect();
     scores.sort_by_key(|score| score.data_set.as_str());
-    let caption = "Lag-compensated labels, each model with its own look-ahead; mean [95 % interval] over subjects";
-    let mut tables = vec![table(caption, &scores), differences(results)];
-    tables.extend(alignment::table(results));
-    tables.push(people_table(results));
-    tables
+    vec![table(SCORES, &scores), differences(results)]
 }
 
 /// The first model against the others and the floors, paired over people.
@@ -104,76 +146,6 @@ fn of_first(results: &ModelResults) -> impl Iterator<Item = &Score> {
         .filter(move |score| Some(score.model.as_str()) == first)
 }
 
-/// The scores of one person under one model.
-struct Person<'a> {
-    subject: &'a str,
-    score: &'a SubjectScore,
-    events: Option<&'a SubjectEvents>,
-}
-
-/// The people of one model's row, the lowest balanced accuracy first, those without one last.
-fn people_of(score: &Score) -> Vec<Person<'_>> {
-    let events = |subject: &str| {
-        let mut all = score.events.subjects.iter();
-        all.find(|events| events.subject == subject)
-    };
-    let mut people: Vec<Person<'_>> = score
-        .widest()
-        .subjects
-        .iter()
-        .map(|own| Person {
-            subject: &own.subject,
-            score: own,
-            events: events(&own.subject),
-        })
-        .collect();
-    let key = |person: &Person<'_>| person.score.balanced_accuracy.unwrap_or(f64::INFINITY);
-    people.sort_by(|a, b| key(a).total_cmp(&key(b)));
-    people
-}
-
-/// The people of the first model, over all data sets.
-fn people(results: &ModelResults) -> Vec<Person<'_>> {
-    let over_all = of_first(results).find(|score| score.data_set == ALL);
-    over_all
-        .or_else(|| of_first(results).next())
-        .map(people_of)
-        .unwrap_or_default()
-}
-
-/// Columns of a person's scores.
-const COLUMNS: [&str; 10] = [
-    "balanced",
-    "TA",
-    "recognised",
-    "gestures",
-    "latency ms",
-    "p90 ms",
-    "false/min",
-    "other/min",
-    "flicker/min",
-    "raw",
-];
-
-fn cells(person: &Person<'_>) -> [String; COLUMNS.len()] {
-    let share = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.3}"));
-    let rate = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.1}"));
-    let events = person.events;
-    let latency = events.and_then(|events| events.latency);
-    [
-        share(person.score.balanced_accuracy),
-        share(person.score.transition_accuracy),
-        share(events.and_then(|events| events.recognition)),
-        events.map_or_else(String::new, |events| events.gestures.to_string()),
-        latency.map_or_else(String::new, |latency| quantile(latency.median)),
-        latency.map_or_else(String::new, |latency| quantile(latency.p90)),
-        rate(events.and_then(|events| events.rest.per_minute())),
-        rate(events.and_then(|events| events.other_movement.per_minute())),
-        rate(events.and_then(|events| events.flicker.per_minute())),
-        share(person.score.raw_accuracy),
-    ]
-}
-
 /// Remarks on a person: who has seen it, and whether it is a test person.
 fn remark(results: &ModelResults, subject: &str) -> String {
     let found = results.subjects.iter().find(|own| own.subject == subject);
@@ -188,19 +160,6 @@ fn remark(results: &ModelResults, subject: &str) -> String {
         remarks.push(format!("seen in training by {}", found.seen_by.join(", ")));
     }
     remarks.join("; ")
-}
-
-fn people_table(results: &ModelResults) -> Table {
-    let name = results.models.first().map_or("", |model| &model.name);
-    let caption = format!("People, the lowest balanced accuracy of {name} first");
-    let header = ["subject"].into_iter().chain(COLUMNS).chain(["remark"]);
-    let mut table = Table::new(caption, header);
-    for person in people(results) {
-        let subject = [person.subject.to_owned()];
-        let remark = [remark(results, person.subject)];
-        table.push(subject.into_iter().chain(cells(&person)).chain(remark));
-    }
-    table
 }
 
 /// A row for each person and model, of all data sets together.
@@ -225,20 +184,25 @@ pub fn people_rows(results: &ModelResults) -> Table {
     table
 }
 
-fn facts(results: &ModelResults) -> Vec<(String, String)> {
-    let mut facts: Vec<(String, String)> = results
-        .models
-        .iter()
-        .map(|model| {
-            let (revision, seed) = (&model.git_revision, model.seed);
-            let text = format!(
-                "CRC-32 {}, revision {revision}, seed {seed}, look-ahead {}",
-                model.checksum,
-                model.look_ahead.name()
-            );
-            (model.name.clone(), text)
-        })
-        .collect();
+fn model_facts(model: &EvaluatedModel) -> Vec<Fact> {
+    [
+        ("CRC-32", model.checksum.clone()),
+        ("revision", model.git_revision.clone()),
+        ("seed", model.seed.to_string()),
+        ("look-ahead", model.look_ahead.name().to_owned()),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .to_vec()
+}
+
+/// What the evaluation of all models has in common.
+pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
+    let mut facts: Vec<Fact> = Vec::new();
+    let evaluated = results.subjects.iter().map(|own| own.subject.clone());
+    facts.push((
+        "evaluated".to_owned(),
+        evaluated.collect::<Vec<_>>().join(", "),
+    ));
     let mut fact = |name: &str, text: String| {
         if !text.is_empty() {
             facts.push((name.to_owned(), text));

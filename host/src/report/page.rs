@@ -3,35 +3,18 @@
 use std::fmt::Write as _;
 
 use super::{
-    ReportData, ReportError,
+    Errors, Fact, Headline, ReportData, ReportError,
     canvas::{STYLE, escape},
-    confusion, curves, latencies, timeline,
+    confusion, curves, device, latencies, overview, people, timeline,
 };
 
 /// Style of the page; that of the pictures comes from `canvas`.
-const PAGE_STYLE: &str = "\
-:root{color-scheme:light dark;--paper:#fff;--ink:#1F2933;--muted:#667085;--rule:#E2E6EB}\
-@media(prefers-color-scheme:dark){:root{--paper:#14181D;--ink:#E6E9ED;--muted:#9AA4B0;--rule:#2D353F}}\
-*{box-sizing:border-box}\
-body{margin:0 auto;max-width:1160px;padding:40px 30px 80px;background:var(--paper);color:var(--ink);\
-font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif}\
-h1{font-size:30px;line-height:1.2;margin:0 0 8px;letter-spacing:-.01em}\
-h2{font-size:20px;margin:52px 0 4px}\
-p{margin:4px 0 14px;max-width:46em}.remark,caption{color:var(--muted)}\
-dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 20px;font-size:14px;margin:20px 0}\
-dt{color:var(--muted)}dd{margin:0;overflow-wrap:anywhere}\
-.wide{overflow-x:auto;margin:14px 0 26px}\
-table{border-collapse:collapse;font-size:15px;font-variant-numeric:tabular-nums}\
-caption{text-align:left;padding-bottom:6px;font-size:14px}\
-th,td{padding:6px 22px 6px 0;text-align:left;border-bottom:1px solid var(--rule);white-space:nowrap}\
-th{font-weight:600;border-bottom-color:var(--muted)}th.number,td.number{text-align:right}\
-figure{margin:14px 0 26px}svg{display:block;width:100%;height:auto}\
-.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr));gap:10px 30px;align-items:start}\
-@media print{body{max-width:none;padding:0}h2,figure{break-inside:avoid}}";
+const PAGE_STYLE: &str = include_str!("page.css");
 
 /// The whole report as HTML.
 pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
     let title = escape(&data.title);
+    let sections = sections(data)?;
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
@@ -40,70 +23,191 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
     if !data.summary.is_empty() {
         paragraph(&mut page, "", &data.summary);
     }
-    provenance(&mut page, &data.provenance);
-    if !data.tables.is_empty() {
-        heading(&mut page, "Results", "");
-        data.tables
-            .iter()
-            .for_each(|table| page.push_str(&table.html()));
-    }
-    if !data.timelines.is_empty() {
-        heading(
-            &mut page,
-            &data.drawn,
-            "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; \
-             the emitted label should change near them.",
-        );
-        for recording in &data.timelines {
-            figure(&mut page, &timeline::svg(recording)?);
+    headline(&mut page, &data.headline);
+    if sections.len() > 2 {
+        page.push_str("<nav aria-label=\"Contents\">");
+        for section in &sections {
+            let (id, title) = (section.id, escape(&section.title));
+            let _ = write!(page, "<a href=\"#{id}\">{title}</a> ");
         }
+        page.push_str("</nav>\n");
     }
-    if !data.panels.is_empty() {
-        heading(&mut page, "Training", "");
-        let pictures: Result<Vec<_>, _> = data.panels.iter().map(curves::svg).collect();
-        pair(&mut page, &pictures?);
-    }
-    let mut errors = Vec::new();
-    if let Some(matrix) = &data.confusion {
-        errors.push(confusion::svg(matrix)?);
-    }
-    if !data.latencies.is_empty() {
-        errors.push(latencies::svg(&data.latencies)?);
-    }
-    if !errors.is_empty() {
-        heading(
-            &mut page,
-            "Errors",
-            "Left: confusion matrix; each row is one true label and adds up to 100 % of its samples. Right: latency of \
-             the gestures that were recognised, from the onset to the emitted label; the orange line is the median over all \
-             gestures, missed ones included.",
-        );
-        pair(&mut page, &errors);
-    }
-    if !data.notes.is_empty() {
-        heading(&mut page, "Limits of these numbers", "");
-        data.notes
-            .iter()
-            .for_each(|note| paragraph(&mut page, "", note));
+    for section in &sections {
+        let (id, title) = (section.id, escape(&section.title));
+        let _ = writeln!(page, "<section id=\"{id}\">\n<h2>{title}</h2>");
+        page.push_str(&section.content);
+        page.push_str("</section>\n");
     }
     page.push_str("</body>\n</html>\n");
     Ok(page)
 }
 
-fn heading(page: &mut String, title: &str, remark: &str) {
-    let _ = writeln!(page, "<h2>{}</h2>", escape(title));
-    if !remark.is_empty() {
-        paragraph(page, " class=\"remark\"", remark);
+/// A part of the page with a headline.
+struct Section {
+    id: &'static str,
+    /// As the headline and the contents say it.
+    title: String,
+    content: String,
+}
+
+impl Section {
+    fn new(id: &'static str, title: impl Into<String>, remark: &str) -> Self {
+        let mut content = String::new();
+        if !remark.is_empty() {
+            paragraph(&mut content, " class=\"remark\"", remark);
+        }
+        Self {
+            id,
+            title: title.into(),
+            content,
+        }
     }
+}
+
+/// The sections that have something to show, the most important first.
+fn sections(data: &ReportData) -> Result<Vec<Section>, ReportError> {
+    let mut sections = Vec::new();
+    if !data.tables.is_empty() || !data.overview.is_empty() {
+        let mut own = Section::new("results", "Results", "");
+        if !data.overview.is_empty() {
+            paragraph(
+                &mut own.content,
+                " class=\"remark\"",
+                "Means over people, with 95 % intervals. Grey: floors, which need no model.",
+            );
+            figure(&mut own.content, &overview::svg(&data.overview)?);
+        }
+        let tables = data.tables.iter();
+        tables.for_each(|table| own.content.push_str(&table.html()));
+        sections.push(own);
+    }
+    if data.people.is_some() || !data.people_tables.is_empty() {
+        let mut own = Section::new("people", "People", "");
+        if let Some(people) = &data.people {
+            figure(&mut own.content, &people::svg(people)?);
+        }
+        let tables = data.people_tables.iter();
+        tables.for_each(|table| own.content.push_str(&table.html()));
+        sections.push(own);
+    }
+    sections.extend(errors(&data.errors)?);
+    if !data.timelines.is_empty() {
+        let mut own = Section::new(
+            "recordings",
+            "Recordings",
+            "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; \
+             the emitted label should change near them.",
+        );
+        if !data.drawn.is_empty() {
+            let _ = writeln!(own.content, "<h3>{}</h3>", escape(&data.drawn));
+        }
+        for recording in &data.timelines {
+            figure(&mut own.content, &timeline::svg(recording)?);
+        }
+        sections.push(own);
+    }
+    if !data.panels.is_empty() {
+        let mut own = Section::new("training", "Training", "");
+        let pictures: Result<Vec<_>, _> = data.panels.iter().map(curves::svg).collect();
+        pair(&mut own.content, &pictures?);
+        sections.push(own);
+    }
+    if !data.device.is_empty() {
+        let mut own = Section::new("device", "Cost on a board", "");
+        own.content.push_str(&device::table(&data.device).html());
+        if !device::all_counted(&data.device) {
+            paragraph(
+                &mut own.content,
+                " class=\"remark\"",
+                "Instructions of a model of another shape: cargo xtask count --model FILE counts them on an emulated core.",
+            );
+        }
+        sections.push(own);
+    }
+    if !data.more_tables.is_empty() {
+        let mut own = Section::new("tables", "More tables", "");
+        let tables = data.more_tables.iter();
+        tables.for_each(|table| own.content.push_str(&table.html()));
+        sections.push(own);
+    }
+    if !data.provenance.is_empty() {
+        let mut own = Section::new("provenance", "What was evaluated", "");
+        for (name, facts) in &data.provenance {
+            provenance(&mut own.content, name, facts);
+        }
+        sections.push(own);
+    }
+    if !data.notes.is_empty() {
+        let mut own = Section::new("limits", "Limits of these numbers", "");
+        let notes = data.notes.iter();
+        notes.for_each(|note| paragraph(&mut own.content, "", note));
+        sections.push(own);
+    }
+    Ok(sections)
+}
+
+/// Confusion and latencies, a row of two for each entry.
+fn errors(errors: &[Errors]) -> Result<Option<Section>, ReportError> {
+    let mut own = Section::new(
+        "errors",
+        "Errors",
+        "Confusion matrix: each row is one true label and adds up to 100 % of its samples. Latency: the gestures that were \
+         recognised, from the onset to the emitted label; the orange line is the median over all gestures, missed ones included.",
+    );
+    let mut any = false;
+    for entry in errors {
+        let mut pictures = Vec::new();
+        if let Some(matrix) = &entry.confusion {
+            pictures.push(confusion::svg(matrix)?);
+        }
+        if !entry.latencies.is_empty() {
+            pictures.push(latencies::svg(&entry.latencies)?);
+        }
+        if pictures.is_empty() {
+            continue;
+        }
+        any = true;
+        if errors.len() > 1 {
+            let _ = writeln!(own.content, "<h3>{}</h3>", escape(&entry.name));
+        }
+        pair(&mut own.content, &pictures);
+    }
+    Ok(any.then_some(own))
+}
+
+fn headline(page: &mut String, figures: &[Headline]) {
+    if figures.is_empty() {
+        return;
+    }
+    page.push_str("<ul class=\"headline\">\n");
+    for own in figures {
+        let floor = own.floor.as_ref().map_or_else(String::new, |floor| {
+            format!(
+                "<span class=\"floor\">energy detector {}</span>",
+                escape(floor)
+            )
+        });
+        let _ = writeln!(
+            page,
+            "<li><span class=\"name\">{}</span><span class=\"value\">{}</span><span class=\"with\">{}</span>{floor}</li>",
+            escape(&own.name),
+            escape(&own.value),
+            escape(&own.remark),
+        );
+    }
+    page.push_str("</ul>\n");
 }
 
 fn paragraph(page: &mut String, attributes: &str, text: &str) {
     let _ = writeln!(page, "<p{attributes}>{}</p>", escape(text));
 }
 
-fn provenance(page: &mut String, facts: &[(String, String)]) {
+fn provenance(page: &mut String, name: &str, facts: &[Fact]) {
     if facts.is_empty() {
         return;
+    }
+    if !name.is_empty() {
+        let _ = writeln!(page, "<h3>{}</h3>", escape(name));
     }
     page.push_str("<dl>\n");
     for (name, value) in facts {

@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use shared::units::{LOOK_AHEAD, SAMPLE_PERIOD_MS};
+use shared::units::SAMPLE_PERIOD_MS;
 
 use super::curves::{Curve, Panel};
+use super::entry::{Entry, onsets, pictures, timeline};
+use super::people_table::people_table;
 use super::scores::tables;
-use super::timeline::{Timeline, timeline_svg};
-use super::{ReportData, ReportError};
-use crate::evaluation::{Candidate, EvaluationError, LookAhead, Trial, smooth};
+use super::timeline::timeline_svg;
+use super::{Fact, ReportData, ReportError};
+use crate::evaluation::{CONSTANT, Candidate, ENERGY, LookAhead, Score, Trial, Truth};
 use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
@@ -18,10 +20,10 @@ use crate::training::metrics::EpochMetrics;
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";
 
-/// Samples of the recording in the picture: 20 s.
-pub(super) const SHOWN: usize = 4000;
+/// Samples of the recording in `timeline.svg`: 20 s.
+const SHOWN: usize = 4000;
 
-/// Writes the report of a run's models to `page`, and its timeline to `timeline.svg` beside it.
+/// Writes the report of a run's models to `page`, and `timeline.svg`, the recording with the most gestures, beside it.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -32,45 +34,101 @@ pub fn write(
     page: &Path,
 ) -> Result<(), ReportError> {
     let config = &context.config;
-    let mut data = ReportData {
+    let integer = evaluation
+        .candidates
+        .iter()
+        .find(|candidate| candidate.name == INTEGER);
+    let Some(candidate) = integer.or(evaluation.candidates.first()) else {
+        return Ok(());
+    };
+    let trials = &evaluation.trials;
+    let bytes = integer.and(evaluation.model.as_deref());
+    let entry = entry(&context.folder, config, results, candidate, trials, bytes)?;
+    super::write_html(&data(config, results, &entry)?, page)?;
+    let whole = |at: usize| onsets(&trials[at], &(0..trials[at].emg.len()));
+    if let Some(at) = (0..trials.len()).max_by_key(|&at| whole(at)) {
+        let classes = entry.vocabulary.classes();
+        let timeline = timeline(candidate, trials, at, entry.look_ahead, classes)?;
+        let picture = timeline_svg(&timeline.section(0..SHOWN))?;
+        write_whole(&page.with_file_name("timeline.svg"), picture.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The page of one run.
+pub(super) fn data(
+    config: &ResolvedConfig,
+    results: &Results,
+    entry: &Entry<'_>,
+) -> Result<ReportData, ReportError> {
+    let mut tables = tables(results);
+    // Lag-compensated labels and the differences to the floors; then the rest.
+    let more_tables = tables.split_off(tables.len().min(2));
+    Ok(ReportData {
         title: format!("Intent detection: preset {}", config.preset.name),
         summary: format!(
             "Trained on {} subjects, evaluated on {} held-out subjects.",
             config.split.training.len(),
             config.split.held_out.len()
         ),
-        provenance: provenance(config, results),
-        tables: tables(results),
-        drawn: "A recording of a held-out subject".to_owned(),
-        panels: panels(&context.folder)?,
+        provenance: vec![(String::new(), entry.facts.clone())],
+        tables,
+        more_tables,
+        people_tables: people_table(entry.over_all(), &|_| String::new())
+            .into_iter()
+            .collect(),
         notes: notes(),
-        ..ReportData::default()
+        ..pictures(std::slice::from_ref(entry))?
+    })
+}
+
+/// A run on a page: `candidate` is drawn, and `bytes` is its model file.
+pub(super) fn entry<'a>(
+    folder: &RunFolder,
+    config: &ResolvedConfig,
+    results: &Results,
+    candidate: &'a Candidate,
+    trials: &'a [Trial],
+    bytes: Option<&'a [u8]>,
+) -> Result<Entry<'a>, ReportError> {
+    let look_ahead = candidate.condition(results.aggregation);
+    let is_floor = |score: &&Score| [CONSTANT, ENERGY].contains(&score.model.as_str());
+    let compensated = || {
+        let scores = results.published.iter();
+        scores.filter(|score| score.truth == Truth::LagCompensated)
     };
-    let integer = evaluation
-        .candidates
-        .iter()
-        .find(|candidate| candidate.name == INTEGER);
-    if let Some(candidate) = integer.or(evaluation.candidates.first()) {
-        let look_ahead = candidate.condition(evaluation.aggregation);
-        let (trials, vocabulary) = (&evaluation.trials, config.preset.vocabulary());
-        // The recording with the most transitions.
-        if let Some(at) = (0..trials.len()).max_by_key(|&at| changes(&trials[at])) {
-            let classes = vocabulary.classes();
-            let timeline = timeline(candidate, trials, at, look_ahead, classes)?;
-            data.timelines.push(timeline.section(0..SHOWN));
-        }
-        data.add_errors(candidate, trials, vocabulary, look_ahead)?;
-    }
-    super::write_html(&data, page)?;
-    if let Some(timeline) = data.timelines.first() {
-        let picture = timeline_svg(timeline)?;
-        write_whole(&page.with_file_name("timeline.svg"), picture.as_bytes())?;
-    }
-    Ok(())
+    let own = |score: &&Score| score.model == candidate.name && score.look_ahead == look_ahead;
+    let beside = |score: &&Score| {
+        !is_floor(score)
+            && score.model != candidate.name
+            && [LookAhead::None, look_ahead].contains(&score.look_ahead)
+    };
+    // The same model without look-ahead is in the tables, and would only double the rows of the picture.
+    let with_look_ahead = |score: &&Score| {
+        let same = compensated().filter(|own| own.model == score.model);
+        score.look_ahead == look_ahead || same.clone().all(|own| own.look_ahead != look_ahead)
+    };
+    Ok(Entry {
+        name: candidate.name.clone(),
+        facts: provenance(config, results),
+        scores: compensated().filter(own).cloned().collect(),
+        beside: compensated()
+            .filter(beside)
+            .filter(with_look_ahead)
+            .cloned()
+            .collect(),
+        floors: compensated().filter(is_floor).cloned().collect(),
+        trials,
+        candidate,
+        vocabulary: config.preset.vocabulary(),
+        look_ahead,
+        panels: panels(folder)?,
+        bytes,
+    })
 }
 
 /// What produced the numbers.
-fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<(String, String)> {
+fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
     let recordings = if config.data.is_some() {
         let sets: Vec<_> = config.lags.keys().map(|set| set.name()).collect();
         sets.join(", ")
@@ -98,7 +156,7 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<(String, String
     facts
 }
 
-fn notes() -> Vec<String> {
+pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
          both labels as published and lag-compensated labels, shifted by one constant per data set that is estimated \
@@ -114,42 +172,8 @@ fn notes() -> Vec<String> {
     .to_vec()
 }
 
-/// Changes of the true label.
-pub(super) fn changes(trial: &Trial) -> usize {
-    let labels = &trial.lag_compensated;
-    labels.windows(2).filter(|pair| pair[0] != pair[1]).count()
-}
-
-/// One trial with the labels that a candidate emits for it.
-pub(super) fn timeline(
-    candidate: &Candidate,
-    trials: &[Trial],
-    at: usize,
-    look_ahead: LookAhead,
-    classes: usize,
-) -> Result<Timeline, EvaluationError> {
-    let trial = &trials[at];
-    let labels = smooth(
-        &candidate.logits[at],
-        trial.emg.len(),
-        classes,
-        candidate.settings(look_ahead),
-    )?;
-    Ok(Timeline {
-        subject: trial.subject.clone(),
-        recording: trial.name.clone(),
-        emg: trial.emg.clone(),
-        truth: trial.lag_compensated.clone(),
-        emitted: labels.reference,
-        look_ahead_samples: match look_ahead {
-            LookAhead::None => 0,
-            LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
-        },
-    })
-}
-
 /// Learning curves of the models that were trained in the folder.
-fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
+pub(super) fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
     let mut panels = Vec::new();
     for name in ["teacher", "student"] {
         let lines: Vec<EpochMetrics> = run.lines(&format!("{name}.jsonl"))?;

@@ -4,6 +4,9 @@ use std::fmt::Write as _;
 
 use super::canvas::escape;
 
+/// Letters of a cell that are kept on one line of a page.
+const LONG: usize = 32;
+
 /// Rows of text under a header. A row shorter than the header ends in empty cells.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
@@ -105,20 +108,29 @@ impl Table {
         if !self.caption.is_empty() {
             let _ = write!(out, "<caption>{}</caption>", escape(&self.caption));
         }
-        let mut line = |tag: &str, cells: &[String]| {
+        let line = |out: &mut String, tag: &str, cells: &[String]| {
             out.push_str("<tr>");
             for (i, column) in columns.iter().enumerate() {
-                let class = if column.numeric {
-                    " class=\"number\""
-                } else {
-                    ""
+                let text = cell(cells, i);
+                // Sentences may break, numbers may not.
+                let class = match (column.numeric, width(text) > LONG) {
+                    (true, true) => " class=\"number long\"",
+                    (true, false) => " class=\"number\"",
+                    (false, true) => " class=\"long\"",
+                    (false, false) => "",
                 };
-                let _ = write!(out, "<{tag}{class}>{}</{tag}>", escape(cell(cells, i)));
+                let _ = write!(out, "<{tag}{class}>{}</{tag}>", escape(text));
             }
             out.push_str("</tr>\n");
         };
-        line("th", &self.header);
-        self.rows.iter().for_each(|row| line("td", row));
+        // A head that printed pages repeat.
+        let mut part = |name: &str, tag: &str, rows: &[Vec<String>]| {
+            let _ = write!(out, "<{name}>");
+            rows.iter().for_each(|row| line(&mut out, tag, row));
+            let _ = writeln!(out, "</{name}>");
+        };
+        part("thead", "th", std::slice::from_ref(&self.header));
+        part("tbody", "td", &self.rows);
         out.push_str("</table></div>\n");
         out
     }

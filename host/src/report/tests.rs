@@ -8,8 +8,10 @@ use shared::intent::{Intent, Vocabulary};
 use shared::units::CHANNELS;
 
 use super::curves::{Curve, Panel};
+use super::overview::{Kind, Row};
+use super::people::{People, Person};
 use super::timeline::{Timeline, timeline_svg};
-use super::{Confusion, ReportData, Table, write_html};
+use super::{Confusion, Errors, Headline, ReportData, Table, write_html};
 
 /// Rest and gestures in turn, each with its own muscles; emitted labels 50 to 300 ms late.
 fn synthetic_timeline(random: &mut ChaCha8Rng) -> Timeline {
@@ -120,26 +122,53 @@ fn synthetic_report() -> ReportData {
         drawn: "A recording".to_owned(),
         title: "Intent detection on two unseen subjects".into(),
         summary: "Trained on six subjects with \"synthetic\" <EMG>, measured on two others.".into(),
-        provenance: [
-            ("data", "synthetic, seed 42"),
-            ("left out", "subjects 3 and 6"),
-            ("revision", "0000000"),
-        ]
-        .map(|(name, value)| (name.to_owned(), value.to_owned()))
-        .to_vec(),
+        provenance: vec![(
+            "A group".to_owned(),
+            [
+                ("data", "synthetic, seed 42"),
+                ("left out", "subjects 3 and 6"),
+                ("revision", "0000000"),
+            ]
+            .map(|(name, value)| (name.to_owned(), value.to_owned()))
+            .to_vec(),
+        )],
+        headline: vec![Headline {
+            name: "balanced accuracy".into(),
+            value: "0.912".into(),
+            remark: "[0.88, 0.94]".into(),
+            floor: Some("0.700".into()),
+        }],
+        overview: vec![Row {
+            name: "student".into(),
+            kind: Kind::Entry(0),
+            values: [None; 3],
+        }],
+        people: Some(People {
+            names: vec!["student".into()],
+            floor: "energy detector".into(),
+            rows: vec![Person {
+                subject: "subject 3".into(),
+                values: vec![Some(0.9)],
+                floor: Some(0.7),
+            }],
+        }),
         tables: vec![table],
         timelines: vec![synthetic_timeline(random)],
         panels,
-        confusion: Some(Confusion {
-            counts: vec![
-                vec![9120, 310, 402, 31],
-                vec![820, 4110, 230, 12],
-                vec![960, 120, 3980, 0],
-            ],
-            ..Confusion::new(Vocabulary::Three)
-        }),
-        latencies,
+        errors: vec![Errors {
+            name: "student".into(),
+            confusion: Some(Confusion {
+                counts: vec![
+                    vec![9120, 310, 402, 31],
+                    vec![820, 4110, 230, 12],
+                    vec![960, 120, 3980, 0],
+                ],
+                ..Confusion::new(Vocabulary::Three)
+            }),
+            latencies,
+        }],
         notes: vec!["Every number on this page is synthetic.".into()],
+        ..ReportData::default()
     }
 }
 
@@ -193,10 +222,10 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
     fs::remove_dir_all(&folder)?;
 
     well_formed(&html)?;
-    assert_eq!(html.matches("<svg").count(), 5);
+    assert_eq!(html.matches("<svg").count(), 7);
     assert_eq!(
         html.matches("<title>").count(),
-        6,
+        8,
         "the page's and one for every picture"
     );
     for part in [
@@ -216,12 +245,20 @@ fn a_report_is_well_formed_and_whole() -> Result<(), Box<dyn Error>> {
 fn a_report_needs_nothing_from_elsewhere() -> Result<(), Box<dyn Error>> {
     let html = super::page::html(&synthetic_report())?;
     for reference in [
-        "http:", "https:", "src=", "href=", "url(", "@import", "<script", "<link",
+        "http:", "https:", "src=", "url(", "@import", "<script", "<link",
     ] {
         assert!(
             !html.contains(reference),
             "{reference} refers to something outside"
         );
+    }
+    // The contents refer to sections of the page itself.
+    for link in html.split("href=\"").skip(1) {
+        let id = link
+            .strip_prefix('#')
+            .and_then(|rest| rest.split('"').next());
+        let id = id.expect("a place on this page");
+        assert!(html.contains(&format!("<section id=\"{id}\">")), "{id}");
     }
     Ok(())
 }
@@ -239,6 +276,11 @@ fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
     data.panels[0].title = hostile.into();
     data.panels[0].step = hostile.into();
     data.panels[0].curves[0].name = hostile.into();
+    data.headline[0].name = hostile.into();
+    data.headline[0].floor = Some(hostile.into());
+    data.overview[0].name = hostile.into();
+    data.people.as_mut().unwrap().rows[0].subject = hostile.into();
+    data.provenance[0].0 = hostile.into();
     let html = super::page::html(&data)?;
     assert!(!html.contains("<script"));
     well_formed(&html)?;

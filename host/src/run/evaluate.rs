@@ -56,6 +56,8 @@ pub struct Evaluation {
     pub aggregation: LookAhead,
     /// Whether all models are the run's own, so that the results are kept in its folder.
     pub is_kept: bool,
+    /// The model file, if there is one.
+    pub model: Option<Vec<u8>>,
 }
 
 /// Computes the logits of further models, which are evaluated beside the run's own.
@@ -125,8 +127,33 @@ pub fn evaluate(
             candidates: published,
             aggregation,
             is_kept,
+            model: model.map(|model| model.bytes.clone()),
         },
     ))
+}
+
+/// The results that an earlier [`evaluate`] kept in the run folder, and the logits of the run's model file, from which they
+/// were computed. The other models' are not computed again.
+///
+/// # Errors
+/// When the run was not evaluated since it was trained, or has no model file, or a file is damaged or not this run's.
+pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
+    let made_from = context.config.fingerprint();
+    let results: Results = context.folder.load_stamped(RESULTS, made_from)?.content;
+    let model = ModelFile::of_run(context)?.ok_or(StepError::NoModel)?;
+    let trials = trials::published(&context.config, &context.library);
+    if trials.is_empty() {
+        return Err(StepError::NoTrials);
+    }
+    let candidate = integer_candidate(INTEGER, &Model::parse(&model.bytes)?, &trials)?;
+    let evaluation = Evaluation {
+        trials,
+        candidates: vec![candidate],
+        aggregation: results.aggregation,
+        is_kept: true,
+        model: Some(model.bytes),
+    };
+    Ok((results, evaluation))
 }
 
 /// The energy detector fitted to the training people of a run; none if they have no gesture.

@@ -6,7 +6,7 @@
 use alloc::vec::Vec;
 
 use super::{
-    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, TOKEN_LIMIT, packing::packed,
+    Aligned, KEY_LIMIT, Kernels, MAX_COLUMNS, MAX_TERMS, QUERY_LIMIT, code_limit, packing::packed,
     portable::Portable,
 };
 use crate::units::{CleanSample, Sample};
@@ -53,7 +53,22 @@ const FILLS: [Fill; 5] = [
     Fill::Noise,
 ];
 /// Columns of `multiply`: multiples of a group, with and without whole passes of the unrolled loop.
-const COLUMNS: [usize; 13] = [0, 4, 8, 12, 16, 20, 32, 48, 64, 80, 124, 508, MAX_COLUMNS];
+const COLUMNS: [usize; 14] = [
+    0,
+    4,
+    8,
+    12,
+    16,
+    20,
+    32,
+    48,
+    64,
+    80,
+    124,
+    184,
+    504,
+    MAX_COLUMNS,
+];
 /// Rows of `multiply`: one tile and several.
 const ROWS: [usize; 2] = [4, 12];
 /// Most tokens of `multiply`: two that share the weights, and one more.
@@ -89,12 +104,12 @@ const DRAWN_COLUMNS: usize = 96;
 const MOST_ROWS: usize = 12;
 
 /// Kernel calls in one [`check`].
-const CASES: usize = 5 * DRAWS
+const CASES: usize = 6 * DRAWS
     + SPECIAL.len()
     + FILLS.len()
         * (MOST_TOKENS * COLUMNS.len() * ROWS.len()
             + 2 * TERMS.len() * LAYOUTS.len()
-            + LENGTHS.len()
+            + 2 * LENGTHS.len()
             + 1);
 
 /// Runs all checks on an implementation and returns their number.
@@ -121,6 +136,7 @@ fn check<K: Kernels>() -> Result<usize, Mismatch> {
         }
         for length in LENGTHS {
             checked += quantize::<K>(length, fill, &mut noise)?;
+            checked += rescale::<K>(length, fill, &mut noise)?;
         }
         checked += rectified_median::<K>(fill, &mut noise)?;
     }
@@ -138,6 +154,7 @@ fn check<K: Kernels>() -> Result<usize, Mismatch> {
         checked += row_products::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
         checked += weighted_rows::<K>(terms, 1 + count, between, Fill::Noise, &mut noise)?;
         checked += quantize::<K>(1 + noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
+        checked += rescale::<K>(noise.below(DRAWN_COLUMNS), Fill::Noise, &mut noise)?;
         checked += rectified_median::<K>(Fill::Noise, &mut noise)?;
     }
     Ok(checked)
@@ -153,11 +170,12 @@ fn multiply<K: Kernels, const T: usize>(
     let mut inputs = [Aligned([0_i16; MAX_COLUMNS]); T];
     let weights = &mut weights.0[..rows * columns];
     for (index, weight) in weights.iter_mut().enumerate() {
-        *weight = noise.value(fill, index, [-127, 127], [127, 127]) as i8;
+        *weight = noise.value(fill, index, [-128, 127], [127, 127]) as i8;
     }
+    let limit = i32::from(code_limit(weights, columns));
     for input in &mut inputs {
         for (index, code) in input.0[..columns].iter_mut().enumerate() {
-            *code = noise.value(fill, index, [-32_768, 32_767], [-32_768, 32_767]) as i16;
+            *code = noise.value(fill, index, [-limit, limit], [-limit, limit]) as i16;
         }
     }
     let inputs = inputs.each_ref().map(|input| &input.0[..columns]);
@@ -171,8 +189,7 @@ fn multiply<K: Kernels, const T: usize>(
         for (row, &found) in sums[..rows].iter().enumerate() {
             let expected = (0..columns)
                 .map(|column| {
-                    let weight = weights[index_in_tiles(row, column, columns)];
-                    i64::from(weight) * i64::from(input[column])
+                    weight_in_tiles(weights, row, column, columns) * i64::from(input[column])
                 })
                 .sum();
             agree(Mismatch {
@@ -186,6 +203,17 @@ fn multiply<K: Kernels, const T: usize>(
         }
     }
     Ok(1)
+}
+
+/// A weight: 256 times its byte, and the byte before it in its word of four.
+fn weight_in_tiles(tiles: &[i8], row: usize, column: usize, columns: usize) -> i64 {
+    let index = index_in_tiles(row, column, columns);
+    let before = if index.is_multiple_of(4) {
+        0
+    } else {
+        tiles[index - 1].cast_unsigned()
+    };
+    256 * i64::from(tiles[index]) + i64::from(before)
 }
 
 /// Index of a weight in the tiles of [`Kernels::multiply`].
@@ -270,6 +298,62 @@ fn weighted_rows<K: Kernels>(
     Ok(1)
 }
 
+/// Compares both kernels with the formula, whose order of operations is theirs, bit for bit; one more output than rows
+/// stays as it is.
+fn rescale<K: Kernels>(rows: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
+    let mut draw = |size: f32| -> Vec<f32> {
+        let integer = |index| noise.value(fill, index, [-99_999, 99_999], [-99_999, 99_999]);
+        (0..rows)
+            .map(integer)
+            .map(|value| value as f32 * size)
+            .collect()
+    };
+    let [scales, bias, residual] = [1e-4, 1e-5, 1e-5].map(&mut draw);
+    let sums: Vec<i32> = (0..rows)
+        .map(|index| {
+            noise.value(
+                fill,
+                index,
+                [-0x3fff_ffff, 0x3fff_ffff],
+                [i32::MIN, i32::MAX],
+            )
+        })
+        .collect();
+    let scale = 3e-8_f32;
+    let mut outputs: Vec<f32> = sums
+        .iter()
+        .chain(&[7])
+        .map(|sum| f32::from_bits(sum.cast_unsigned()))
+        .collect();
+    let mut added = residual.clone();
+    K::rescale(&mut outputs, scale, &scales, &bias);
+    K::add_rescaled(&sums, scale, &scales, &bias, &mut added);
+    for row in 0..=rows {
+        let bits = |value: f32| i64::from(value.to_bits());
+        let pairs = if row == rows {
+            [(7, bits(outputs[row])), (0, 0)]
+        } else {
+            let value = sums[row] as f32 * (scale * scales[row]) + bias[row];
+            let sum = residual[row] + value;
+            [
+                (bits(value), bits(outputs[row])),
+                (bits(sum), bits(added[row])),
+            ]
+        };
+        for (kernel, (expected, found)) in ["rescale", "add_rescaled"].into_iter().zip(pairs) {
+            agree(Mismatch {
+                kernel,
+                length: rows,
+                fill,
+                row,
+                expected,
+                found,
+            })?;
+        }
+    }
+    Ok(1)
+}
+
 /// Compares with the portable kernel, bit for bit, and with the formula in f64: a code may differ from it
 /// by the error of two f32 roundings, and the largest value has the largest code.
 fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<usize, Mismatch> {
@@ -280,7 +364,7 @@ fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<
         let integer = noise.value(fill, index, [-99_999, 99_999], [-99_999, 99_999]);
         *value = integer as f32 * 1e-3;
     }
-    let limit = [QUERY_LIMIT, KEY_LIMIT, TOKEN_LIMIT][length % 3];
+    let limit = [QUERY_LIMIT, KEY_LIMIT, i16::MAX][length % 3];
     let scale = quantize_as_portable::<K>(values, limit, codes, fill)?;
     let mut largest = 0.0;
     for value in &*values {
@@ -309,7 +393,7 @@ fn quantize<K: Kernels>(length: usize, fill: Fill, noise: &mut Noise) -> Result<
 }
 
 fn quantize_special<K: Kernels>(values: [f32; 8]) -> Result<usize, Mismatch> {
-    for limit in [QUERY_LIMIT, TOKEN_LIMIT] {
+    for limit in [QUERY_LIMIT, i16::MAX] {
         let mut codes = Aligned([1; 8]);
         quantize_as_portable::<K>(&values, limit, &mut codes.0, Fill::Special)?;
     }
@@ -416,6 +500,12 @@ impl Kernels for DropsTheTail {
     }
     fn weighted_rows(weights: &[i16], rows: &[i16], stride: usize, sums: &mut [i32]) {
         Portable::weighted_rows(weights, rows, stride, sums);
+    }
+    fn rescale(outputs: &mut [f32], scale: f32, scales: &[f32], bias: &[f32]) {
+        Portable::rescale(outputs, scale, scales, bias);
+    }
+    fn add_rescaled(sums: &[i32], scale: f32, scales: &[f32], bias: &[f32], residual: &mut [f32]) {
+        Portable::add_rescaled(sums, scale, scales, bias, residual);
     }
     fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
         Portable::quantize(values, limit, codes)

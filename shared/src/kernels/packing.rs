@@ -2,7 +2,49 @@
 
 use alloc::vec::Vec;
 
-use super::{GROUP, GROUP_ORDER, TILE_ROWS};
+use super::{GROUP, GROUP_ORDER, TILE_ROWS, WEIGHT_ONE, weights_of};
+
+/// The byte of a weight, in units of its own byte, behind another in its word: the nearest of which, with the byte
+/// before it, the weight is made ([`weights_of`]).
+fn byte_of(weight: f64, before: i8) -> i8 {
+    let low = f64::from(before.cast_unsigned()) / f64::from(WEIGHT_ONE);
+    // Saturates beyond -128 and 127.
+    crate::arithmetic::round((weight - low) as f32).clamp(-128, 127) as i8
+}
+
+/// The bytes of a row of weights in units of a byte, -127 to 127, in the order of their columns.
+///
+/// The distance of what they mean ([`weights_of_row`]) to the weights is at most half a unit, and less than one unit
+/// above 127.
+#[must_use]
+pub(crate) fn bytes_of_row(weights: &[f64]) -> Vec<i8> {
+    let mut bytes = alloc::vec![0; weights.len()];
+    for (weights, bytes) in weights.chunks(GROUP).zip(bytes.chunks_mut(GROUP)) {
+        let mut before = 0;
+        for column in GROUP_ORDER {
+            before = match (weights.get(column), bytes.get_mut(column)) {
+                (Some(&weight), Some(byte)) => {
+                    *byte = byte_of(weight, before);
+                    *byte
+                }
+                _ => 0,
+            };
+        }
+    }
+    bytes
+}
+
+/// The weights that the bytes of a row mean, in units of 1 / [`WEIGHT_ONE`] of a byte's.
+#[must_use]
+pub(crate) fn weights_of_row(bytes: &[i8]) -> Vec<i16> {
+    let word = |four: &[i8]| GROUP_ORDER.map(|column| four.get(column).copied().unwrap_or(0));
+    let mut weights: Vec<i16> = bytes
+        .chunks(GROUP)
+        .flat_map(|four| weights_of(word(four)))
+        .collect();
+    weights.truncate(bytes.len());
+    weights
+}
 
 /// The tiles of a row-major matrix with this number of columns; rows of zeros fill the last one.
 ///
@@ -70,6 +112,46 @@ mod tests {
             assert_eq!(packed(&odd, columns), odd);
         }
         assert!(packed(&[], 4).is_empty());
+    }
+
+    #[test]
+    fn a_weight_is_its_own_byte_and_below_it_the_byte_before() {
+        // Columns 0, 2, 1, 3 follow one another in the word.
+        assert_eq!(
+            weights_of_row(&[1, 3, 2, 4]),
+            [256, 3 * 256 + 2, 2 * 256 + 1, 4 * 256 + 3]
+        );
+        assert_eq!(
+            weights_of_row(&[-1, 0, 5, -128]),
+            [-256, 5, 5 * 256 + 255, -128 * 256]
+        );
+        assert_eq!(weights_of_row(&[0; 8]), [0; 8]);
+    }
+
+    #[test]
+    fn rounded_weights_are_within_half_a_unit() {
+        let mut noise = crate::model::noise::Noise(5);
+        for columns in [4, 8, 80] {
+            let row: Vec<f64> = (0..columns)
+                .map(|_| f64::from(noise.signed()) * 127.0)
+                .collect();
+            let bytes = bytes_of_row(&row);
+            for (weight, found) in row.iter().zip(weights_of_row(&bytes)) {
+                let distance = f64::from(found) / 256.0 - weight;
+                assert!(distance.abs() <= 0.500_01, "{weight} {found}");
+            }
+        }
+        let extremes = [127.0, -127.0, 127.0, -127.0, -127.0, -127.0, -127.0, 127.0];
+        for (weight, found) in extremes
+            .iter()
+            .zip(weights_of_row(&bytes_of_row(&extremes)))
+        {
+            assert!(
+                (f64::from(found) / 256.0 - weight).abs() <= 0.5,
+                "{weight} {found}"
+            );
+        }
+        assert_eq!(bytes_of_row(&[0.0; 12]), [0; 12]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The kernels in plain Rust: the reference that every other implementation equals bit for bit.
 
-use super::{GROUP, GROUP_ORDER, Kernels, TILE_ROWS};
+use super::{GROUP, Kernels, TILE_ROWS, weights_of};
 use crate::arithmetic::{absmax, round_to_even};
 use crate::units::{CleanSample, Sample};
 
@@ -46,6 +46,22 @@ impl Kernels for Portable {
             for (sum, &value) in sums.iter_mut().zip(row) {
                 *sum += i32::from(weight) * i32::from(value);
             }
+        }
+    }
+
+    #[inline]
+    fn rescale(outputs: &mut [f32], scale: f32, scales: &[f32], bias: &[f32]) {
+        for (output, (row_scale, bias)) in outputs.iter_mut().zip(scales.iter().zip(bias)) {
+            let sum = output.to_bits().cast_signed();
+            *output = sum as f32 * (scale * row_scale) + bias;
+        }
+    }
+
+    #[inline]
+    fn add_rescaled(sums: &[i32], scale: f32, scales: &[f32], bias: &[f32], residual: &mut [f32]) {
+        let rows = residual.iter_mut().zip(sums);
+        for ((residual, &sum), (row_scale, bias)) in rows.zip(scales.iter().zip(bias)) {
+            *residual += sum as f32 * (scale * row_scale) + bias;
         }
     }
 
@@ -102,11 +118,11 @@ const PIECE: usize = 32;
 fn tile<const T: usize>(weights: &[i8], inputs: [&[i16]; T]) -> [[i32; TILE_ROWS]; T] {
     let mut sums = [[0; TILE_ROWS]; T];
     for (stretch, weights) in weights.chunks(TILE_ROWS * STRETCH).enumerate() {
-        let mut rows = [[[0; GROUP]; STRETCH / GROUP]; TILE_ROWS];
+        let mut rows = [[[0_i16; GROUP]; STRETCH / GROUP]; TILE_ROWS];
         let words = weights.as_chunks::<GROUP>().0.as_chunks::<TILE_ROWS>().0;
         for (group, words) in words.iter().enumerate() {
             for (row, word) in rows.iter_mut().zip(words) {
-                row[group] = in_order(*word);
+                row[group] = weights_of(*word);
             }
         }
         let columns = weights.len() / TILE_ROWS;
@@ -120,18 +136,8 @@ fn tile<const T: usize>(weights: &[i8], inputs: [&[i16]; T]) -> [[i32; TILE_ROWS
     sums
 }
 
-/// Restores the order of columns 0, 2, 1, 3 (see [`GROUP_ORDER`]) by swapping the middle two.
 #[inline]
-fn in_order(word: [i8; GROUP]) -> [i8; GROUP] {
-    const { assert!(matches!(GROUP_ORDER, [0, 2, 1, 3])) }
-    let word = u32::from_le_bytes(word.map(i8::cast_unsigned));
-    let outer = word & 0xff00_00ff;
-    let inner = (word >> 8 & 0xff00) | (word << 8 & 0xff_0000);
-    (outer | inner).to_le_bytes().map(u8::cast_signed)
-}
-
-#[inline]
-fn sum_of_products(row: &[i8], input: &[i16]) -> i32 {
+fn sum_of_products(row: &[i16], input: &[i16]) -> i32 {
     let (row, row_rest) = row.as_chunks::<PIECE>();
     let (input, input_rest) = input.as_chunks::<PIECE>();
     let mut sum = 0;
@@ -142,7 +148,7 @@ fn sum_of_products(row: &[i8], input: &[i16]) -> i32 {
 }
 
 #[inline]
-fn products(row: &[i8], input: &[i16]) -> i32 {
+fn products(row: &[i16], input: &[i16]) -> i32 {
     row.iter()
         .zip(input)
         .map(|(&w, &x)| i32::from(w) * i32::from(x))

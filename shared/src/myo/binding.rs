@@ -11,9 +11,8 @@
 //! A record that is not whole, such as one whose writing was interrupted, is no record: never a wrong address. Flash is
 //! erased, so all ones, before a record is written, and memory may hold anything before the first one.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-
 use super::address::{Address, AddressKind};
+use crate::checksum::crc32;
 
 /// Bytes of a record: whole words, as flash is written.
 pub const RECORD_BYTES: usize = 16;
@@ -23,11 +22,9 @@ const VERSION: u8 = 1;
 /// Bytes that the checksum covers.
 const COVERED: usize = RECORD_BYTES - 4;
 
-/// Without a table: computed once a start.
-const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-
 /// The record of an armband.
 #[must_use]
+#[inline(never)]
 pub fn to_record(armband: Address) -> [u8; RECORD_BYTES] {
     let kind = match armband.kind {
         AddressKind::Public => 0,
@@ -37,7 +34,7 @@ pub fn to_record(armband: Address) -> [u8; RECORD_BYTES] {
     record[..4].copy_from_slice(&MAGIC);
     record[4..6].copy_from_slice(&[VERSION, kind]);
     record[6..COVERED].copy_from_slice(&armband.bytes);
-    let checksum = CHECKSUM.checksum(&record[..COVERED]);
+    let checksum = crc32(&record[..COVERED]);
     record[COVERED..].copy_from_slice(&checksum.to_le_bytes());
     record
 }

@@ -30,6 +30,18 @@ struct View {
     filled: usize,
 }
 
+impl Placement {
+    /// What alignments are found by.
+    pub(super) const fn template(&self) -> Option<Template> {
+        self.template
+    }
+
+    /// That an alignment is in force is not known any more.
+    pub(super) const fn forget(&mut self) {
+        self.is_known = false;
+    }
+}
+
 impl View {
     /// Takes a sample; returns the patch that it completes.
     fn push(&mut self, sample: Sample) -> Option<&Patch> {
@@ -217,8 +229,6 @@ impl<E: Encode> Pipeline<'_, E> {
         self.preprocessor.rearrange(change);
         self.ring.rearrange(change);
         self.last = self.last.map(|sample| change.apply(sample));
-        self.encoder.reset(self.state);
-        self.smoother.restart();
-        self.behind = self.ring.complete();
+        self.encode_anew();
     }
 }

@@ -1,10 +1,11 @@
 //! The pipeline with a model whose output is easy to predict.
 
 use super::*;
+use crate::intent::MAX_LOGITS;
 use crate::model::LookBackLogits;
 use crate::stream::preprocess::clean;
 use crate::stream::safe_state::Cause;
-use crate::units::{CHANNELS, PATCH, Patch};
+use crate::units::{CHANNELS, LOOK_BACK, PATCH, Patch};
 use alloc::{boxed::Box, vec, vec::Vec};
 use proptest::prelude::*;
 

@@ -20,7 +20,7 @@ pub enum Cause {
     Watchdog,
     /// Reset by the program, after the stack had grown too deep.
     StackOverflow,
-    /// The model file was refused. Lasts until the next reset.
+    /// The model file was refused. Lasts until the next reset, or until another one is installed.
     ModelRefused,
     /// The armband was disconnected.
     Disconnected,
@@ -32,11 +32,13 @@ pub enum Cause {
     Losses,
     /// The inference did not run, and hardware cleared the pins.
     Stalled,
+    /// Another model is being installed.
+    Installation,
 }
 
 impl Cause {
     /// All causes.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Boot,
         Self::Watchdog,
         Self::StackOverflow,
@@ -46,6 +48,7 @@ impl Cause {
         Self::Gap,
         Self::Losses,
         Self::Stalled,
+        Self::Installation,
     ];
 
     /// Name on the UART line.
@@ -61,6 +64,7 @@ impl Cause {
             Self::Gap => "gap",
             Self::Losses => "losses",
             Self::Stalled => "stalled",
+            Self::Installation => "installation",
         }
     }
 
@@ -132,6 +136,10 @@ pub enum Event {
     Disconnected,
     /// The model file was refused.
     ModelRefused,
+    /// Another model is being installed: there is none until it is.
+    Installation,
+    /// It is in use.
+    Installed,
     /// Only time passed.
     Tick,
     /// A label of the smoother.
@@ -149,6 +157,8 @@ pub struct SafeState {
     status: Status,
     /// Time of the last sample; none while no stream is running.
     last_sample: Option<Millis>,
+    /// The model was refused or is being installed: the state and its cause stay.
+    has_no_model: bool,
 }
 
 impl SafeState {
@@ -163,6 +173,7 @@ impl SafeState {
         Self {
             status: Status::Safe(cause),
             last_sample: None,
+            has_no_model: false,
         }
     }
 
@@ -200,7 +211,9 @@ impl SafeState {
             Event::Losses => self.enter(Cause::Losses),
             Event::Stalled => self.enter(Cause::Stalled),
             Event::Disconnected => self.end_stream(Cause::Disconnected),
-            Event::ModelRefused => self.end_stream(Cause::ModelRefused),
+            Event::ModelRefused => self.end_model(Cause::ModelRefused),
+            Event::Installation => self.end_model(Cause::Installation),
+            Event::Installed => self.has_no_model = false,
             Event::Tick => {}
             Event::Label {
                 intent,
@@ -217,16 +230,22 @@ impl SafeState {
     fn accept(&mut self, intent: Intent, window_full: bool) {
         // Without a running stream no label ends a silence or a disconnection.
         let streaming = self.last_sample.is_some();
-        if window_full && streaming && self.status != Status::Safe(Cause::ModelRefused) {
+        if window_full && streaming && !self.has_no_model {
             self.status = Status::Valid(intent);
         }
     }
 
     /// Enters the safe state while the stream goes on.
     fn enter(&mut self, cause: Cause) {
-        if self.status != Status::Safe(Cause::ModelRefused) {
+        if !self.has_no_model {
             self.status = Status::Safe(cause);
         }
+    }
+
+    /// Enters the safe state, which nothing leaves until a model is installed. The stream may go on.
+    const fn end_model(&mut self, cause: Cause) {
+        self.status = Status::Safe(cause);
+        self.has_no_model = true;
     }
 
     /// Enters the safe state; the stream has ended.

@@ -8,6 +8,7 @@
 //!          | "OK,RAW," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other          super::gate
+//!          | "OK,INSTALL," ( block | "done" )     super::install: missing next; the model is in use
 //!          | "ERR," why
 //! version  = of the program, such as 0.1.0
 //! revision = of its source
@@ -23,7 +24,7 @@
 //!          | "pairing"                30 s are not over
 //! address  = of the armband that is followed | "-"
 //! kept     = "1" | "0"               whether the bound armband, or that there is none, will outlast a restart
-//! why      = "too-long"               more than 64 bytes without an end
+//! why      = "too-long"               more than 112 bytes without an end
 //!          | "frame"                  not `$...*HH` in ASCII
 //!          | "checksum," expected     the checksum that the line should have had
 //!          | "unknown"                no such command
@@ -32,6 +33,11 @@
 //!          | "no-stream"              no armband streams
 //!          | "built-in"               the armband's address was given when the program was built
 //!          | "busy"                   not done within a second: ask again
+//!          | "length"                 the file does not fit into the region of the model
+//!          | "block"                  a block's own checksum is wrong: send it again
+//!          | "not-begun"              no installation is in progress
+//!          | "model"                  the file is no model that this program can run
+//!          | "flash"                  flash was not erased or written: send it again
 //! ```
 //!
 //! `number` and `checksum` are those of the other lines. An answer has no line number and is not counted among the
@@ -48,8 +54,10 @@ use core::fmt;
 
 use super::command::AlignCommand;
 use super::gate::Margins;
+use super::install::Missing;
 pub use super::refusal::Refusal;
 use super::write_framed;
+use crate::installation::Progress;
 use crate::myo::{Address, Counters, FirmwareVersion, Following};
 use crate::stream::smoother::Gate;
 
@@ -149,6 +157,8 @@ pub enum Answer<'a> {
     Binding(Binding),
     /// To `GATE`, as it is from now on.
     Gate(Gate),
+    /// To `INSTALL` and `BLOCK`: what is missing.
+    Install(Progress),
     /// The command is not carried out.
     Refused(Refusal),
 }
@@ -169,6 +179,9 @@ impl fmt::Display for Answer<'_> {
             Self::Raw(false) => write_framed(formatter, format_args!("OK,RAW,off")),
             Self::Binding(binding) => write_framed(formatter, format_args!("OK,BIND,{binding}")),
             Self::Gate(gate) => write_framed(formatter, format_args!("OK,GATE,{}", Margins(*gate))),
+            Self::Install(progress) => {
+                write_framed(formatter, format_args!("OK,INSTALL,{}", Missing(*progress)))
+            }
             Self::Refused(Refusal::Checksum(expected)) => {
                 write_framed(formatter, format_args!("ERR,checksum,{expected:02X}"))
             }
@@ -319,6 +332,8 @@ mod tests {
             (binding(Following::Nobody, false), "OK,BIND,nobody,-,0"),
             (binding(Following::Pairing, true), "OK,BIND,pairing,-,1"),
             (binding(Following::Strongest, true), "OK,BIND,strongest,-,1"),
+            (Answer::Install(Progress::Next(1355)), "OK,INSTALL,1355"),
+            (Answer::Install(Progress::Installed), "OK,INSTALL,done"),
             (Answer::Refused(Refusal::TooLong), "ERR,too-long"),
             (Answer::Refused(Refusal::NoModel), "ERR,no-model"),
         ] {

@@ -13,6 +13,8 @@
 //!          | "BIND,state"                        change nothing
 //!          | "GATE,set," entry "," other         operating point until the next start: super::gate
 //!          | "GATE,state"                        change nothing
+//!          | "INSTALL," length "," crc           begin to exchange the model: super::install
+//!          | "BLOCK," number "," crc "," content  a block of it
 //! address  = such as FA:12:34:56:78:9A
 //! turn     = "0" ... "7"                         places that the armband is turned by
 //! mirrored = "0" | "1"                           whether the electrodes run the other way round
@@ -20,7 +22,7 @@
 //! checksum = that of the lines that the device writes
 //! ```
 //!
-//! Every line from `$` to its end is answered once, in order: [`answer`](super::answer). A line has at most 64 bytes without
+//! Every line from `$` to its end is answered once, in order: [`answer`](super::answer). A line has at most 112 bytes without
 //! its end. Bytes outside a line are ignored, `$` begins a line anew, and the device's own lines are no commands and not
 //! answered: a receiver connected to the own transmitter must not talk to itself.
 //!
@@ -32,13 +34,18 @@
 use core::fmt;
 
 use super::gate::{GateCommand, Margins};
+use super::install::{self, Begun, Numbered, Wrong};
 use super::refusal::Refusal;
 use super::{ParseError, number, unframed, write_framed};
+use crate::installation::{Block, Transfer};
 use crate::myo::Address;
 use crate::stream::alignment::Alignment;
 
-/// Most bytes of a command's line, without its end.
-pub const MAX_COMMAND_BYTES: usize = 64;
+/// Most bytes of a command's line, without its end: a block's.
+pub const MAX_COMMAND_BYTES: usize = 112;
+
+/// The line that begins a pairing, for a text that tells a person to send it.
+pub const BEGIN_PAIRING: &str = "$BIND,begin*4A\r\n";
 
 /// What the device is asked to do. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -55,6 +62,10 @@ pub enum Command {
     Bind(BindCommand),
     /// Change the confidence gate, or say which one is in force.
     Gate(GateCommand),
+    /// Begin to exchange the model, or go on with it.
+    Install(Transfer),
+    /// Take a block of it, with this number.
+    Block(u32, Block),
 }
 
 /// A command about the armband that is bound.
@@ -118,7 +129,21 @@ impl Command {
             ("GATE", Some(arguments)) => {
                 Self::Gate(GateCommand::parse(arguments).ok_or(Refusal::Arguments)?)
             }
-            ("IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND" | "GATE", _) => {
+            ("INSTALL", Some(arguments)) => {
+                Self::Install(install::transfer(arguments).ok_or(Refusal::Arguments)?)
+            }
+            ("BLOCK", Some(arguments)) => {
+                let block = install::block(arguments).map_err(|wrong| match wrong {
+                    Wrong::Arguments => Refusal::Arguments,
+                    Wrong::Block => Refusal::Block,
+                });
+                let (number, block) = block?;
+                Self::Block(number, block)
+            }
+            (
+                "IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND" | "GATE" | "INSTALL" | "BLOCK",
+                _,
+            ) => {
                 return Err(Refusal::Arguments);
             }
             _ => return Err(Refusal::Unknown),
@@ -197,6 +222,13 @@ impl fmt::Display for Command {
                 write_framed(formatter, format_args!("GATE,set,{}", Margins(*gate)))
             }
             Self::Gate(GateCommand::State) => write_framed(formatter, format_args!("GATE,state")),
+            Self::Install(transfer) => {
+                write_framed(formatter, format_args!("INSTALL,{}", Begun(*transfer)))
+            }
+            Self::Block(number, block) => write_framed(
+                formatter,
+                format_args!("BLOCK,{}", Numbered(*number, block)),
+            ),
         }
     }
 }
@@ -280,6 +312,8 @@ mod tests {
     fn lines_are_those_of_the_documentation() {
         let set = AlignCommand::Set(Alignment::new(3, false));
         assert_eq!(read(b"$IDENTIFY*04\r\n"), [Ok(Command::Identify)]);
+        let begin = Command::Bind(BindCommand::Begin);
+        assert_eq!(begin.to_string(), BEGIN_PAIRING);
         assert_eq!(read(b"$ALIGN,set,3,0*00\r\n"), [Ok(Command::Align(set))]);
     }
 
@@ -328,13 +362,16 @@ mod tests {
             ("BIND,set,FA:12:34:56:78", Refusal::Arguments),
             ("BIND,set,FA:12:34:56:78:9A,1", Refusal::Arguments),
             ("BIND,forget,1", Refusal::Arguments),
+            ("INSTALL", Refusal::Arguments),
+            ("INSTALL,1", Refusal::Arguments),
+            ("BLOCK,0,00000000,", Refusal::Arguments),
         ] {
             assert_eq!(read(framed(body).as_bytes()), [Err(refusal)], "{body}");
         }
     }
 
     #[test]
-    fn a_line_of_64_bytes_is_read_and_a_longer_one_refused_once() {
+    fn a_line_of_112_bytes_is_read_and_a_longer_one_refused_once() {
         let line = |length| {
             let mut line = alloc::vec![b'x'; length];
             line[0] = b'$';
@@ -342,9 +379,9 @@ mod tests {
             line
         };
         let found = [Err(Refusal::Frame), Ok(Command::Identify)];
-        assert_eq!(read(&line(64)), found);
+        assert_eq!(read(&line(112)), found);
         let found = [Err(Refusal::TooLong), Ok(Command::Identify)];
-        assert_eq!(read(&line(65)), found);
+        assert_eq!(read(&line(113)), found);
         assert_eq!(read(&line(10_000)), found);
     }
 
@@ -391,7 +428,16 @@ mod tests {
             let other = other.map(|other| -other);
             Command::Gate(GateCommand::Set(Gate { entry, other }))
         });
+        let install = any::<[u32; 2]>()
+            .prop_map(|[length, checksum]| Command::Install(Transfer { length, checksum }));
+        let block = (0_u32..10_000, any::<[[u8; 32]; 2]>()).prop_map(|(number, halves)| {
+            let mut block = Block::ERASED;
+            block.0.copy_from_slice(halves.as_flattened());
+            Command::Block(number, block)
+        });
         prop_oneof![
+            install,
+            block,
             any::<bool>().prop_map(Command::Raw),
             gate,
             Just(Command::Gate(GateCommand::State)),

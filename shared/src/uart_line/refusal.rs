@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
 pub enum Refusal {
     /// The line does not end.
-    #[error("more than 64 bytes without a line end: begin anew with `$`")]
+    #[error("more than 112 bytes without a line end: begin anew with `$`")]
     TooLong,
     /// The line is not framed.
     #[error("not framed as `$...*HH` in ASCII: begin anew with `$`")]
@@ -30,11 +30,26 @@ pub enum Refusal {
     /// It was not done in time.
     #[error("not done within a second: ask again")]
     Busy,
+    /// The file does not fit.
+    #[error("the file is longer than the board's flash region, or too short to be a model")]
+    Length,
+    /// The block's own checksum is wrong.
+    #[error("the block was damaged on the way: send it again")]
+    Block,
+    /// No file was begun.
+    #[error("no installation is in progress: begin it")]
+    NotBegun,
+    /// Not a model for this program.
+    #[error("the file is no model that this program can run: the line says why")]
+    Model,
+    /// Flash was not written.
+    #[error("the flash memory did not take it: send it again")]
+    Flash,
 }
 
 impl Refusal {
     /// All of them, the checksum's with 0.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 14] = [
         Self::TooLong,
         Self::Frame,
         Self::Checksum(0),
@@ -44,6 +59,11 @@ impl Refusal {
         Self::NoStream,
         Self::BuiltIn,
         Self::Busy,
+        Self::Length,
+        Self::Block,
+        Self::NotBegun,
+        Self::Model,
+        Self::Flash,
     ];
 
     /// Its word on the line.
@@ -59,6 +79,11 @@ impl Refusal {
             Self::NoStream => "no-stream",
             Self::BuiltIn => "built-in",
             Self::Busy => "busy",
+            Self::Length => "length",
+            Self::Block => "block",
+            Self::NotBegun => "not-begun",
+            Self::Model => "model",
+            Self::Flash => "flash",
         }
     }
 }

@@ -42,7 +42,7 @@ fn asked() {
     if std::env::var_os("MYOINTENT_FUZZ_LIST").is_some() {
         targets::ALL
             .iter()
-            .for_each(|target| println!("{}", target.name));
+            .for_each(|target| println!("{} {}", target.name, target.longest));
         std::process::exit(0);
     }
     if let Some(folder) = std::env::var_os("MYOINTENT_FUZZ_SEEDS") {

@@ -1,7 +1,5 @@
 //! A session with armbands as its radio sees it, and what must hold of its actions.
 
-use std::collections::HashSet;
-
 use shared::myo::{
     Action, Address, AddressKind, Characteristic, Event, Following, Found, MyoSession, Phase,
     Progress, Settings, Uuid,
@@ -49,7 +47,10 @@ pub struct Link {
     stream: bool,
     /// Number of the next EMG notification, which is in its bytes.
     number: u64,
-    delivered: HashSet<u64>,
+    /// Whether the notification of each number was delivered.
+    delivered: Vec<bool>,
+    /// Of the newest event; kept, so that not every event allocates.
+    actions: Vec<Action>,
     lost: u64,
     sequencer: Sequencer,
     detector: GapDetector,
@@ -67,7 +68,8 @@ impl Link {
             outstanding: None,
             stream: false,
             number: 0,
-            delivered: HashSet::new(),
+            delivered: Vec::new(),
+            actions: Vec::new(),
             lost: 0,
             sequencer: Sequencer::new(),
             detector: GapDetector::new(),
@@ -123,6 +125,7 @@ impl Link {
         let mut bytes = [0x55; EMG_BYTES];
         bytes[..8].copy_from_slice(&self.number.to_le_bytes());
         self.number += 1;
+        self.delivered.push(false);
         self.handle(Event::Notification {
             characteristic: Characteristic::ALL[2 + lane % 4],
             bytes: &bytes,
@@ -132,7 +135,7 @@ impl Link {
     /// Passes an event on and checks what the session does.
     pub fn handle(&mut self, event: Event<'_>) {
         let streamed = self.session.phase() == Phase::Streaming;
-        let mut actions = Vec::new();
+        let mut actions = std::mem::take(&mut self.actions);
         self.session
             .handle(self.now, event, &mut |action| actions.push(action));
         assert!(actions.len() <= MOST_ACTIONS, "{} actions", actions.len());
@@ -144,9 +147,10 @@ impl Link {
         }
         let streams = self.session.phase() == Phase::Streaming;
         self.stream |= streams || (actions.contains(&Action::StreamEnded) && !streamed);
-        for action in actions {
+        for action in actions.drain(..) {
             self.act(action);
         }
+        self.actions = actions;
         assert_eq!(self.stream, streams, "every stream ends once");
         assert_ne!(self.session.phase(), Phase::Idle);
         let lost = u64::from(self.session.counters().lost);
@@ -176,11 +180,14 @@ impl Link {
                 assert!(self.stream, "samples outside a stream");
                 let number = pair[0].map(i8::cast_unsigned);
                 let is_numbered = pair[1] == [0x55; 8];
-                let number = u64::from_le_bytes(number);
-                assert!(
-                    !is_numbered || self.delivered.insert(number),
-                    "delivered twice"
-                );
+                let number = usize::try_from(u64::from_le_bytes(number));
+                // A number beyond them was invented by the input.
+                if let (true, Ok(number)) = (is_numbered, number)
+                    && let Some(delivered) = self.delivered.get_mut(number)
+                {
+                    assert!(!*delivered, "delivered twice");
+                    *delivered = true;
+                }
                 let packet = self.sequencer.samples(pair);
                 assert_eq!(packet.first.0, self.position, "positions never go back");
                 let received = self.detector.receive(packet);

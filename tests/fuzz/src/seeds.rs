@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use shared::installation::{Block, Transfer};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::{Model, random};
@@ -48,6 +49,13 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
         ("binding", vec![to_record(address(7)).to_vec()]),
         ("pipeline", pipelines()),
         ("command", commands()),
+        (
+            "installation",
+            vec![
+                [vec![0x10], vec![0x31; 210]].concat(),
+                [vec![0x10], vec![0x31; 90], vec![0, 0x10], vec![0x31; 200]].concat(),
+            ],
+        ),
         ("report", reports()),
         ("answer", (0..6).map(|kind| vec![kind; 70]).collect()),
         ("model", models()),
@@ -136,6 +144,11 @@ fn commands() -> Vec<Vec<u8>> {
             entry: Some(150),
             other: Some(-50),
         })),
+        Command::Install(Transfer {
+            length: 86_776,
+            checksum: 0x577b_d53b,
+        }),
+        Command::Block(1355, Block(std::array::from_fn(|place| (7 * place) as u8))),
     ];
     let line = |command: &Command| command.to_string().into_bytes();
     let body = |command: &Command| {

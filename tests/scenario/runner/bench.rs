@@ -14,6 +14,7 @@ use shared::model::noise::Noise;
 use shared::myo::{Address, binding};
 use shared::units::Sample;
 
+use super::expectation::Models;
 use super::file::{Act, File, Model, Page, Scenario, Signal};
 
 /// The armband's address.
@@ -21,6 +22,8 @@ const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// With it the emulated board's timeout of 200 ms is a second of real time.
 const TIME_SCALE: u32 = 5;
 const PACE: f64 = 3.0;
+/// The same where the armband has its true rate by the board's clock: what depends on time is as on a board.
+const TRUE_RATE_TIME_SCALE: u32 = 3;
 /// Longest wait for what is expected of the emulated board.
 const PATIENCE: Duration = Duration::from_secs(90);
 
@@ -42,7 +45,15 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
         bytemuck::cast_slice::<Sample, u8>(&samples),
     )?;
     fs::write(path("page"), page(file.scenario.page))?;
-    let ran = Command::new(program)
+    let mut board = Command::new(program);
+    let mut other = Vec::new();
+    if let Some(name) = &file.scenario.install {
+        other = model_file(name)?;
+        fs::write(path("other.intent"), &other)?;
+        board.arg("--install").arg(path("other.intent"));
+        board.arg("--journal").arg(path("journal"));
+    }
+    let ran = board
         .arg(path("scenario.toml"))
         .arg("--model")
         .arg(path("model.intent"))
@@ -62,8 +73,20 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
         String::from_utf8_lossy(&ran.stderr),
         output.tails()
     );
-    let checked = file.scenario.expect.check(&model, &samples, &output);
-    checked.with_context(|| output.tails())
+    let models = Models {
+        first: &model,
+        other: &other,
+    };
+    let checked = file.scenario.expect.check(models, &samples, &output);
+    checked.with_context(|| output.tails())?;
+    if !other.is_empty() && file.scenario.expect.installed {
+        let region = fs::read(path("model.intent"))?;
+        ensure!(
+            region.starts_with(&other),
+            "the region does not hold the file"
+        );
+    }
+    Ok(())
 }
 
 /// Runs a scenario on the emulated board, against the virtual armband.
@@ -89,7 +112,12 @@ pub fn emulate(file: &File) -> anyhow::Result<()> {
         let stranger = format!("{},{}", stranger.address, stranger.rssi);
         arguments.extend(["--stranger".to_owned(), stranger]);
     }
-    let time_scale = scenario.time_scale.unwrap_or(TIME_SCALE);
+    let (time_scale, pace) = if scenario.true_rate {
+        let time_scale = scenario.time_scale.unwrap_or(TRUE_RATE_TIME_SCALE);
+        (time_scale, scenario.pace / f64::from(time_scale))
+    } else {
+        (scenario.time_scale.unwrap_or(TIME_SCALE), PACE)
+    };
     let script = scenario.armband.iter().map(|step| json!(step));
     let script = script.map(|step| slowed_down(step, time_scale)).collect();
     let mut run = bench.start(&emulator::Scenario {
@@ -97,17 +125,23 @@ pub fn emulate(file: &File) -> anyhow::Result<()> {
         samples: &samples,
         page: Some(page(scenario.page)),
         time_scale,
-        pace: PACE,
+        pace,
         fault: fault(scenario.fault.as_deref())?,
         script,
         arguments,
     })?;
+    // It takes no command and no press before.
+    run.wait_for("the board's first line", |run| !run.comments().is_empty())?;
     for act in &scenario.person {
         carry_out(act, &mut run, time_scale)?;
     }
     let start = Instant::now();
     loop {
-        let checked = scenario.expect.check(&model, &samples, &run);
+        let models = Models {
+            first: &model,
+            other: &[],
+        };
+        let checked = scenario.expect.check(models, &samples, &run);
         let checked = checked.and_then(|()| scenario.expect.check_armband(&run));
         match checked {
             Ok(()) => break,
@@ -135,7 +169,10 @@ fn slowed_down(mut step: Value, time_scale: u32) -> Value {
 
 fn carry_out(act: &Act, run: &mut Run, time_scale: u32) -> anyhow::Result<()> {
     let at = match act {
-        Act::Press { at, .. } | Act::Send { at, .. } | Act::SendBytes { at, .. } => *at,
+        Act::Press { at, .. }
+        | Act::Send { at, .. }
+        | Act::SendBytes { at, .. }
+        | Act::Install { at, .. } => *at,
     };
     run.wait_for(&format!("{at} notifications"), |run| {
         run.event_count("sent") >= at
@@ -154,6 +191,7 @@ fn carry_out(act: &Act, run: &mut Run, time_scale: u32) -> anyhow::Result<()> {
             let bytes: Vec<u8> = text.chars().map(|byte| byte as u8).collect();
             (0..*times).try_for_each(|_| run.send(&bytes))
         }
+        Act::Install { .. } => bail!("the emulated board's person installs nothing"),
     }
 }
 
@@ -166,6 +204,7 @@ fn fault(name: Option<&str>) -> anyhow::Result<Option<emulator::Fault>> {
         Some("executor-stops") => emulator::Fault::ExecutorStops,
         Some("inference-loops") => emulator::Fault::InferenceLoops,
         Some("radio-stops") => emulator::Fault::RadioStops,
+        Some("inference-pauses") => emulator::Fault::InferencePauses,
         Some(other) => bail!("no fault {other}"),
     }))
 }
@@ -212,9 +251,15 @@ fn synthetic(signal: Signal, count: usize) -> Vec<Sample> {
         .collect()
 }
 
+/// A model of the repository.
+fn model_file(name: &str) -> anyhow::Result<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let path = folder.join(name).with_extension("intent");
+    fs::read(&path).with_context(|| path.display().to_string())
+}
+
 fn model(model: &Model) -> anyhow::Result<Vec<u8>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
-    let mut bytes = fs::read(&path).with_context(|| path.display().to_string())?;
+    let mut bytes = model_file("three-class")?;
     let middle = bytes.len() / 2;
     match model {
         Model::Shipped => {}

@@ -39,6 +39,8 @@ pub struct Expectation {
     counts: Vec<Count>,
     /// Whether the board may restart.
     may_restart: bool,
+    /// The region holds the file that was installed.
+    pub installed: bool,
     /// Events in the virtual armband's log, which the simulated one does not have.
     armband: Vec<Happened>,
 }
@@ -58,6 +60,15 @@ const fn often() -> usize {
     usize::MAX
 }
 
+/// The models of a scenario.
+#[derive(Clone, Copy)]
+pub struct Models<'m> {
+    /// That of the region at first.
+    pub first: &'m [u8],
+    /// The one that is installed.
+    pub other: &'m [u8],
+}
+
 /// What reached the pipeline.
 #[derive(Deserialize, Clone)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -74,6 +85,10 @@ enum Reached {
     Align(u8, bool),
     /// The confidence gate is changed: both margins, in hundredths.
     Gate(i16, i16),
+    /// An installation begins to write.
+    Suspended,
+    /// The other model is in use.
+    Installed,
 }
 
 /// A comment line.
@@ -145,9 +160,14 @@ impl Expectation {
     ///
     /// # Errors
     /// Says what is not as expected.
-    pub fn check(&self, model: &[u8], samples: &[Sample], output: &Output) -> anyhow::Result<()> {
+    pub fn check(
+        &self,
+        models: Models<'_>,
+        samples: &[Sample],
+        output: &Output,
+    ) -> anyhow::Result<()> {
         output.check(self.may_restart)?;
-        self.check_lines(model, samples, output)?;
+        self.check_lines(models, samples, output)?;
         self.check_reports(output)?;
         self.check_people(output)?;
         self.check_pins(output)?;
@@ -169,7 +189,12 @@ impl Expectation {
         Ok(())
     }
 
-    fn check_lines(&self, model: &[u8], samples: &[Sample], output: &Output) -> anyhow::Result<()> {
+    fn check_lines(
+        &self,
+        models: Models<'_>,
+        samples: &[Sample],
+        output: &Output,
+    ) -> anyhow::Result<()> {
         let Some(reached) = &self.pipeline else {
             return Ok(());
         };
@@ -186,9 +211,11 @@ impl Expectation {
                 entry: Some(entry),
                 other: Some(other),
             }),
+            Reached::Suspended => Input::Suspend,
+            Reached::Installed => Input::Resume(models.other),
         };
         let inputs: Vec<Input<'_>> = reached.iter().map(input).collect();
-        let expected = expected_lines(model, &inputs)?;
+        let expected = expected_lines(models.first, &inputs)?;
         let found = output.lines();
         let differs = found
             .iter()

@@ -31,6 +31,9 @@ pub struct Scenario {
     pub simulation_only: Option<String>,
     /// How many times slower than real time the emulated board's clock runs.
     pub time_scale: Option<u32>,
+    /// Whether the emulated board gets the armband's rate by its own clock.
+    #[serde(default)]
+    pub true_rate: bool,
     /// What has to come of it.
     pub expect: Expectation,
 
@@ -40,8 +43,9 @@ pub struct Scenario {
     /// What follows the last sample.
     #[serde(default = "silence")]
     pub end: String,
-    #[serde(rename = "pace")]
-    _pace: Option<Value>,
+    /// How many times faster than an armband it streams.
+    #[serde(default = "as_an_armband")]
+    pub pace: f64,
     /// The EMG characteristic that a stream starts with.
     #[serde(default)]
     pub first_lane: u8,
@@ -59,6 +63,14 @@ pub struct Scenario {
     _packet_ms: Option<Value>,
     #[serde(rename = "page_fails")]
     _page_fails: Option<Value>,
+    #[serde(rename = "power_fails_at")]
+    _power_fails_at: Option<Value>,
+    /// The model that a person installs: a file of `models` without `.intent`.
+    pub install: Option<String>,
+}
+
+const fn as_an_armband() -> f64 {
+    1.0
 }
 
 fn silence() -> String {
@@ -149,6 +161,13 @@ pub enum Act {
         /// How often.
         #[serde(default = "once")]
         times: usize,
+    },
+    /// Installs a model: on the simulated board alone.
+    Install {
+        /// Notifications before.
+        at: usize,
+        #[serde(default, rename = "pulled_after")]
+        _pulled_after: Option<u32>,
     },
 }
 

@@ -126,7 +126,7 @@ mod tests {
         let words: Vec<_> = line.split_whitespace().collect();
         assert_eq!(
             words,
-            ["embed", "10200", "160000", "10000", "+2.0", "%", "14280"]
+            ["embed", "10200", "160000", "10000", "+2.0", "%", "15300"]
         );
         assert!(
             text.contains("budget 150000: within, 6.8 % of it"),

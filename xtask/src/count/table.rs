@@ -7,10 +7,10 @@ use anyhow::{Context as _, Result, bail, ensure};
 pub const PARTS: [(&str, f64); 8] = [
     ("preprocess", 1.03),
     ("ring", 1.3),
-    ("embed", 1.4),
-    ("attention", 1.5),
-    ("feed-forward", 1.52),
-    ("head", 1.62),
+    ("embed", 1.5),
+    ("attention", 1.56),
+    ("feed-forward", 1.51),
+    ("head", 1.55),
     ("smoother", 1.4),
     ("rest", 1.4),
 ];
@@ -30,7 +30,7 @@ pub const ALIGNMENT: [&str; 5] = [
 
 /// Milliseconds of so many instructions at 64 MHz, by the cycles an instruction of the encoder's largest parts.
 pub fn milliseconds(instructions: u64) -> f64 {
-    instructions as f64 * 1.52 / 64e3
+    instructions as f64 * 1.54 / 64e3
 }
 
 /// Instructions of a part, per patch.

@@ -1,6 +1,6 @@
 //! Cargo, called so that it builds or lints one image.
 
-use std::{fs, path::PathBuf, process::Command};
+use std::{env, fs, path::PathBuf, process::Command};
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -69,7 +69,8 @@ pub fn command(
     cargo
         .args(["--profile", PROFILE, "--package", PACKAGE])
         .args(["--no-default-features", "--features", image.features()])
-        .env("CARGO_TARGET_DIR", cross_target());
+        .env("CARGO_TARGET_DIR", cross_target())
+        .env("RUSTFLAGS", short_paths());
     if image == Image::Nrf52840Sdc
         && let Some(folder) = clang::find(install)?
     {
@@ -82,6 +83,27 @@ pub fn command(
         cargo.arg("--locked");
     }
     Ok(cargo)
+}
+
+/// The caller's flags, and with them no path of this computer in what a panic says: on a board 3 KiB of flash, and the same
+/// bytes wherever an image is built.
+fn short_paths() -> String {
+    let mut flags = env::var("RUSTFLAGS").unwrap_or_default();
+    let home = env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));
+    let sources = home.and_then(|home| fs::read_dir(home.join("registry/src")).ok());
+    let registries = sources
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path());
+    for folder in registries.chain([PathBuf::from("/usr/lib/rustlib/src/rust/library")]) {
+        // Flags are divided at spaces.
+        if let Some(folder) = folder.to_str().filter(|folder| !folder.contains(' ')) {
+            flags += &format!(" --remap-path-prefix={folder}/=");
+        }
+    }
+    flags
 }
 
 /// The file of an image, whether it was built already or not.

@@ -11,7 +11,7 @@ use core::{
 };
 
 use cortex_m::peripheral::NVIC;
-use embassy_time::Instant;
+use embassy_time::{Duration, Instant};
 
 use super::irq::Irq;
 use super::straps::{self, Fault};
@@ -21,8 +21,13 @@ use super::uart::Uart;
 const LABELS_BEFORE: u32 = 3;
 const LABEL: &[u8] = b"$LABEL";
 
+/// The inference's pause: longer than the dead-man timer waits, and no more packets than the queues have room for.
+const PAUSE: Duration = Duration::from_millis(300);
+
 /// Set when it is time for the inference to loop.
 static INFERENCE_LOOPS: AtomicBool = AtomicBool::new(false);
+/// Set when it is time for the inference to pause.
+static INFERENCE_PAUSES: AtomicBool = AtomicBool::new(false);
 
 /// Injects the fault that the straps ask for, after some labels. To be called with every line sent.
 pub async fn inject(line: &[u8]) {
@@ -30,18 +35,27 @@ pub async fn inject(line: &[u8]) {
     let Some(fault) = straps::fault() else {
         return;
     };
-    if !line.starts_with(LABEL) || LABELS.fetch_add(1, Ordering::Relaxed) + 1 < LABELS_BEFORE {
+    if !line.starts_with(LABEL) {
         return;
     }
-    if fault == Fault::InferenceLoops {
-        return INFERENCE_LOOPS.store(true, Ordering::Relaxed);
+    let labels = LABELS.fetch_add(1, Ordering::Relaxed) + 1;
+    if labels < LABELS_BEFORE {
+        return;
+    }
+    match fault {
+        Fault::InferenceLoops => return INFERENCE_LOOPS.store(true, Ordering::Relaxed),
+        // Once, for the board goes on.
+        Fault::InferencePauses => {
+            return INFERENCE_PAUSES.store(labels == LABELS_BEFORE, Ordering::Relaxed);
+        }
+        _ => {}
     }
     report();
     match fault {
         Fault::TaskStops => future::pending().await,
         Fault::ExecutorStops => loop_forever(),
         Fault::InterruptStorm => NVIC::pend(Irq::Storm),
-        Fault::InferenceLoops => {}
+        Fault::InferenceLoops | Fault::InferencePauses => {}
         Fault::Recursion => drop(recurse(0)),
         Fault::ClockStops => NVIC::mask(Irq::Alarm),
         Fault::RadioStops => NVIC::mask(Irq::HciReceive),
@@ -50,11 +64,19 @@ pub async fn inject(line: &[u8]) {
     }
 }
 
-/// Injects the fault that stops the inference itself. To be called by the inference task.
+/// Injects the faults of the inference itself. To be called by the inference task.
 pub fn inject_into_inference() {
     if INFERENCE_LOOPS.load(Ordering::Relaxed) {
         report();
         loop_forever();
+    }
+    if INFERENCE_PAUSES.load(Ordering::Relaxed) {
+        INFERENCE_PAUSES.store(false, Ordering::Relaxed);
+        report();
+        let end = Instant::now() + PAUSE;
+        while Instant::now() < end {
+            cortex_m::asm::nop();
+        }
     }
 }
 

@@ -8,9 +8,9 @@ mod clock;
 mod command_port;
 mod dead_man;
 mod fault;
+mod flash;
 mod hci;
 mod irq;
-mod page;
 mod registers;
 mod stack;
 mod straps;
@@ -28,6 +28,7 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_time::Instant;
 
 use super::{Board, levels::Levels};
+use crate::installation;
 use crate::messages::pin_state::PinState;
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
@@ -74,10 +75,13 @@ pub fn start() -> Board {
 
 /// Runs the Myo session forever.
 pub async fn run_radio(_: Spawner, mut parts: RadioParts, driver: &SessionDriver<'_>) {
-    hci::synchronize(&mut parts.from, &mut parts.to).await;
-    let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);
-    let controller: ExternalController<_, 10> = ExternalController::new(transport);
-    trouble::run(controller, OWN_ADDRESS, driver, &mut page::MemoryPage).await;
+    installation::beside(flash::Memory, async |flash| {
+        hci::synchronize(&mut parts.from, &mut parts.to).await;
+        let transport = SerialTransport::<NoopRawMutex, _, _>::new(parts.from, parts.to);
+        let controller: ExternalController<_, 10> = ExternalController::new(transport);
+        trouble::run(controller, OWN_ADDRESS, driver, flash).await;
+    })
+    .await;
 }
 
 /// UART0.

@@ -21,6 +21,8 @@ pub enum Fault {
     ClockStops,
     /// Nothing more is received from the Bluetooth controller.
     RadioStops,
+    /// The inference takes too long for one packet, and goes on.
+    InferencePauses,
 }
 
 /// How many times slower than real time the clock runs, 1 if nothing was set.
@@ -44,6 +46,7 @@ pub fn fault() -> Option<Fault> {
         7 => Some(Fault::Recursion),
         8 => Some(Fault::ClockStops),
         9 => Some(Fault::RadioStops),
+        10 => Some(Fault::InferencePauses),
         _ => None,
     }
 }

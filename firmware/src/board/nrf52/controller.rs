@@ -4,16 +4,16 @@ use embassy_executor::Spawner;
 use embassy_nrf::{
     Peri, bind_interrupts,
     mode::Blocking,
-    nvmc::PAGE_SIZE,
     pac,
     peripherals::{NVMC, RNG},
     rng,
 };
-use nrf_mpsl::{Flash, MultiprotocolServiceLayer, SessionMem};
+use nrf_mpsl::{MultiprotocolServiceLayer, SessionMem};
 use nrf_sdc::{Builder, Mem, SoftdeviceController};
 use static_cell::StaticCell;
 
-use crate::binding_region::{self, Page, PageFailed, Record};
+use crate::flash::{Flash, FlashFailed, PAGE_BYTES};
+use crate::installation;
 use crate::radio::{driver::SessionDriver, trouble};
 
 bind_interrupts!(struct Interrupts {
@@ -76,23 +76,25 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
         Ok(controller) => controller,
         Err(error) => defmt::panic!("the Bluetooth controller did not start: {}", error),
     };
-    let mut page = FlashPage(Flash::take(mpsl, parts.flash));
-    trouble::run(controller, own_address(), driver, &mut page).await;
+    let flash = ChipFlash(nrf_mpsl::Flash::take(mpsl, parts.flash));
+    installation::beside(flash, async |flash| {
+        trouble::run(controller, own_address(), driver, flash).await;
+    })
+    .await;
 }
 
 /// Writes flash in time slots that the radio's scheduler grants.
-struct FlashPage(Flash<'static>);
+struct ChipFlash(nrf_mpsl::Flash<'static>);
 
-impl Page for FlashPage {
-    async fn erase(&mut self) -> Result<(), PageFailed> {
-        let start = binding_region::start();
-        let end = start + PAGE_SIZE as u32;
-        self.0.erase(start, end).await.map_err(|_| PageFailed)
+impl Flash for ChipFlash {
+    async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
+        let erased = self.0.erase(page, page + PAGE_BYTES).await;
+        erased.map_err(|_| FlashFailed)
     }
 
-    async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
-        let written = self.0.write(binding_region::start(), &record.0).await;
-        written.map_err(|_| PageFailed)
+    async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
+        let written = self.0.write(address, words).await;
+        written.map_err(|_| FlashFailed)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use embassy_executor::Spawner;
 use embedded_storage_async::nor_flash::NorFlash;
-use nrf_softdevice::{Config, Flash, Softdevice, raw};
+use nrf_softdevice::{Config, Softdevice, raw};
 
-use crate::binding_region::{self, Page, PageFailed, Record};
+use crate::flash::{Flash, FlashFailed, PAGE_BYTES};
+use crate::installation;
 use crate::radio::{self, driver::SessionDriver};
 
 /// The SoftDevice needs none of the program's peripherals.
@@ -47,23 +48,25 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the SoftDevice's task runs already"),
     }
-    let mut page = FlashPage(Flash::take(softdevice));
-    radio::softdevice::run(softdevice, driver, &mut page).await;
+    let flash = ChipFlash(nrf_softdevice::Flash::take(softdevice));
+    installation::beside(flash, async |flash| {
+        radio::softdevice::run(softdevice, driver, flash).await;
+    })
+    .await;
 }
 
 /// Writes flash through the SoftDevice, which does so between radio events.
-struct FlashPage(Flash);
+struct ChipFlash(nrf_softdevice::Flash);
 
-impl Page for FlashPage {
-    async fn erase(&mut self) -> Result<(), PageFailed> {
-        let start = binding_region::start();
-        let end = start + Flash::ERASE_SIZE as u32;
-        self.0.erase(start, end).await.map_err(|_| PageFailed)
+impl Flash for ChipFlash {
+    async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
+        let erased = self.0.erase(page, page + PAGE_BYTES).await;
+        erased.map_err(|_| FlashFailed)
     }
 
-    async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
-        let written = self.0.write(binding_region::start(), &record.0).await;
-        written.map_err(|_| PageFailed)
+    async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
+        let written = self.0.write(address, words).await;
+        written.map_err(|_| FlashFailed)
     }
 }
 

@@ -6,6 +6,7 @@
 mod armband;
 mod clock;
 mod fault;
+mod flash;
 mod gatt;
 mod hardware;
 mod person;
@@ -22,14 +23,13 @@ use clap::Parser as _;
 use embassy_executor::{Executor, Spawner};
 use embassy_time::Timer;
 use shared::myo::Address;
-use shared::myo::binding::RECORD_BYTES;
 use shared::units::Sample;
 use static_cell::StaticCell;
 
 use super::{Board, BytesLost};
-use crate::binding_region::{self, Page, PageFailed, Record};
+use crate::flash::Region;
+use crate::installation;
 use crate::messages::pin_state::PinState;
-use crate::model_region;
 use crate::radio::driver::SessionDriver;
 use crate::reset_reason::ResetReason;
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
@@ -51,6 +51,8 @@ struct Surroundings {
     arguments: &'static Arguments,
     scenario: Scenario,
     samples: Vec<Sample>,
+    /// What the person installs.
+    file: Vec<u8>,
 }
 
 /// Reads the arguments, and runs the program that `start` starts until the scenario is over.
@@ -58,7 +60,8 @@ pub fn main(start: fn(Spawner)) -> ExitCode {
     let arguments = power::keep(Arguments::parse());
     match prepare(arguments) {
         Ok(surroundings) => {
-            let person = Person::new(&surroundings.scenario.person, arguments.sent);
+            let file = surroundings.file.clone();
+            let person = Person::new(&surroundings.scenario.person, arguments.sent, file);
             let surroundings = SURROUNDINGS.set(surroundings);
             debug_assert!(surroundings.is_ok(), "started once");
             on_panic();
@@ -90,12 +93,12 @@ fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
         scenario.pace > 0.0 && scenario.packet_ms >= 0.0 && scenario.run_seconds > 0.0,
         "{path}: pace and run_seconds are above 0, packet_ms is not below"
     );
-    model_region::insert(read(&arguments.model)?);
-    let page = read(&arguments.page)?;
-    let mut record = [0xff; RECORD_BYTES];
-    let length = page.len().min(RECORD_BYTES);
-    record[..length].copy_from_slice(&page[..length]);
-    binding_region::write(record);
+    crate::flash::insert(Region::Model, &read(&arguments.model)?);
+    crate::flash::insert(Region::Binding, &read(&arguments.page)?);
+    if let Some(journal) = arguments.journal.as_ref().filter(|path| path.exists()) {
+        crate::flash::insert(Region::Journal, &read(journal)?);
+    }
+    let file = arguments.install.as_deref().map(read).transpose()?;
     let samples = read(&arguments.samples)?;
     let (samples, _) = samples.as_chunks::<8>();
     let samples = samples.iter().map(|bytes| bytes.map(u8::cast_signed));
@@ -106,6 +109,7 @@ fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
         arguments,
         samples: samples.collect(),
         scenario,
+        file: file.unwrap_or_default(),
     })
 }
 
@@ -154,6 +158,7 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
         arguments,
         scenario,
         samples,
+        ..
     } = surroundings();
     let address = |text: &str| Address::parse(text).expect("an address of the scenario");
     let new = |text: &str, rssi| Armband::new(address(text), rssi, samples.clone());
@@ -164,33 +169,10 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
     let mut radio = SimulatedRadio {
         armbands: &armbands,
     };
-    driver.run(&mut radio, &mut FilePage).await;
-}
-
-/// The page of the bound armband: a file.
-struct FilePage;
-
-impl FilePage {
-    fn put(record: [u8; RECORD_BYTES]) -> Result<(), PageFailed> {
-        if surroundings().scenario.page_fails {
-            return Err(PageFailed);
-        }
-        std::fs::write(&surroundings().arguments.page, record).map_err(|_| PageFailed)?;
-        binding_region::write(record);
-        Ok(())
-    }
-}
-
-impl Page for FilePage {
-    async fn erase(&mut self) -> Result<(), PageFailed> {
-        // The core stands still meanwhile (nRF52840 product specification, NVMC).
-        clock::spend(85_000);
-        Self::put([0xff; RECORD_BYTES])
-    }
-
-    async fn write(&mut self, record: &Record) -> Result<(), PageFailed> {
-        Self::put(record.0)
-    }
+    installation::beside(flash::Files, async |flash| {
+        driver.run(&mut radio, flash).await
+    })
+    .await;
 }
 
 /// The UART's transmitter.
@@ -203,6 +185,7 @@ impl LabelPort {
     pub async fn send(&mut self, line: &[u8]) {
         Timer::after_micros(line.len() as u64 * BYTE_US).await;
         hardware::write_line(line);
+        person::hear(line);
         fault::inject(self.fault, line).await;
     }
 }

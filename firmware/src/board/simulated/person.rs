@@ -1,12 +1,36 @@
 //! The person beside the board: presses its button, sends bytes to its UART.
 
 use std::collections::VecDeque;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
+use shared::installation::{Block, Progress, Transfer};
+use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::command::Command;
 
 use super::scenario::Act;
+
+/// Microseconds from the end of an answer to the next command: a PC's USB.
+const TURNAROUND_US: u64 = 1000;
+/// Microseconds without an answer after which the PC begins anew.
+const PATIENCE_US: u64 = 2_000_000;
+/// Microseconds that a line is pulled for.
+const PULLED_US: u64 = 1_000_000;
+
+/// What the board answers to an installation.
+static HEARD: Mutex<VecDeque<Result<Progress, Refusal>>> = Mutex::new(VecDeque::new());
+
+/// The board has sent a line.
+pub fn hear(line: &[u8]) {
+    let answer = match Answer::parse(line) {
+        Ok(Answer::Install(progress)) => Ok(progress),
+        Ok(Answer::Refused(refusal)) => Err(refusal),
+        _ => return,
+    };
+    HEARD.lock().expect("nobody panics here").push_back(answer);
+}
 
 /// Microseconds of a byte at 115200 baud, ten bits.
 pub const BYTE_US: u64 = 87;
@@ -24,17 +48,36 @@ pub struct Person {
     sending: VecDeque<u8>,
     next_byte_us: u64,
     released_us: u64,
+    /// What is installed.
+    file: Vec<u8>,
+    sender: Option<Sender>,
+}
+
+/// An installation in progress.
+struct Sender {
+    /// When the next command is sent, or the last one is given up.
+    due_us: u64,
+    /// That command; none while an answer is waited for.
+    next: Option<Command>,
+    blocks: u32,
+    pulled_after: Option<u32>,
 }
 
 impl Person {
     /// What is due before the notification `next` is done already.
-    pub fn new(acts: &[Act], next: usize) -> Self {
-        let left = acts.iter().filter(|act| next == 0 || act.at() > next);
+    pub fn new(acts: &[Act], next: usize, file: Vec<u8>) -> Self {
+        // An installation is gone on with after a loss of power.
+        let goes_on = |act: &Act| matches!(act, Act::Install { .. });
+        let left = acts
+            .iter()
+            .filter(|act| next == 0 || act.at() > next || goes_on(act));
         Self {
             acts: left.cloned().collect(),
             sending: VecDeque::new(),
             next_byte_us: 0,
             released_us: 0,
+            file,
+            sender: None,
         }
     }
 
@@ -52,8 +95,18 @@ impl Person {
                         self.sending.extend(text.chars().map(|byte| byte as u8));
                     }
                 }
+                Act::Install { pulled_after, .. } => {
+                    HEARD.lock().expect("nobody panics here").clear();
+                    self.sender = Some(Sender {
+                        due_us: now_us,
+                        next: Some(self.begin()),
+                        blocks: 0,
+                        pulled_after,
+                    });
+                }
             }
         }
+        self.install(now_us);
         if now_us >= self.released_us {
             IS_DOWN.store(false, Ordering::Relaxed);
         }
@@ -63,6 +116,50 @@ impl Person {
             self.next_byte_us = self.next_byte_us.max(now_us.saturating_sub(BYTE_US)) + BYTE_US;
             if RECEIVED.try_write(&[byte]).is_err() {
                 OVERRUN.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+impl Person {
+    fn begin(&self) -> Command {
+        let checksum = self.file.last_chunk().copied().unwrap_or_default();
+        Command::Install(Transfer {
+            length: self.file.len() as u32,
+            checksum: u32::from_le_bytes(checksum),
+        })
+    }
+
+    /// As a PC does: one command at a time, the block that is missing, and anew where there is no answer.
+    fn install(&mut self, now_us: u64) {
+        let begin = self.begin();
+        let Some(sender) = &mut self.sender else {
+            return;
+        };
+        let heard = HEARD.lock().expect("nobody panics here").pop_front();
+        match heard {
+            Some(Ok(Progress::Next(number))) => {
+                sender.blocks += 1;
+                let is_pulled = sender.pulled_after.take_if(|after| *after < sender.blocks);
+                let block = Command::Block(number, Block::of(&self.file, number));
+                sender.next = Some(if is_pulled.is_some() { begin } else { block });
+                sender.due_us = now_us + TURNAROUND_US;
+                if is_pulled.is_some() {
+                    // What was on its way is cut.
+                    self.sending.extend(&block.to_string().as_bytes()[..40]);
+                    sender.due_us = now_us + PULLED_US;
+                }
+            }
+            Some(Ok(Progress::Installed)) => self.sender = None,
+            Some(Err(_)) => {
+                sender.next = Some(begin);
+                sender.due_us = now_us + TURNAROUND_US;
+            }
+            None if sender.due_us > now_us => {}
+            None => {
+                let command = sender.next.take().unwrap_or(begin);
+                sender.due_us = now_us + PATIENCE_US;
+                self.sending.extend(command.to_string().bytes());
             }
         }
     }

@@ -1,4 +1,4 @@
-//! From one start of the program to the next: a reset is a new process, for nothing but the page of the bound armband is
+//! From one start of the program to the next: a reset is a new process, for nothing but flash is
 //! kept by it.
 
 use std::fmt::Display;
@@ -21,9 +21,15 @@ pub struct Arguments {
     /// The scenario.
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
-    /// What the region of the model holds.
+    /// What the region of the model holds; written when it changes.
     #[arg(long, value_name = "FILE.intent")]
     pub model: PathBuf,
+    /// What the journal of an installation holds; written when it changes.
+    #[arg(long, value_name = "FILE")]
+    pub journal: Option<PathBuf>,
+    /// What the person installs.
+    #[arg(long, value_name = "FILE.intent")]
+    pub install: Option<PathBuf>,
     /// What the armband streams: 8 signed bytes a sample, 200 samples a second.
     #[arg(long, value_name = "FILE.i8")]
     pub samples: PathBuf,
@@ -47,6 +53,8 @@ pub struct Arguments {
 /// A reset that the program is told of by hardware.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 pub enum Reset {
+    /// By a loss of power.
+    Power,
     /// By the watchdog.
     Watchdog,
     /// By the program, after a panic.
@@ -66,7 +74,7 @@ impl Arguments {
     /// Why the program starts.
     pub const fn reset_reason(&self) -> ResetReason {
         match self.reset {
-            None => ResetReason::Power,
+            None | Some(Reset::Power) => ResetReason::Power,
             Some(Reset::Watchdog) => ResetReason::Watchdog,
             Some(Reset::Software) => ResetReason::Software,
             Some(Reset::StackOverflow) => ResetReason::StackOverflow,
@@ -97,11 +105,21 @@ fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
     };
     let elapsed = arguments.elapsed_us + hardware::now_us();
     let reason = match reason {
-        ResetReason::Power | ResetReason::Software => "software",
+        ResetReason::Power => "power",
+        ResetReason::Software => "software",
         ResetReason::Watchdog => "watchdog",
         ResetReason::StackOverflow => "stack-overflow",
     };
-    let status = Command::new(std::env::current_exe()?)
+    let mut command = Command::new(std::env::current_exe()?);
+    for (name, path) in [
+        ("--journal", &arguments.journal),
+        ("--install", &arguments.install),
+    ] {
+        if let Some(path) = path {
+            command.arg(name).arg(path);
+        }
+    }
+    let status = command
         .arg(&arguments.scenario)
         .arg("--model")
         .arg(&arguments.model)

@@ -32,6 +32,8 @@ pub struct Scenario {
     /// Whether the page of the bound armband refuses to be written.
     #[serde(default)]
     pub page_fails: bool,
+    /// Power fails in the middle of this operation of flash, from 1 on, and comes back at once.
+    pub power_fails_at: Option<u32>,
 }
 
 const fn once() -> f64 {
@@ -178,13 +180,24 @@ pub enum Act {
         #[serde(default = "one")]
         times: usize,
     },
+    /// Installs a model: begins, and sends the blocks that the board asks for.
+    Install {
+        /// Notifications before.
+        at: usize,
+        /// The line is pulled after so many blocks, and plugged in again after a second.
+        #[serde(default)]
+        pulled_after: Option<u32>,
+    },
 }
 
 impl Act {
     /// Notifications before it.
     pub const fn at(&self) -> usize {
         match self {
-            Self::Press { at, .. } | Self::Send { at, .. } | Self::SendBytes { at, .. } => *at,
+            Self::Press { at, .. }
+            | Self::Send { at, .. }
+            | Self::SendBytes { at, .. }
+            | Self::Install { at, .. } => *at,
         }
     }
 }

@@ -14,27 +14,25 @@ use nrf_softdevice::{
 };
 
 use super::PARAMETERS;
+use super::ending::Ending;
 use crate::radio::{Disconnected, Link, MAX_VALUE_BYTES, OperationFailed};
 
-pub struct SoftdeviceLink {
+pub struct SoftdeviceLink<'e> {
     connection: Connection,
     /// While set, the connection's only event portal of nrf-softdevice is occupied.
     listening: Cell<bool>,
+    ending: &'e Ending,
 }
 
-impl SoftdeviceLink {
-    pub fn new(connection: Connection) -> Self {
+impl<'e> SoftdeviceLink<'e> {
+    /// Of a new connection, which is handed to `ending` when the link is dropped.
+    pub fn new(connection: Connection, ending: &'e Ending) -> Self {
         Self {
             connection,
             listening: Cell::new(false),
+            ending,
         }
     }
-
-    pub fn disconnect(&self) {
-        // An error says that the armband has disconnected already.
-        let _ = self.connection.disconnect();
-    }
-
     /// Writes without waiting for the response, which goes to [`Listener`] and is ignored there:
     /// waiting for it would lose the notifications that arrive meanwhile. An armband that does not
     /// respond stops streaming, and the session notices that.
@@ -64,7 +62,7 @@ impl SoftdeviceLink {
     }
 }
 
-impl SoftdeviceLink {
+impl SoftdeviceLink<'_> {
     /// Asks for our connection parameters again when others are in force: nrf-softdevice grants the armband
     /// whatever it asks for. Bounded, for an armband may insist: then its stream shows how much is lost.
     async fn hold_parameters(&self) -> ! {
@@ -92,7 +90,13 @@ impl SoftdeviceLink {
 const PARAMETER_PERIOD: Duration = Duration::from_millis(500);
 const PARAMETER_REQUESTS: u8 = 3;
 
-impl Link for SoftdeviceLink {
+impl Drop for SoftdeviceLink<'_> {
+    fn drop(&mut self) {
+        self.ending.begin(self.connection.clone());
+    }
+}
+
+impl Link for SoftdeviceLink<'_> {
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed> {
         if self.listening.get() {
             return Err(OperationFailed);

@@ -1,25 +1,41 @@
 //! Nordic's SoftDevice as a central.
 
+mod ending;
 mod link;
 
+use core::future::{Future as _, poll_fn};
+use core::pin::pin;
+use core::task::Poll;
+
+use embassy_time::{Duration, with_timeout};
 use nrf_softdevice::{
     Softdevice,
-    ble::{Address, AddressType, central},
+    ble::{Address, AddressType, Connection, central},
     raw,
 };
 use shared::myo::{self, AddressKind};
 
 use super::{Advertisement, ConnectFailed, ConnectionHandler, Radio, driver::SessionDriver};
-use crate::binding_region::Page;
+use crate::flash::{Flash, SharedFlash};
+use ending::Ending;
 use link::SoftdeviceLink;
 
 /// Runs the session forever.
-pub async fn run(softdevice: &Softdevice, driver: &SessionDriver<'_>, page: &mut impl Page) {
-    driver.run(&mut SoftdeviceRadio { softdevice }, page).await;
+pub async fn run(
+    softdevice: &Softdevice,
+    driver: &SessionDriver<'_>,
+    flash: &SharedFlash<impl Flash>,
+) {
+    let mut radio = SoftdeviceRadio {
+        softdevice,
+        ending: Ending::default(),
+    };
+    driver.run(&mut radio, flash).await;
 }
 
 struct SoftdeviceRadio<'s> {
     softdevice: &'s Softdevice,
+    ending: Ending,
 }
 
 /// Window and interval of a scan, in units of 0.625 ms. Equal: it scans all the time, which costs
@@ -30,6 +46,9 @@ const SCAN_WINDOW: u32 = 96;
 /// it. nrf-softdevice 0.1 panics if a connection was established in the moment of its cancellation.
 const CONNECT_TIMEOUT: u16 = 450;
 
+/// When an attempt to connect is over in any case: after its own end, and before the session's.
+const CONNECT_LIMIT: Duration = Duration::from_millis(4_700);
+
 /// Units of 1.25 ms and 10 ms: 7.5 to 15 ms, no latency, 2 s. A longer interval loses data.
 const PARAMETERS: raw::ble_gap_conn_params_t = raw::ble_gap_conn_params_t {
     min_conn_interval: 6,
@@ -38,8 +57,39 @@ const PARAMETERS: raw::ble_gap_conn_params_t = raw::ble_gap_conn_params_t {
     conn_sup_timeout: 200,
 };
 
+/// Connects; polls the library only while the connection lasts.
+///
+/// nrf-softdevice 0.1 asks for the ATT MTU right after a connection was established and unwraps the answer, an error where
+/// the connection has ended before the program's turn. Then it is not asked again, and the attempt ends by its limit. What
+/// that costs is one of the library's 20 records of connections, until the next start.
+async fn established(
+    softdevice: &Softdevice,
+    config: &central::ConnectConfig<'_>,
+) -> Result<Connection, ConnectFailed> {
+    let mut attempt = pin!(central::connect(softdevice, config));
+    let mut begun = false;
+    let connected = poll_fn(|context| {
+        let lasts = Connection::iter().next().is_some();
+        if begun && !lasts {
+            // The attempt has this task's waker since its first poll.
+            return Poll::Pending;
+        }
+        begun = true;
+        attempt.as_mut().poll(context)
+    });
+    match with_timeout(CONNECT_LIMIT, connected).await {
+        Ok(Ok(connection)) => Ok(connection),
+        Ok(Err(error)) => {
+            defmt::warn!("no connection: {}", error);
+            Err(ConnectFailed)
+        }
+        Err(_) => Err(ConnectFailed),
+    }
+}
+
 impl Radio for SoftdeviceRadio<'_> {
     async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
+        self.ending.finished().await;
         let config = central::ScanConfig {
             active: false,
             extended: false,
@@ -86,14 +136,10 @@ impl Radio for SoftdeviceRadio<'_> {
             conn_params: PARAMETERS,
             att_mtu: None,
         };
-        let connection = central::connect(self.softdevice, &config).await;
-        let connection = connection.map_err(|error| {
-            defmt::warn!("no connection: {}", error);
-            ConnectFailed
-        })?;
-        let link = SoftdeviceLink::new(connection);
+        self.ending.finished().await;
+        let connection = established(self.softdevice, &config).await?;
+        let link = SoftdeviceLink::new(connection, &self.ending);
         handler.run(&link).await;
-        link.disconnect();
         Ok(())
     }
 }

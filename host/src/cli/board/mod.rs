@@ -3,10 +3,10 @@
 mod words;
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use shared::myo::{Address, Following};
 use shared::stream::alignment::Alignment;
@@ -18,7 +18,8 @@ use shared::uart_line::gate::GateCommand;
 use shared::uart_line::line::Line;
 
 use self::words::{Bound, Counted, Identified, Placed, why};
-use crate::board::Board;
+use crate::board::{self, Board, ModelFile};
+use crate::execution::{bounded_read, progress};
 
 /// An alignment or a pairing takes 30 s at most.
 const PATIENCE: Duration = Duration::from_secs(35);
@@ -32,7 +33,8 @@ const AGAIN: Duration = Duration::from_secs(1);
     Examples:\n  myointent board --port /dev/ttyACM0 identify\n  \
     myointent board --port /dev/ttyACM0 bind begin            the strongest armband of the next 30 s\n  \
     myointent board --port /dev/ttyACM0 align begin           open the hand twice, with rest before and after\n  \
-    myointent board --port COM3 gate --entry 1.5              fewer false activations, until the next start"
+    myointent board --port COM3 gate --entry 1.5              fewer false activations, until the next start\n  \
+    myointent board --port /dev/ttyACM0 install my.intent     a new model, 20 s; after a break, again: it goes on"
 )]
 pub struct Arguments {
     /// The board's serial port, such as /dev/ttyACM0 or COM3, or a pseudo-terminal.
@@ -54,6 +56,12 @@ enum Request {
     /// Bind an armband, forget it, or say which one is followed.
     #[command(subcommand)]
     Bind(Bind),
+    /// Put a model on the board in place of its own, and in use. Outputs are safe meanwhile.
+    Install {
+        /// Model file.
+        #[arg(value_name = "FILE.intent")]
+        model: PathBuf,
+    },
     /// Move the operating point until the next start; without margins, say which is in force.
     Gate {
         /// By how much the mean logit of a class has to exceed that of every other one, 0 to 50; `model`: as the model file
@@ -119,6 +127,9 @@ fn margin(text: &str) -> Result<Margin, String> {
 /// # Errors
 /// When the board does not answer or refuses, or an alignment does not succeed.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Request::Install { model } = &arguments.request {
+        return run_install(&arguments.port, model);
+    }
     let mut board = Board::open(&arguments.port)?;
     let said = match &arguments.request {
         Request::Identify => board.ask(Command::Identify, |answer| match answer {
@@ -129,11 +140,29 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Answer::Counts(counts) => Some(Counted(counts).to_string()),
             _ => None,
         })?,
+        // Above: it opens the port itself, again and again.
+        Request::Install { .. } => String::new(),
         Request::Align(align) => return run_align(&mut board, align),
         Request::Bind(bind) => return run_bind(&mut board, bind),
         Request::Gate { entry, other } => run_gate(&mut board, *entry, *other)?,
     };
     write!(std::io::stdout(), "{said}")?;
+    Ok(())
+}
+
+fn run_install(port: &Path, path: &Path) -> anyhow::Result<()> {
+    let bytes = bounded_read::read(path, bounded_read::MODEL)
+        .with_context(|| path.display().to_string())?;
+    let file = ModelFile::new(&bytes).with_context(|| path.display().to_string())?;
+    let bar = progress::bar(file.blocks() as usize, "install");
+    let installed = board::install(port, file, |blocks| bar.set_position(blocks.into()));
+    bar.finish_and_clear();
+    installed.context("not installed: the same command goes on where this one ended")?;
+    let checksum = file.checksum();
+    writeln!(
+        std::io::stdout(),
+        "installed and in use: model {checksum:08x}"
+    )?;
     Ok(())
 }
 

@@ -48,7 +48,7 @@ const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
 
 /// What the muscle does at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Activity {
+pub(super) enum Activity {
     Quiet,
     Active,
     Uncertain,
@@ -90,7 +90,7 @@ fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
 }
 
 /// What the muscle does, sample by sample; none if the contrast is too weak.
-fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
+pub(super) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
     let envelope = Envelope::new(samples);
     let coarse = envelope.all(COARSE);
     let levels = Levels::of(&coarse)?;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use shared::intent::Intent;
-use shared::units::{CHANNELS, SAMPLE_RATE_HZ, WINDOW};
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use super::Library;
 use crate::dataset::labels::lag::{self, LagEstimate};
@@ -13,7 +13,7 @@ use crate::dataset::readers::why::Why;
 use crate::dataset::recording::{DataSet, Recording, by_data_set};
 
 /// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
-const SATURATED: f64 = 0.02;
+pub(crate) const SATURATED: f64 = 0.02;
 
 /// Contents of one data set.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
@@ -196,7 +196,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
         transitions,
         worst_saturation: recordings
             .iter()
-            .flat_map(|r| saturation(r))
+            .flat_map(|r| saturation(&r.samples))
             .fold(0.0, f64::max),
         label_lag: lag::estimate(recordings),
         labelled_by_activity: data_set.labelled_by_activity(),
@@ -204,14 +204,14 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
 }
 
 /// Share of the samples at either end of the range, by channel.
-fn saturation(recording: &Recording) -> [f64; CHANNELS] {
+pub(crate) fn saturation(samples: &[Sample]) -> [f64; CHANNELS] {
     let mut ends = [0usize; CHANNELS];
-    for sample in &recording.samples {
+    for sample in samples {
         for (count, &value) in ends.iter_mut().zip(sample) {
             *count += usize::from(value == i8::MIN || value == i8::MAX);
         }
     }
-    ends.map(|count| count as f64 / recording.samples.len().max(1) as f64)
+    ends.map(|count| count as f64 / samples.len().max(1) as f64)
 }
 
 fn anomalies(recording: &Recording) -> Vec<String> {
@@ -219,7 +219,10 @@ fn anomalies(recording: &Recording) -> Vec<String> {
     if recording.samples.len() < WINDOW {
         anomalies.push(format!("shorter than a window ({WINDOW} samples)"));
     }
-    if saturation(recording).iter().any(|&share| share > SATURATED) {
+    if saturation(&recording.samples)
+        .iter()
+        .any(|&share| share > SATURATED)
+    {
         anomalies.push(format!(
             "more than {:.0} % of a channel saturated",
             100.0 * SATURATED

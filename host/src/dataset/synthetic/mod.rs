@@ -7,6 +7,7 @@
 //! late. Results on it show that the code works, nothing about people.
 
 mod cues;
+mod follower;
 mod wearer;
 
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 use self::cues::cues;
+pub use self::follower::Follower;
 use self::wearer::Wearer;
 use super::readers::formats::react_emg::MUSCLE_COLUMN;
 use super::recording::{DataSet, Recording};

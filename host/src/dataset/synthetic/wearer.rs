@@ -57,36 +57,18 @@ impl Wearer {
 
     /// Follows the cues; returns the samples and the intent that the muscle moves towards.
     pub fn perform(&self, cues: &[Intent], random: &mut impl Rng) -> (Vec<Sample>, Vec<Intent>) {
-        let muscle = self.follow(cues, random);
-        let mut samples = Vec::with_capacity(cues.len());
-        let mut level = self.patterns[Intent::Relax.class()];
-        let (mut from, mut since, mut ramp) = (level, 0, 1);
-        let mut innovation = [0.0; CHANNELS];
-        let mut tremor = 0.0;
-        for (at, &intent) in muscle.iter().enumerate() {
-            if at > 0 && muscle[at - 1] != intent {
-                (from, since) = (level, 0);
-                ramp = random.random_range(if intent == Intent::Relax { FALL } else { RISE });
-            }
-            since += 1;
-            let risen = (since as f64 / ramp as f64).min(1.0);
-            let share = 0.5 - 0.5 * (PI * risen).cos();
-            // Fatigue: a quarter less after five seconds of holding, as in the recorded holds.
-            let fatigue = 1.0 - 0.25 * (since as f64 / 1000.0).min(1.0);
-            tremor = 0.97 * tremor + 0.04 * normal(random);
-            let mut sample = [0; CHANNELS];
-            for channel in 0..CHANNELS {
-                let to = self.patterns[intent.class()][channel] * fatigue;
-                level[channel] = from[channel] + share * (to - from[channel]);
-                let fresh = normal(random);
-                let noise = fresh + COLOUR * innovation[channel];
-                innovation[channel] = fresh;
-                let amplitude = level[channel] * (1.0 + tremor).max(0.2);
-                sample[channel] = (BIAS + amplitude * noise).round().clamp(-128.0, 127.0) as i8;
-            }
-            samples.push(sample);
-        }
-        (samples, muscle)
+        let intents = self.follow(cues, random);
+        let mut muscle = Muscle::at_rest(self);
+        let samples = intents
+            .iter()
+            .map(|&intent| muscle.sample(self, intent, random))
+            .collect();
+        (samples, intents)
+    }
+
+    /// Samples from a cue to the start of the ramp.
+    pub fn reaction(&self, random: &mut impl Rng) -> usize {
+        (self.delay + 10.0 * normal(random)).clamp(0.0, 180.0) as usize
     }
 
     /// The cues, every change later by this person's delay and some chance.
@@ -94,11 +76,64 @@ impl Wearer {
         let mut muscle = cues.to_vec();
         for change in (1..cues.len()).filter(|&at| cues[at] != cues[at - 1]) {
             // Below the shortest run of cues, so that no change overtakes the next.
-            let delay = (self.delay + 10.0 * normal(random)).clamp(0.0, 180.0) as usize;
+            let delay = self.reaction(random);
             let end = (change + delay).min(cues.len());
             muscle[change..end].fill(cues[change - 1]);
         }
         muscle
+    }
+}
+
+/// What the muscle does, from sample to sample.
+pub(super) struct Muscle {
+    intent: Intent,
+    /// Amplitudes now, and when the intent changed.
+    level: [f64; CHANNELS],
+    from: [f64; CHANNELS],
+    /// Samples since that change, and until the new amplitude is reached.
+    since: usize,
+    ramp: usize,
+    tremor: f64,
+    innovation: [f64; CHANNELS],
+}
+
+impl Muscle {
+    pub const fn at_rest(wearer: &Wearer) -> Self {
+        let level = wearer.patterns[Intent::Relax.class()];
+        Self {
+            intent: Intent::Relax,
+            level,
+            from: level,
+            since: 0,
+            ramp: 1,
+            tremor: 0.0,
+            innovation: [0.0; CHANNELS],
+        }
+    }
+
+    /// The next sample, as the muscle moves towards an intent.
+    pub fn sample(&mut self, wearer: &Wearer, intent: Intent, random: &mut impl Rng) -> Sample {
+        if self.intent != intent {
+            (self.from, self.since, self.intent) = (self.level, 0, intent);
+            self.ramp = random.random_range(if intent == Intent::Relax { FALL } else { RISE });
+        }
+        self.since += 1;
+        let risen = (self.since as f64 / self.ramp as f64).min(1.0);
+        let share = 0.5 - 0.5 * (PI * risen).cos();
+        // Fatigue: a quarter less after five seconds of holding, as in the recorded holds.
+        let fatigue = 1.0 - 0.25 * (self.since as f64 / 1000.0).min(1.0);
+        self.tremor = 0.97 * self.tremor + 0.04 * normal(random);
+        let mut sample = [0; CHANNELS];
+        for (channel, value) in sample.iter_mut().enumerate() {
+            let to = wearer.patterns[intent.class()][channel] * fatigue;
+            self.level[channel] = self.from[channel] + share * (to - self.from[channel]);
+            let fresh = normal(random);
+            let noise = fresh + COLOUR * self.innovation[channel];
+            self.innovation[channel] = fresh;
+            let amplitude = self.level[channel] * (1.0 + self.tremor).max(0.2);
+            *value = (BIAS + amplitude * noise).round().clamp(-128.0, 127.0) as i8;
+        }
+        sample
     }
 }
 

@@ -96,7 +96,7 @@ fn host() -> String {
 }
 
 /// A time as `2026-11-22T11:03:23Z`.
-fn utc(time: SystemTime) -> String {
+pub(crate) fn utc(time: SystemTime) -> String {
     let seconds = time
         .duration_since(UNIX_EPOCH)
         .map_or(0, |since| since.as_secs());

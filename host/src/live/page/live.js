@@ -4,6 +4,7 @@ import { Armband } from "./armband.js";
 import { CHANNELS, Seen } from "./seen.js";
 import { Clock, RATE } from "./clock.js";
 import { Panel, alignmentText } from "./panel.js";
+import { Session } from "./session.js";
 import { Traces } from "./traces.js";
 import { csv, download, fileName } from "./save.js";
 
@@ -13,6 +14,7 @@ const seen = new Seen();
 const panel = new Panel();
 const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"), find("placement"));
+const session = new Session(say);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 let socket = null;
@@ -29,7 +31,11 @@ let shown = 0;
 let latencies = [];
 
 const TAKE = {
-  hello: (message) => clock.hello(message.now),
+  hello(message) {
+    clock.hello(message.now);
+    session.hello(message);
+    traces.scores = !message.record;
+  },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
     const kinds = { demo: "demo", replay: "recording", port: "board on" };
@@ -75,6 +81,13 @@ const TAKE = {
     placed(message.turn, message.mirrored, alignmentText(message), message.state === "waiting");
   },
   mark: (message) => seen.marks.push(message),
+  session(message) {
+    seen.cue(message.from ?? seen.end ?? 0, message.cue);
+    session.show(message);
+  },
+  lead: (message) => session.lead(message),
+  kept: (message) => session.kept(message),
+  tuning: (message) => session.tuning(message),
   comment: (message) => panel.number("comment", message.text),
   skipped(message) {
     skipped += message.messages;
@@ -170,6 +183,10 @@ addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.repeat && event.key === " ") {
     return;
   }
+  if (session.key(event)) {
+    event.preventDefault();
+    return;
+  }
   const keys = { " ": "pause", m: "mark", s: "save", a: "align" };
   const id = keys[event.key.toLowerCase()];
   if (id && !(event.key === " " && event.target instanceof HTMLButtonElement)) {
@@ -192,6 +209,7 @@ function edge() {
 }
 
 function frame() {
+  session.frame(edge());
   traces.draw(seen, paused ?? edge(), paused === null ? newest : held);
   // Of what is drawn for the first time: from its arrival at the program to the picture.
   const end = Math.min(seen.end ?? 0, edge());

@@ -10,6 +10,7 @@ const CAUSES = {
   gap: "more than 5 samples in a row were lost; needs 3 s of samples",
   losses: "more than 10 % of the window was lost",
   stalled: "the board was too slow; needs 3 s of samples",
+  installation: "a new model is being installed",
 };
 
 const ALIGNMENTS = {

@@ -18,6 +18,8 @@ export class Seen {
   labels = [];
   /** { instant, scores }, in order. */
   scores = [];
+  /** { from, name }, in order: what a session asked for, each until the next. */
+  cues = [];
   /** { sample, text }, in order. */
   marks = [];
 
@@ -52,6 +54,15 @@ export class Seen {
     this.labels.push({ from, label, valid, cause });
   }
 
+  /** A session asks for something from a sample on, or for nothing. */
+  cue(from, name) {
+    while (this.cues.length && this.cues.at(-1).from >= from) {
+      this.cues.pop();
+    }
+    this.cues.push({ from, name });
+    this.hasTruth = true;
+  }
+
   has(sample) {
     return sample >= this.first && sample < this.end && this.#present[sample % CAPACITY] === 1;
   }
@@ -61,6 +72,9 @@ export class Seen {
   }
 
   truthAt(sample) {
+    if (this.cues.length) {
+      return this.cues[lastUpTo(this.cues, "from", sample)]?.name ?? null;
+    }
     return this.truth[sample % CAPACITY];
   }
 
@@ -77,9 +91,11 @@ export class Seen {
     this.#present.fill(0);
     this.end = null;
     this.first = 0;
-    this.hasTruth = false;
     this.labels = [];
     this.scores = [];
+    // What is asked for goes on, whatever became of the stream.
+    this.cues = this.cues.slice(-1);
+    this.hasTruth = this.cues.length > 0;
     this.marks = [];
   }
 

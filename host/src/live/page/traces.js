@@ -18,6 +18,8 @@ export class Traces {
   #weak = 0;
   /** Seconds over the width. */
   seconds = 5;
+  /** Whether scores are drawn; without them the traces have their room. */
+  scores = true;
   /** { classes, other, look_ahead, hold }; null without a model on the PC. */
   model = null;
 
@@ -63,7 +65,8 @@ export class Traces {
       x: (sample) => GUTTER + ((sample - position + span) / span) * (width - GUTTER - 1),
     };
     const { scores, label, ruler: rule, axis: bottom, gap } = HEIGHTS;
-    const rest = (this.model ? scores + gap : 0) + (seen.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
+    const withScores = this.model !== null && this.scores;
+    const rest = (withScores ? scores + gap : 0) + (seen.hasTruth ? label + gap : 0) + label + gap + rule + bottom + gap;
     const lane = (height - rest) / CHANNELS;
     grid(view, height - bottom);
     this.#adapt(view);
@@ -71,7 +74,7 @@ export class Traces {
       this.#trace(view, channel, channel * lane, lane);
     }
     let top = CHANNELS * lane + gap;
-    if (this.model) {
+    if (withScores) {
       this.#scores(view, top, scores);
       top += scores + gap;
     }

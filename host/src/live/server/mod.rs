@@ -6,6 +6,7 @@ mod viewer;
 
 use std::net::TcpListener;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -20,6 +21,8 @@ use tokio::sync::{Semaphore, watch};
 
 use self::access::{Access, Denied};
 use super::hub::Hub;
+use super::lead::Lead;
+use super::recorder::Wish;
 use super::source::Request;
 
 /// Viewers at a time.
@@ -35,6 +38,9 @@ struct Served {
     hub: Arc<Hub>,
     access: Access,
     requests: SyncSender<Request>,
+    wishes: Option<SyncSender<Wish>>,
+    lead: Arc<Lead>,
+    ids: AtomicU64,
     viewers: Arc<Semaphore>,
     stop: watch::Receiver<bool>,
 }
@@ -56,6 +62,7 @@ impl Server {
         access: Access,
         hub: Arc<Hub>,
         requests: SyncSender<Request>,
+        wishes: Option<SyncSender<Wish>>,
     ) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
@@ -71,6 +78,9 @@ impl Server {
             hub,
             access,
             requests,
+            wishes,
+            lead: Arc::default(),
+            ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
             stop: stopped.clone(),
         };
@@ -130,6 +140,9 @@ async fn answer(
     let viewer = viewer::Viewer {
         hub: served.hub.clone(),
         requests: served.requests.clone(),
+        wishes: served.wishes.clone(),
+        lead: served.lead.clone(),
+        id: served.ids.fetch_add(1, Ordering::Relaxed),
         stop: served.stop.clone(),
     };
     upgrade

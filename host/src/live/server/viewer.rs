@@ -6,13 +6,17 @@ use std::time::Duration;
 
 use axum::extract::ws::{Message as Frame, WebSocket};
 use serde::Deserialize;
+use shared::intent::Intent;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::sync::watch;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use crate::live::event::Event;
 use crate::live::hub::{Hub, Message, Subscription};
+use crate::live::lead::{Lead, ViewerId};
+use crate::live::recorder::Wish;
 use crate::live::source::Request;
+use crate::record::session::Action;
 
 /// Messages are collected for so long: half of what a screen shows for.
 const TOGETHER: Duration = Duration::from_millis(8);
@@ -26,6 +30,10 @@ const MAX_MARK: usize = 80;
 pub(super) struct Viewer {
     pub(super) hub: Arc<Hub>,
     pub(super) requests: SyncSender<Request>,
+    /// Of a recording session, if there is one.
+    pub(super) wishes: Option<SyncSender<Wish>>,
+    pub(super) lead: Arc<Lead>,
+    pub(super) id: ViewerId,
     pub(super) stop: watch::Receiver<bool>,
 }
 
@@ -48,11 +56,50 @@ enum Said {
     Align,
     /// End it.
     Cancel,
+    /// Of the recording session.
+    Session { wish: SessionWish },
+    /// Free: this is done from now on.
+    Gesture { class: String },
+}
+
+/// What a viewer wants of a session.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum SessionWish {
+    Begin,
+    Repeat,
+    Hold,
+    Finish,
+    Again,
+    Tune,
+}
+
+impl SessionWish {
+    const fn wish(self) -> Wish {
+        match self {
+            Self::Begin => Wish::Action(Action::Begin),
+            Self::Repeat => Wish::Action(Action::Repeat),
+            Self::Hold => Wish::Action(Action::Hold),
+            Self::Finish => Wish::Action(Action::Finish),
+            Self::Again => Wish::Again,
+            Self::Tune => Wish::Tune,
+        }
+    }
 }
 
 impl Viewer {
     /// Until the viewer leaves or the program ends.
-    pub(super) async fn serve(self, mut socket: WebSocket) {
+    pub(super) async fn serve(self, socket: WebSocket) {
+        self.attend(socket).await;
+        if self.lead.release(self.id) {
+            self.hub.publish(&Event::Lead { viewer: None });
+            if let Some(wishes) = &self.wishes {
+                let _ = wishes.try_send(Wish::LeaderLeft);
+            }
+        }
+    }
+
+    async fn attend(&self, mut socket: WebSocket) {
         let mut stop = self.stop.clone();
         let mut subscription = self.hub.subscribe();
         let hello = self.hello();
@@ -126,14 +173,35 @@ impl Viewer {
             // A source that takes no requests is busy or ending: the viewer sees that nothing happens.
             Said::Align => drop(self.requests.try_send(Request::Align)),
             Said::Cancel => drop(self.requests.try_send(Request::CancelAlignment)),
+            Said::Session { wish } => self.wish(wish.wish()),
+            Said::Gesture { class } => {
+                if let Some(intent) = Intent::from_name(&class) {
+                    self.wish(Wish::Action(Action::Mark(intent)));
+                }
+            }
         }
         true
+    }
+
+    /// Passes a wish on if this viewer leads, or nobody does yet.
+    fn wish(&self, wish: Wish) {
+        let Some(wishes) = &self.wishes else {
+            return;
+        };
+        let (leads, is_new) = self.lead.claim(self.id);
+        if is_new {
+            let viewer = Some(self.id);
+            self.hub.publish(&Event::Lead { viewer });
+        }
+        if leads {
+            let _ = wishes.try_send(wish);
+        }
     }
 
     fn hello(&self) -> Message {
         let version = env!("CARGO_PKG_VERSION");
         let now = self.hub.now();
-        serde_json::json!({ "type": "hello", "version": version, "now": now })
+        serde_json::json!({ "type": "hello", "version": version, "now": now, "you": self.id, "record": self.wishes.is_some() })
             .to_string()
             .into()
     }

@@ -223,12 +223,7 @@ fn is_patient(error: &std::io::Error) -> bool {
 }
 
 fn now(context: &Context) -> Millis {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "wraps after 49 days, as this clock may"
-    )]
-    Millis(context.hub.now() as u64 as u32)
+    context.hub.millis()
 }
 
 /// Waits, but not longer than the program runs.

@@ -239,7 +239,11 @@ impl News {
                 at,
                 text: format!("the board refuses: {why}"),
             }),
-            Answer::Align(_) | Answer::Raw(_) | Answer::Binding(_) | Answer::Gate(_) => None,
+            Answer::Align(_)
+            | Answer::Raw(_)
+            | Answer::Binding(_)
+            | Answer::Gate(_)
+            | Answer::Install(_) => None,
         }
     }
 }

@@ -6,10 +6,12 @@ mod recorded;
 mod scored;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::Receiver;
 
-pub(crate) use self::recorded::Recorded;
+use shared::intent::Intent;
+
+pub(crate) use self::recorded::{Played, Recorded};
 use super::hub::Hub;
 
 /// What a viewer may ask of a source.
@@ -27,6 +29,20 @@ pub(crate) struct Context {
     pub(crate) hub: Arc<Hub>,
     pub(crate) requests: Receiver<Request>,
     pub(crate) stop: Stop,
+}
+
+/// What a simulated person is asked for; shared by all clones.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Asked(Arc<AtomicUsize>);
+
+impl Asked {
+    pub(crate) fn set(&self, intent: Intent) {
+        self.0.store(intent.class(), Ordering::Relaxed);
+    }
+
+    pub(crate) fn get(&self) -> Intent {
+        Intent::from_class(self.0.load(Ordering::Relaxed)).unwrap_or(Intent::Relax)
+    }
 }
 
 /// Whether the program ends; shared by all clones.

@@ -1,4 +1,4 @@
-//! A recording through the device's pipeline in real time, again and again.
+//! A recording, or a simulated person, through the device's pipeline in real time.
 
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -10,7 +10,8 @@ use shared::model::file::Model;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
 use super::scored::{Found, Scored};
-use super::{Context, Request};
+use super::{Asked, Context, Request};
+use crate::dataset::synthetic::Follower;
 use crate::live::event::Event;
 
 /// Samples of a notification of the armband.
@@ -19,24 +20,72 @@ const TOGETHER: usize = 2;
 /// A stop of the whole machine that is longer is not caught up with.
 const LATE: Duration = Duration::from_millis(500);
 
-/// A recording and the model to run on it.
+/// Where samples come from, one after another.
+#[derive(Debug)]
+pub(crate) enum Played {
+    /// A recording, again and again.
+    Recording {
+        samples: Vec<Sample>,
+        /// One of each sample.
+        labels: Vec<Option<Intent>>,
+    },
+    /// A simulated person who does what is asked for.
+    Person(Box<Follower>, Asked),
+}
+
+/// Samples in real time, and the model to run on them.
 #[derive(Debug)]
 pub(crate) struct Recorded {
     /// `demo` or `replay`.
     pub(crate) kind: &'static str,
     pub(crate) name: String,
     pub(crate) model: Vec<u8>,
-    pub(crate) samples: Vec<Sample>,
-    /// One of each sample.
-    pub(crate) labels: Vec<Option<Intent>>,
+    pub(crate) played: Played,
+    /// How many times faster than they were recorded; at least 1.
+    pub(crate) speed: u32,
+}
+
+/// The samples of a notification.
+struct Notification {
+    emg: Vec<Sample>,
+    truth: Option<Vec<Option<&'static str>>>,
+    /// Whether a recording begins again with it.
+    again: bool,
+}
+
+impl Played {
+    /// The samples from a place of the stream on, at most a notification.
+    fn next(&mut self, first: SampleIndex) -> Notification {
+        match self {
+            Self::Recording { samples, labels } => {
+                let place = first.0 as usize % samples.len();
+                let places = place..samples.len().min(place + TOGETHER);
+                let truth = &labels[places.clone()];
+                let names = || truth.iter().map(|label| label.map(Intent::name)).collect();
+                Notification {
+                    emg: samples[places].to_vec(),
+                    truth: truth.iter().any(Option::is_some).then(names),
+                    again: place == 0 && first.0 > 0,
+                }
+            }
+            Self::Person(person, asked) => {
+                let asked = asked.get();
+                Notification {
+                    emg: (0..TOGETHER).map(|_| person.sample(asked)).collect(),
+                    truth: None,
+                    again: false,
+                }
+            }
+        }
+    }
 }
 
 impl Recorded {
-    /// Plays the recording until it is stopped.
+    /// Plays until it is stopped.
     ///
     /// # Errors
     /// When the model is refused.
-    pub(crate) fn run(&self, context: &Context) -> anyhow::Result<()> {
+    pub(crate) fn run(mut self, context: &Context) -> anyhow::Result<()> {
         let hub = &context.hub;
         let model = Model::parse(&self.model).context("the model is refused")?;
         let encoder = HostEncoder::new(&model)?;
@@ -55,57 +104,51 @@ impl Recorded {
         let mut next = SampleIndex(0);
         let mut due = Instant::now();
         while !context.stop.requested() {
-            if next.0 > 0 {
-                let text = "the recording begins again".to_owned();
-                let sample = next.0;
-                hub.publish(&Event::Mark { sample, text });
+            let now = Instant::now();
+            std::thread::sleep(due.saturating_duration_since(now));
+            if now.saturating_duration_since(due) > LATE {
+                due = now;
             }
-            for place in (0..self.samples.len()).step_by(TOGETHER) {
-                if context.stop.requested() {
-                    break;
-                }
-                let now = Instant::now();
-                std::thread::sleep(due.saturating_duration_since(now));
-                if now.saturating_duration_since(due) > LATE {
-                    due = now;
-                }
-                due += Duration::from_millis(u64::from(SAMPLE_PERIOD_MS)) * TOGETHER as u32;
-                requests(context, &mut scored);
-                next = self.pair(context, &mut scored, place, next);
-            }
+            let period = Duration::from_millis(u64::from(SAMPLE_PERIOD_MS)) * TOGETHER as u32;
+            due += period / self.speed.max(1);
+            requests(context, &mut scored);
+            let notification = self.played.next(next);
+            next = take(context, &mut scored, notification, next);
         }
         Ok(())
     }
+}
 
-    /// The samples of a notification; returns the index of the next one.
-    fn pair(
-        &self,
-        context: &Context,
-        scored: &mut Scored<'_, HostEncoder<'_>>,
-        place: usize,
-        first: SampleIndex,
-    ) -> SampleIndex {
-        let hub = &context.hub;
-        let at = hub.now();
-        let places = place..self.samples.len().min(place + TOGETHER);
-        let truth = &self.labels[places.clone()];
-        let names = || truth.iter().map(|label| label.map(Intent::name)).collect();
-        hub.publish(&Event::Samples {
-            at,
-            first: first.0,
-            emg: self.samples[places.clone()].to_vec(),
-            truth: truth.iter().any(Option::is_some).then(names),
-        });
-        // The device's clock starts with the first sample.
-        let now = Millis(first.0.wrapping_mul(SAMPLE_PERIOD_MS));
-        let mut next = first;
-        for &sample in &self.samples[places] {
-            let found = scored.sample(now, next, sample);
-            publish(context, at, found);
-            next = next.plus(1);
-        }
-        next
+/// Takes the samples of a notification; returns the index of the next one.
+fn take(
+    context: &Context,
+    scored: &mut Scored<'_, HostEncoder<'_>>,
+    notification: Notification,
+    first: SampleIndex,
+) -> SampleIndex {
+    let hub = &context.hub;
+    let Notification { emg, truth, again } = notification;
+    if again {
+        let text = "the recording begins again".to_owned();
+        let sample = first.0;
+        hub.publish(&Event::Mark { sample, text });
     }
+    let at = hub.now();
+    hub.publish(&Event::Samples {
+        at,
+        first: first.0,
+        emg: emg.clone(),
+        truth,
+    });
+    // The device's clock starts with the first sample.
+    let now = Millis(first.0.wrapping_mul(SAMPLE_PERIOD_MS));
+    let mut next = first;
+    for sample in emg {
+        let found = scored.sample(now, next, sample);
+        publish(context, at, found);
+        next = next.plus(1);
+    }
+    next
 }
 
 fn publish(context: &Context, at: f64, found: Found) {

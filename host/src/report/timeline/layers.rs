@@ -65,8 +65,10 @@ pub(super) fn traces(area: &Area<'_>, axis: &Axis, emg: &[CleanSample]) -> Drawn
         let mut outline = vec![(axis.at(0), base)];
         for (sample, values) in emg.iter().enumerate() {
             let (x, y) = (axis.at(sample), y(values[channel]));
+            // The first point is the corner on the base line, where the outline closes.
+            let corner = outline.len() == 1;
             match outline.last_mut() {
-                Some(last) if last.0 == x => last.1 = last.1.min(y),
+                Some(last) if last.0 == x && !corner => last.1 = last.1.min(y),
                 _ => outline.push((x, y)),
             }
         }

@@ -1,4 +1,4 @@
-//! The kernels with the DSP instructions of a Cortex-M4: `SXTB16`, `SMLAD` and their relatives.
+//! The kernels with the DSP instructions of a Cortex-M4: `SMLAD` and its relatives.
 //!
 //! Equal to [`Portable`] bit for bit. Loads of several words need addresses that are multiples of four;
 //! operands at other addresses, and lengths that the assembly does not cover, go to [`Portable`].
@@ -10,15 +10,16 @@ mod median;
 mod multiply_one;
 mod multiply_two;
 mod quantize;
+mod rescale;
 
 use attention::{COLUMNS, ROWS, eight_columns, four_rows};
 use median::four_rectified_medians;
-use multiply_one::multiply_one;
+use multiply_one::{COLUMNS as PASS_COLUMNS, multiply_one};
 use multiply_two::multiply_two;
 use quantize::{absmax_bits, round_to_codes};
 
 use super::portable::{Portable, factors};
-use super::{GROUP, Kernels, TILE_ROWS};
+use super::{Kernels, TILE_ROWS};
 use crate::units::{CleanSample, Sample, words};
 
 /// The kernels of a Cortex-M4.
@@ -57,7 +58,7 @@ impl Kernels for CortexM4 {
         if let ([input], [sums]) = (last_input, last_sums) {
             let sums = sums.as_mut_ptr_range();
             // SAFETY: by `multiply_fits` the weights are one or more whole tiles of rows as long as
-            // `input`, which is one or more groups; there is a sum for each row; all is aligned. Both
+            // `input`, which is one or more pairs of groups; there is a sum for each row; all is aligned. Both
             // pointers to the sums come from one borrow.
             unsafe {
                 multiply_one(
@@ -131,6 +132,44 @@ impl Kernels for CortexM4 {
     }
 
     #[inline]
+    fn rescale(outputs: &mut [f32], scale: f32, scales: &[f32], bias: &[f32]) {
+        if !rows_fit(scales, bias, outputs.len()) {
+            return fall_back(|| Portable::rescale(outputs, scale, scales, bias));
+        }
+        let scales = scales.as_ptr_range();
+        // SAFETY: the range is all of the scales, a multiple of four, not 0; there are as many terms of the bias and at
+        // least as many outputs.
+        unsafe {
+            rescale::rescale(
+                outputs.as_mut_ptr(),
+                scales.start,
+                bias.as_ptr(),
+                scales.end,
+                scale,
+            );
+        }
+    }
+
+    #[inline]
+    fn add_rescaled(sums: &[i32], scale: f32, scales: &[f32], bias: &[f32], residual: &mut [f32]) {
+        if !rows_fit(scales, bias, sums.len().min(residual.len())) {
+            return fall_back(|| Portable::add_rescaled(sums, scale, scales, bias, residual));
+        }
+        let scales = scales.as_ptr_range();
+        // SAFETY: as above, for the sums and the residual stream.
+        unsafe {
+            rescale::add_rescaled(
+                sums.as_ptr(),
+                scales.start,
+                bias.as_ptr(),
+                scales.end,
+                residual.as_mut_ptr(),
+                scale,
+            );
+        }
+    }
+
+    #[inline]
     fn quantize(values: &[f32], limit: i16, codes: &mut [i16]) -> f32 {
         let fits = values.len() == codes.len()
             && !values.is_empty()
@@ -174,12 +213,21 @@ impl Kernels for CortexM4 {
 #[inline(always)]
 fn multiply_fits(weights: &[i8], input: &[i16], sums: &[i32]) -> bool {
     !input.is_empty()
-        && input.len().is_multiple_of(GROUP)
+        && input.len().is_multiple_of(PASS_COLUMNS)
         && !sums.is_empty()
         && sums.len().is_multiple_of(TILE_ROWS)
         && weights.len() == sums.len() * input.len()
         && is_aligned(weights)
         && is_aligned(input)
+}
+
+/// Whether there are rows, a multiple of four, as many terms of the bias, and at least as many outputs.
+#[inline(always)]
+fn rows_fit(scales: &[f32], bias: &[f32], outputs: usize) -> bool {
+    !scales.is_empty()
+        && scales.len().is_multiple_of(4)
+        && bias.len() == scales.len()
+        && outputs >= scales.len()
 }
 
 /// Calls the portable kernel, out of line: a rare case must not take the stack of the usual one.

@@ -2,39 +2,66 @@
 
 use core::arch::naked_asm;
 
-/// One group of a tile: four columns of four rows. 18 instructions for 16 products.
+/// Columns of a pass: two groups. The number of columns is a multiple of it.
+pub(super) const COLUMNS: usize = 8;
+
+/// A group of a tile: four columns of four rows, whose inputs are in the two registers. A word of weights holds those of
+/// columns 2 and 3; shifted by a byte, those of columns 0 and 1.
 macro_rules! group {
+    ($first:literal, $last:literal) => {
+        concat!(
+            "ldmia.w r0!, {{r8, r9, r10, r11}}\n",
+            "smlad r4, r8, ",
+            $last,
+            ", r4\n",
+            "lsl.w r8, r8, #8\n",
+            "smlad r4, r8, ",
+            $first,
+            ", r4\n",
+            "smlad r5, r9, ",
+            $last,
+            ", r5\n",
+            "lsl.w r9, r9, #8\n",
+            "smlad r5, r9, ",
+            $first,
+            ", r5\n",
+            "smlad r6, r10, ",
+            $last,
+            ", r6\n",
+            "lsl.w r10, r10, #8\n",
+            "smlad r6, r10, ",
+            $first,
+            ", r6\n",
+            "smlad r7, r11, ",
+            $last,
+            ", r7\n",
+            "lsl.w r11, r11, #8\n",
+            "smlad r7, r11, ",
+            $first,
+            ", r7\n",
+        )
+    };
+}
+
+/// Two groups of a tile: eight columns of four rows. 27 instructions for 32 products.
+macro_rules! two_groups {
     () => {
-        "ldmia.w r0!, {{r8, r9, r10, r11}}
-         ldrd r12, lr, [r1], #8
-         sxtb16 r3, r8
-         smlad r4, r3, r12, r4
-         sxtb16 r3, r8, ror #8
-         smlad r4, r3, lr, r4
-         sxtb16 r3, r9
-         smlad r5, r3, r12, r5
-         sxtb16 r3, r9, ror #8
-         smlad r5, r3, lr, r5
-         sxtb16 r3, r10
-         smlad r6, r3, r12, r6
-         sxtb16 r3, r10, ror #8
-         smlad r6, r3, lr, r6
-         sxtb16 r3, r11
-         smlad r7, r3, r12, r7
-         sxtb16 r3, r11, ror #8
-         smlad r7, r3, lr, r7"
+        concat!(
+            "ldmia.w r1!, {{r2, r3, r12, lr}}\n",
+            group!("r2", "r3"),
+            group!("r12", "lr"),
+        )
     };
 }
 
 /// Whole tiles: `sums[4 t + r] = sum over c of tiles[t][r][c] * input[c]`.
 ///
-/// Registers: r0 weights, r1 input, r2 its end, r3 scratch, r4 to r7 the tile's sums, r8 to r11 a group's
-/// weights by row, r12 and lr its inputs. What is needed once per tile is on the stack. The loop is
-/// unrolled eight times; if the number of groups is no multiple of eight, a tile enters the first pass
-/// at a later group.
+/// Registers: r0 weights, r1 input, r2, r3, r12 and lr eight inputs, r4 to r7 the tile's sums, r8 to r11 a group's
+/// weights by row. What is needed once per tile is on the stack. The loop is unrolled eight times; if the number of
+/// pairs of groups is no multiple of eight, a tile enters the first pass at a later pair.
 ///
 /// # Safety
-/// `columns` inputs are readable, a multiple of four, not 0. The sums up to `sums_end` are writable, a
+/// `columns` inputs are readable, a multiple of [`COLUMNS`], not 0. The sums up to `sums_end` are writable, a
 /// multiple of four, not 0, and as many rows of `columns` weights are readable. All of them lie at
 /// multiples of four bytes.
 // SAFETY: the body is a whole function of the C calling convention: it takes its arguments from r0 to
@@ -49,20 +76,22 @@ pub(super) unsafe extern "C" fn multiply_one(
 ) {
     naked_asm!(
         // [sp]: start values of a tile: the input, the entry into the loop, four zeros. [sp + 24]: the sums
-        // and their end, which is an argument on the caller's stack.
+        // and their end, which is an argument on the caller's stack; the end of the input.
         "push {{r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
+        "sub sp, #4",
+        "ldr r4, [sp, #48]",
+        "strd r2, r4, [sp]",
         "add r2, r1, r3, lsl #1",
-        // Groups to skip in the first pass: (8 - groups) modulo 8.
-        "ubfx r3, r3, #2, #3",
+        "str r2, [sp, #8]",
+        // Pairs of groups to skip in the first pass: (8 - pairs) modulo 8.
+        "ubfx r3, r3, #3, #3",
         "rsb r3, r3, #8",
         "and r3, r3, #7",
-        "movs r4, #{group_bytes}",
+        "movs r4, #{bytes}",
         "mul r3, r3, r4",
         "adr r4, 2f",
         "add r3, r3, r4",
         "orr r3, r3, #1",
-        "ldr r4, [sp, #44]",
-        "str r4, [sp, #4]",
         "movs r4, #0",
         "movs r5, #0",
         "movs r6, #0",
@@ -73,14 +102,15 @@ pub(super) unsafe extern "C" fn multiply_one(
         "bx r3",
         ".p2align 2",
         "2:",
-        group!(),
-        group!(),
-        group!(),
-        group!(),
-        group!(),
-        group!(),
-        group!(),
-        group!(),
+        two_groups!(),
+        two_groups!(),
+        two_groups!(),
+        two_groups!(),
+        two_groups!(),
+        two_groups!(),
+        two_groups!(),
+        two_groups!(),
+        "ldr r2, [sp, #32]",
         "cmp r1, r2",
         "bne 2b",
         "ldrd r3, r12, [sp, #24]",
@@ -88,11 +118,11 @@ pub(super) unsafe extern "C" fn multiply_one(
         "str r3, [sp, #24]",
         "cmp r3, r12",
         "bne 1b",
-        "add sp, #32",
+        "add sp, #36",
         "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
-        group_bytes = const GROUP_BYTES,
+        bytes = const BYTES,
     )
 }
 
-/// Bytes of code of a group: 18 instructions of four bytes.
-const GROUP_BYTES: usize = 72;
+/// Bytes of code of two groups: 27 instructions of four bytes.
+const BYTES: usize = 108;

@@ -2,7 +2,7 @@
 
 use super::{
     cache::{LayerCache, Slot},
-    linear::{self, Added, Mapped, identity, quantize},
+    linear::{self, Added, Mapped, quantize},
     norm::layer_norm,
     token::{HeadScratch, Token},
 };
@@ -39,16 +39,20 @@ impl Attention<'_> {
             let normalised = &mut token.normalised[..width];
             layer_norm(&self.weights.norm1, &token.residual[..width], normalised);
             Mapped {
-                token: quantize(normalised, &mut token.codes),
+                token: quantize(&self.weights.qkv, normalised, &mut token.codes),
                 outputs: &mut token.wide.as_flattened_mut()[..3 * width],
             }
         });
-        linear::map(&self.weights.qkv, inside, identity);
+        linear::map(&self.weights.qkv, inside);
         for (token, slot) in tokens.iter_mut().zip(slots) {
             self.heads(slot, token);
         }
         let outside = tokens.each_mut().map(|token| Added {
-            token: quantize(&token.normalised[..width], &mut token.codes),
+            token: quantize(
+                &self.weights.out,
+                &token.normalised[..width],
+                &mut token.codes,
+            ),
             sums: &mut token.sums[..width],
             residual: &mut token.residual[..width],
         });

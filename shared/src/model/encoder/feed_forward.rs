@@ -20,13 +20,22 @@ pub(super) fn feed_forward<const T: usize, const WIDTH: usize>(
         let normalised = &mut token.normalised[..width];
         layer_norm(&layer.norm2, &token.residual[..width], normalised);
         Mapped {
-            token: quantize(normalised, &mut token.codes),
+            token: quantize(&layer.ff1, normalised, &mut token.codes),
             outputs: &mut token.wide.as_flattened_mut()[..2 * width],
         }
     });
-    linear::map(&layer.ff1, inside, gelu);
+    linear::map(&layer.ff1, inside);
+    for token in &mut *tokens {
+        for value in &mut token.wide.as_flattened_mut()[..2 * width] {
+            *value = gelu(*value);
+        }
+    }
     let outside = tokens.each_mut().map(|token| Added {
-        token: quantize(&token.wide.as_flattened()[..2 * width], &mut token.codes),
+        token: quantize(
+            &layer.ff2,
+            &token.wide.as_flattened()[..2 * width],
+            &mut token.codes,
+        ),
         sums: &mut token.sums[..width],
         residual: &mut token.residual[..width],
     });

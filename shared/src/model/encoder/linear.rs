@@ -1,24 +1,29 @@
 //! Linear maps of quantized tokens.
 
 use super::token::Codes;
-use crate::kernels::{Active, Kernels, TOKEN_LIMIT};
+use crate::kernels::{Active, Kernels, WEIGHT_ONE};
 use crate::model::file::LinearWeights;
 
-/// The input of a linear map: a token as `codes * scale`.
+/// The input of a linear map: a token as `codes * scale * WEIGHT_ONE`. Products with the map's integers are in units of
+/// `scale` times the row's scale.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quantized<'c> {
     pub codes: &'c [i16],
     pub scale: f32,
 }
 
-/// Quantizes a token of at most twice `WIDTH`.
+/// One over the integer of a weight of 1. Exact, and so is a product with it.
+pub(super) const PER_WEIGHT: f32 = 1.0 / WEIGHT_ONE as f32;
+
+/// Quantizes a token of at most twice `WIDTH` for a map.
 #[inline]
 pub(super) fn quantize<'c, const WIDTH: usize>(
+    map: &LinearWeights<'_>,
     token: &[f32],
     codes: &'c mut Codes<WIDTH>,
 ) -> Quantized<'c> {
     let codes = &mut codes.0.as_flattened_mut()[..token.len()];
-    let scale = Active::quantize(token, TOKEN_LIMIT, codes);
+    let scale = Active::quantize(token, map.code_limit, codes) * PER_WEIGHT;
     Quantized { codes, scale }
 }
 
@@ -30,24 +35,16 @@ pub(super) struct Mapped<'t> {
     pub outputs: &'t mut [f32],
 }
 
-/// `y = finish(sum * (scale * row scale) + bias)` for every output of every token; the sum is exact
-/// in i32.
+/// `y = sum * (scale * row scale) + bias` for every output of every token; the sum is exact in i32.
 #[inline]
-pub(super) fn map<const T: usize>(
-    map: &LinearWeights<'_>,
-    mut tokens: [Mapped<'_>; T],
-    finish: impl Fn(f32) -> f32,
-) {
+pub(super) fn map<const T: usize>(map: &LinearWeights<'_>, mut tokens: [Mapped<'_>; T]) {
     let codes = tokens.each_ref().map(|mapped| mapped.token.codes);
     let sums = tokens
         .each_mut()
         .map(|mapped| bytemuck::cast_slice_mut(mapped.outputs));
     Active::multiply(map.weights, codes, sums);
     for Mapped { token, outputs } in tokens {
-        for (output, (row_scale, bias)) in outputs.iter_mut().zip(map.scales.iter().zip(map.bias)) {
-            let sum = output.to_bits().cast_signed();
-            *output = finish(rescaled(sum, token.scale * row_scale, *bias));
-        }
+        Active::rescale(outputs, token.scale, map.scales, map.bias);
     }
 }
 
@@ -72,20 +69,6 @@ pub(super) fn add<const T: usize>(map: &LinearWeights<'_>, mut tokens: [Added<'_
         residual,
     } in tokens
     {
-        let rows = residual.iter_mut().zip(&*sums);
-        for ((residual, &sum), (row_scale, bias)) in rows.zip(map.scales.iter().zip(map.bias)) {
-            *residual += rescaled(sum, token.scale * row_scale, *bias);
-        }
+        Active::add_rescaled(sums, token.scale, map.scales, map.bias, residual);
     }
-}
-
-#[inline]
-fn rescaled(sum: i32, scale: f32, bias: f32) -> f32 {
-    sum as f32 * scale + bias
-}
-
-/// No activation function.
-#[inline]
-pub(super) fn identity(value: f32) -> f32 {
-    value
 }

@@ -1,7 +1,7 @@
 //! From the residual stream to the logits of the six newest patches.
 
 use super::{
-    linear::{self, Mapped, identity, quantize},
+    linear::{self, Mapped, quantize},
     norm::layer_norm,
     token::Token,
 };
@@ -29,11 +29,11 @@ pub(super) fn logits<const T: usize, const WIDTH: usize>(
         let normalised = &mut token.normalised[..width];
         layer_norm(norm, &token.residual[..width], normalised);
         Mapped {
-            token: quantize(normalised, &mut token.codes),
+            token: quantize(head, normalised, &mut token.codes),
             outputs: places.next().map_or(&mut [], |place| &mut place[..rows]),
         }
     });
-    linear::map(head, tokens, identity);
+    linear::map(head, tokens);
     outputs.map(|outputs| {
         let mut logits = LookBackLogits::default();
         for (row, outputs) in logits.iter_mut().zip(outputs.chunks_exact(row_outputs)) {

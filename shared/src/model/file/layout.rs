@@ -2,12 +2,13 @@
 
 use crate::model::dimensions::MAX_LAYERS;
 
-/// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] x[c] + bias[r]`.
+/// A linear map: `y[r] = scales[r] * sum over c of weights[r][c] / 256 x[c] + bias[r]`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LinearWeights<'m> {
-    /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::kernels::Kernels::multiply), each
-    /// -127..=127.
+    /// `[outputs][inputs]` in the tiles of [`Kernels::multiply`](crate::kernels::Kernels::multiply).
     pub weights: &'m [i8],
+    /// Largest magnitude of an input's codes ([`code_limit`](crate::kernels::code_limit)).
+    pub code_limit: i16,
     /// One per output.
     pub scales: &'m [f32],
     /// One per output.

@@ -4,6 +4,7 @@
 //! encoder can refuse a model. Weights are not copied: they are read as words where they are, in flash
 //! or in a buffer that begins at a multiple of four bytes. Format: docs/model-file.md.
 
+mod decimal;
 mod error;
 mod header;
 mod layout;
@@ -32,11 +33,11 @@ pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts
 /// First bytes of every model file.
 const MAGIC: [u8; 8] = *b"myointnt";
 /// The format version that this crate reads and writes.
-const FORMAT_VERSION: u8 = 6;
+const FORMAT_VERSION: u8 = 7;
 /// Largest magnitude of a number in a tensor. A trained model's are below 10; up to this bound no sum, product or square
 /// on the way to the logits leaves the range of f32, whatever the input: a layer norm gives at most
-/// 100 x sqrt(128) + 100 < 2e3, a linear map of 256 inputs 100 x 127 x 256 x 2e3 < 1e10, the map after attention or the
-/// feed-forward 100 x 127 x 256 x 1e10 < 1e17, a square of three layers' sum < 1e36.
+/// 100 x sqrt(128) + 100 < 2e3, a linear map of 256 inputs 100 x 128 x 256 x 2e3 < 1e10, the map after attention or the
+/// feed-forward 100 x 128 x 256 x 1e10 < 1e17, a square of three layers' sum < 1e36.
 const LARGEST: f32 = 100.0;
 /// The file in memory and every tensor in the file begin at a multiple of this many bytes.
 const ALIGNMENT: usize = align_of::<f32>();

@@ -8,7 +8,7 @@ use super::{
     names::TensorName,
     wire_header::WireHeader,
 };
-use crate::kernels::{GROUP, TILE_ROWS};
+use crate::kernels::{GROUP, TILE_ROWS, code_limit};
 use crate::model::dimensions::HEADS;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
@@ -143,6 +143,7 @@ impl<'m> Tensors<'m> {
         }
         Ok(LinearWeights {
             weights,
+            code_limit: code_limit(weights, inputs),
             scales,
             bias: self.floats(group, "bias", outputs)?,
         })
@@ -157,11 +158,7 @@ impl<'m> Tensors<'m> {
 
     fn integers(&mut self, group: &'static str, count: usize) -> Result<&'m [i8], ModelError> {
         let tensor = self.name(group, "weights");
-        let weights: &[i8] = bytemuck::cast_slice(self.bytes(tensor, count)?);
-        match weights.iter().position(|&weight| weight == i8::MIN) {
-            None => Ok(weights),
-            Some(index) => Err(ModelError::WeightRange { tensor, index }),
-        }
+        Ok(bytemuck::cast_slice(self.bytes(tensor, count)?))
     }
 
     fn scales(&mut self, group: &'static str, count: usize) -> Result<&'m [f32], ModelError> {

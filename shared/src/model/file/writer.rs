@@ -8,16 +8,17 @@ use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, MAGIC, PREFIX_BYTES, error::ModelError,
     header::SmootherDefaults, reader::Model, wire_header::WireHeader,
 };
-use crate::kernels::packing::packed;
+use crate::kernels::packing::{bytes_of_row, packed};
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
 
 /// A linear map with quantized rows.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LinearParts {
-    /// Row-major `[outputs][inputs]`, each -127..=127; the file has them in tiles.
+    /// Row-major `[outputs][inputs]`, the bytes of the weights: a weight's value is that of its byte and of the byte
+    /// before it ([`LinearParts::dequantized`]); the file has them in tiles.
     pub weights: Vec<i8>,
-    /// One per output: `weight = integer * scale`.
+    /// One per output: what a byte of 1 is worth.
     pub scales: Vec<f32>,
     /// One per output.
     pub bias: Vec<f32>,
@@ -167,14 +168,13 @@ pub(super) fn bytes_of(template: Option<Template>) -> Vec<u8> {
     template.map_or_else(Vec::new, |template| template.to_bytes().to_vec())
 }
 
-/// Quantizes each row to -127..=127: integers row-major, and one scale per row.
+/// Quantizes each row: bytes row-major ([`bytes_of_row`]), and one scale per row.
 ///
-/// The scale is the row's largest magnitude over 127, each integer the nearest (halves away from
-/// zero). A row of zeros has scale 0. Infinity and NaN make the scale infinite or NaN, which
-/// [`ModelParts::to_bytes`] refuses.
+/// The scale is the row's largest magnitude over 127. A row of zeros has scale 0. Infinity and NaN make the scale
+/// infinite or NaN, which [`ModelParts::to_bytes`] refuses.
 #[must_use]
 pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec<i8>, Vec<f32>) {
-    let mut integers = Vec::with_capacity(matrix.len());
+    let mut bytes = Vec::with_capacity(matrix.len());
     let mut scales = vec![0.0; rows];
     for (row, scale) in matrix.chunks(columns.max(1)).zip(&mut scales) {
         let largest = crate::arithmetic::absmax(row);
@@ -185,11 +185,13 @@ pub(super) fn quantize_rows(matrix: &[f32], rows: usize, columns: usize) -> (Vec
         } else {
             0.0
         };
-        integers.extend(row.iter().map(|&weight| {
-            crate::arithmetic::round((f64::from(weight) * inverse) as f32).clamp(-127, 127) as i8
-        }));
+        let row: Vec<f64> = row
+            .iter()
+            .map(|&weight| f64::from(weight) * inverse)
+            .collect();
+        bytes.extend(bytes_of_row(&row));
     }
-    (integers, scales)
+    (bytes, scales)
 }
 
 /// Magic, version and four bytes for the length.

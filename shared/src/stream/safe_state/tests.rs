@@ -114,6 +114,32 @@ fn a_refused_model_stays_refused() {
 }
 
 #[test]
+fn nothing_leaves_an_installation_but_its_end_and_a_label() {
+    let state = run(
+        Start::Boot,
+        &[
+            (0, Event::Sample, None),
+            (1, label(Intent::Open), OPEN),
+            (2, Event::Installation, safe(Cause::Installation)),
+            (3, Event::Sample, None),
+            (4, label(Intent::Open), None),
+            (5, Event::Gap, None),
+            (6, Event::Stalled, None),
+            (7, Event::Disconnected, None),
+            (8, Event::Sample, None),
+            (9, Event::Installed, None),
+            (10, label(Intent::Open), OPEN),
+            (11, Event::Installation, safe(Cause::Installation)),
+            (12, Event::ModelRefused, safe(Cause::ModelRefused)),
+            (13, label(Intent::Open), None),
+            (14, Event::Installed, None),
+            (15, Event::Gap, safe(Cause::Gap)),
+        ],
+    );
+    assert_eq!(state.status(), Status::Safe(Cause::Gap));
+}
+
+#[test]
 fn silence_is_measured_across_the_clock_wrap() {
     let mut state = SafeState::new(Start::Boot);
     state.handle(Millis(u32::MAX - 99), Event::Sample);

@@ -5,6 +5,7 @@ use crate::myo::{Address, Counters, FirmwareVersion, Following};
 use crate::stream::alignment::Alignment;
 use crate::uart_line::command::AlignCommand;
 use crate::uart_line::gate::gate;
+use crate::uart_line::install::progress;
 use crate::uart_line::{ParseError, fields, framed, hexadecimal, number};
 
 const fn wrong(field: &'static str) -> ParseError {
@@ -58,6 +59,10 @@ impl<'a> Answer<'a> {
             "GATE" => {
                 let (_, margins) = rest.split_once(',').ok_or(wrong("gate"))?;
                 gate(margins).map(Self::Gate).ok_or(wrong("gate"))
+            }
+            "INSTALL" => {
+                let [_, _, missing] = fields(body)?;
+                progress(missing).map(Self::Install).ok_or(wrong("block"))
             }
             _ => Err(wrong("command")),
         }

@@ -1,8 +1,11 @@
 //! MATLAB files: any bytes behind a right head, and any variables, compressed or not.
 
-use crate::dataset::mat_fixture::{compressed, file, variable};
+use crate::dataset::mat_fixture::{compressed, file, packed, variable};
 use crate::dataset::readers::mat::parse;
 use crate::input::Input;
+
+/// Bytes of a stored block: small, so that a variable has several.
+const BLOCK: usize = 200;
 
 /// A file as it is, its bytes behind a head, and its bytes as the content of variables.
 pub fn run(data: &[u8]) {
@@ -22,13 +25,34 @@ pub fn run(data: &[u8]) {
             let count = content.len();
             content[usize::from(at) % count] = changed;
         }
-        variables.push(if how & 0x80 != 0 {
-            compressed(&content)
-        } else {
-            content
+        // Compressing takes as long as ten executions: one variable of eight.
+        variables.push(match how >> 5 {
+            0..=3 => content,
+            4..=6 => stored(&content),
+            _ => compressed(&content),
         });
     }
     check(&file(&variables));
+}
+
+/// As a compressor writes what it cannot make shorter: in blocks as they are.
+fn stored(content: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![0x78, 0x01];
+    let count = content.len().div_ceil(BLOCK).max(1);
+    for number in 0..count {
+        let block = &content[number * BLOCK..content.len().min((number + 1) * BLOCK)];
+        let length = block.len() as u16;
+        bytes.push(u8::from(number + 1 == count));
+        bytes.extend(length.to_le_bytes());
+        bytes.extend((!length).to_le_bytes());
+        bytes.extend(block);
+    }
+    let (low, high) = content.iter().fold((1, 0), |(low, high), &byte| {
+        let low = (low + u32::from(byte)) % 65_521;
+        (low, (high + low) % 65_521)
+    });
+    bytes.extend((high << 16 | low).to_be_bytes());
+    packed(&bytes)
 }
 
 fn check(bytes: &[u8]) {

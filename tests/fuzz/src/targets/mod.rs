@@ -5,6 +5,7 @@ mod answer;
 mod binding;
 mod command;
 mod discovery;
+mod installation;
 mod labels;
 mod mat;
 mod model;
@@ -21,29 +22,32 @@ mod template;
 pub struct Target {
     /// Name on the command line, and of its folder of seeds.
     pub name: &'static str,
+    /// Bytes of its longest input: as many as show everything, for executions take as long as their input.
+    pub longest: usize,
     /// Takes any bytes; panics if something does not hold that must.
     pub run: fn(&[u8]),
 }
 
-const fn target(name: &'static str, run: fn(&[u8])) -> Target {
-    Target { name, run }
+const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
+    Target { name, longest, run }
 }
 
 /// All of them, from the radio to the PC.
-pub const ALL: [Target; 15] = [
-    target("advertisement", advertisement::run),
-    target("discovery", discovery::run),
-    target("notification", notification::run),
-    target("session", session::run),
-    target("binding", binding::run),
-    target("pipeline", pipeline::run),
-    target("command", command::run),
-    target("report", report::run),
-    target("answer", answer::run),
-    target("model", model::run),
-    target("template", template::run),
-    target("npy", npy::run),
-    target("mat", mat::run),
-    target("recording", recording::run),
-    target("labels", labels::run),
+pub const ALL: [Target; 16] = [
+    target("advertisement", 256, advertisement::run),
+    target("discovery", 4096, discovery::run),
+    target("notification", 1024, notification::run),
+    target("session", 1024, session::run),
+    target("binding", 64, binding::run),
+    target("pipeline", 512, pipeline::run),
+    target("command", 512, command::run),
+    target("installation", 1024, installation::run),
+    target("report", 1024, report::run),
+    target("answer", 128, answer::run),
+    target("model", 2048, model::run),
+    target("template", 128, template::run),
+    target("npy", 1024, npy::run),
+    target("mat", 2048, mat::run),
+    target("recording", 4096, recording::run),
+    target("labels", 4096, labels::run),
 ];

@@ -85,9 +85,9 @@ pub fn run(data: &[u8]) {
         sequence: 0,
         last_label: None,
     };
-    // Samples are expensive, and two windows show all that there is.
+    // Samples are expensive, and two windows with the labels after them show all that there is.
     let mut samples = 0;
-    while !input.is_empty() && samples < 4 * WINDOW {
+    while !input.is_empty() && samples < 2 * WINDOW + 300 {
         samples += device.step(&mut input);
     }
 }

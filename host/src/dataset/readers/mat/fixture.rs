@@ -38,10 +38,14 @@ pub fn doubles(name: &str, shape: [i32; 2], values: &[f64]) -> Vec<u8> {
 pub fn compressed(variable: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
     encoder.write_all(variable).unwrap();
-    let packed = encoder.finish().unwrap();
+    packed(&encoder.finish().unwrap())
+}
+
+/// An element of compressed data.
+pub fn packed(data: &[u8]) -> Vec<u8> {
     let mut bytes = 15_u32.to_le_bytes().to_vec();
-    bytes.extend((packed.len() as u32).to_le_bytes());
-    bytes.extend(packed);
+    bytes.extend((data.len() as u32).to_le_bytes());
+    bytes.extend(data);
     bytes
 }
 

@@ -1,0 +1,71 @@
+//! The regions of flash that the program writes: files, so that they outlast a reset. Power may fail in the middle of an
+//! operation.
+
+use std::fs::File;
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::{clock, power, surroundings};
+use crate::flash::{self, Flash, FlashFailed, PAGE_BYTES, Region};
+use crate::reset_reason::ResetReason;
+
+/// Microseconds of an erasure and of a word (nRF52840 product specification, NVMC). The core stands still meanwhile.
+const ERASE_US: u64 = 85_000;
+const WORD_US: u64 = 41;
+
+/// Flash, by the SoftDevice's rules.
+pub struct Files;
+
+impl Flash for Files {
+    async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
+        clock::spend(ERASE_US);
+        operate(page, PAGE_BYTES, |length| flash::erase(page, length))
+    }
+
+    async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
+        clock::spend(WORD_US * words.len() as u64 / 4);
+        operate(address, words.len() as u32, |length| {
+            flash::program(address, &words[..length as usize]);
+        })
+    }
+}
+
+/// Does an operation on so many bytes, and keeps what came of it. Where power fails, half of it is done.
+fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), FlashFailed> {
+    static DONE: AtomicU32 = AtomicU32::new(0);
+    let arguments = surroundings().arguments;
+    let is_page = address == Region::Binding.address(0);
+    if is_page && surroundings().scenario.page_fails {
+        return Err(FlashFailed);
+    }
+    let number = DONE.fetch_add(1, Ordering::Relaxed) + 1;
+    // Once: after it the program has started for a reason.
+    let fails = arguments.reset.is_none() && surroundings().scenario.power_fails_at == Some(number);
+    act(if fails { length / 2 } else { length });
+    let (region, path) = match address {
+        _ if is_page => (Region::Binding, Some(&arguments.page)),
+        _ if address < Region::Binding.address(0) => (Region::Journal, arguments.journal.as_ref()),
+        _ => (Region::Model, Some(&arguments.model)),
+    };
+    if let Some(path) = path {
+        let offset = address - region.address(0);
+        keep(path, region, offset, length).map_err(|_| FlashFailed)?;
+    }
+    if fails {
+        power::reset(ResetReason::Power);
+    }
+    Ok(())
+}
+
+/// Writes what a part of a region holds to its file.
+fn keep(path: &Path, region: Region, offset: u32, length: u32) -> std::io::Result<()> {
+    let contents = flash::contents(region);
+    let mut file = File::options()
+        .create(true)
+        .write(true)
+        .truncate(false)
+        .open(path)?;
+    file.seek(SeekFrom::Start(offset.into()))?;
+    file.write_all(&contents[offset as usize..(offset + length) as usize])
+}

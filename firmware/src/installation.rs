@@ -1,0 +1,158 @@
+//! Exchanges the model in flash: carries out what [`Installation`] asks for, beside the radio.
+
+use embassy_futures::{select::select, yield_now};
+use embassy_time::Timer;
+use shared::installation::{BLOCK_BYTES, Block, Installation, Progress, Refused, Step, journal};
+use shared::model::file::{Model, ModelError};
+use shared::uart_line::answer::Refusal;
+
+use crate::flash::{Flash, FlashFailed, PAGE_BYTES, Region, SharedFlash};
+use crate::messages::{
+    heartbeat, model, pin_state,
+    requests::{INFERENCE, INSTALLATION, InferenceRequest, InstallationRequest},
+    uart::{self, UartMessage},
+};
+use crate::model_region;
+
+/// Runs the radio once there is a model, and exchanges the model when that is asked for.
+pub async fn beside<F: Flash>(flash: F, radio: impl AsyncFnOnce(&SharedFlash<F>)) {
+    let flash = SharedFlash::new(flash);
+    select(serve(&flash), async {
+        while model::current().is_none() {
+            // No radio runs without a model.
+            heartbeat::RADIO.beat();
+            Timer::after(heartbeat::PERIOD).await;
+        }
+        radio(&flash).await;
+    })
+    .await;
+}
+
+async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
+    let mut installation = Installation::new(Region::Model.length());
+    loop {
+        let request = INSTALLATION.receive().await;
+        let answer = match request {
+            InstallationRequest::Begin(transfer) if model::current() == Some(transfer.checksum) => {
+                Ok(Progress::Installed)
+            }
+            InstallationRequest::Begin(transfer) => {
+                let is_in_use = model::current().is_some();
+                let journal = (!is_in_use).then(model_region::journal).flatten();
+                installation.begin(transfer, journal)
+            }
+            InstallationRequest::Block(number, block) => {
+                take(&mut installation, flash, number, &block).await
+            }
+        };
+        INSTALLATION.answer(answer.map_err(refusal));
+    }
+}
+
+const fn refusal(refused: Refused) -> Refusal {
+    match refused {
+        Refused::Length => Refusal::Length,
+        Refused::NotBegun => Refusal::NotBegun,
+        Refused::NoSuchBlock => Refusal::Arguments,
+        Refused::Flash => Refusal::Flash,
+        Refused::Model => Refusal::Model,
+    }
+}
+
+async fn take(
+    installation: &mut Installation,
+    flash: &SharedFlash<impl Flash>,
+    number: u32,
+    block: &Block,
+) -> Result<Progress, Refused> {
+    installation.take(number, block, is_ours)?;
+    while let Some(step) = installation.step() {
+        let success = match step {
+            Step::Suspend => suspend().await,
+            Step::Verify => verify().await,
+            Step::Resume => INFERENCE.ask(InferenceRequest::Resume).await.is_ok(),
+            _ => {
+                let mut flash = flash.lock().await;
+                write(installation, &mut *flash, step).await.is_ok()
+            }
+        };
+        installation.done(success)?;
+    }
+    Ok(installation.progress())
+}
+
+/// Whether the file that begins with this block may be a model for this program. Says so if not.
+fn is_ours(first: &Block) -> bool {
+    match Model::parse(&first.0) {
+        // All that a block can say: magic and format are those of this program, and the file is longer.
+        Err(ModelError::Length { .. }) => true,
+        Ok(_) => false,
+        Err(error) => {
+            uart::enqueue(UartMessage::ModelRefused(error.into()));
+            false
+        }
+    }
+}
+
+/// The pins are safe, and nothing reads the region.
+async fn suspend() -> bool {
+    if INFERENCE.ask(InferenceRequest::Suspend).await.is_err() {
+        return false;
+    }
+    while !pin_state::is_shown() {
+        yield_now().await;
+    }
+    true
+}
+
+/// Whether the region holds a model that can be run. Says so if not.
+async fn verify() -> bool {
+    let Err(error) = model_region::load() else {
+        return true;
+    };
+    let refused = InferenceRequest::Refuse(error);
+    // If it does not answer, the reason is not said; the answer to the command is the same.
+    let _ = INFERENCE.ask(refused).await;
+    false
+}
+
+async fn write(
+    installation: &Installation,
+    flash: &mut impl Flash,
+    step: Step,
+) -> Result<(), FlashFailed> {
+    let log = Region::Journal;
+    match step {
+        Step::EraseJournal | Step::EndJournal => flash.erase(log.address(0)).await,
+        Step::WriteJournal => {
+            let record = Words(installation.record());
+            put(flash, log, 0, &record.0).await
+        }
+        Step::MarkPage(page) => {
+            let mark = Words([0; 4]);
+            put(flash, log, journal::mark(page), &mark.0).await
+        }
+        Step::ErasePage(page) => flash.erase(Region::Model.address(page * PAGE_BYTES)).await,
+        Step::WriteBlock(number) => {
+            let offset = number * BLOCK_BYTES as u32;
+            put(flash, Region::Model, offset, &installation.content().0).await
+        }
+        Step::Suspend | Step::Verify | Step::Resume => Ok(()),
+    }
+}
+
+/// Bytes that begin at a word, as flash is written.
+#[repr(align(4))]
+struct Words<const N: usize>([u8; N]);
+
+/// Writes words, a block at most, and reads them back.
+async fn put(
+    flash: &mut impl Flash,
+    region: Region,
+    offset: u32,
+    words: &[u8],
+) -> Result<(), FlashFailed> {
+    flash.write(region.address(offset), words).await?;
+    let found: [u8; BLOCK_BYTES] = region.read(offset);
+    found.starts_with(words).then_some(()).ok_or(FlashFailed)
+}

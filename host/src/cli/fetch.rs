@@ -1,0 +1,201 @@
+//! `myointent data fetch`: published recordings, downloaded or from an archive at hand.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use super::contents::tables;
+use crate::dataset::library::inspection::Inspection;
+use crate::dataset::readers::excerpt::printable;
+use crate::dataset::source::{
+    Address, Download, Plan, Received, SOURCES, Servers, Source, download, free, plan,
+    put_in_place, source,
+};
+use crate::dataset::{LoadOptions, load};
+use crate::execution::progress;
+use crate::report::Table;
+
+/// Arguments of `data fetch`.
+#[derive(Args, Debug)]
+#[command(
+    // Not in `long_about`, which the one line of the subcommand hides.
+    after_help = "Without NAME, lists the data sets. The licence is shown first, and nothing is downloaded until it is agreed to. A download that\n\
+        breaks off is continued by the same command. Checksums are compared where the publisher states them; of every download\n\
+        its SHA-256 is printed.\n\n\
+        Without a network: download the archive elsewhere, from the page that the list names, and give it with --archive. zip, tar\n\
+        and tar.gz are told by content.\n\n\
+        Examples:\n  myointent data fetch\n  \
+        myointent data fetch ss-stm\n  \
+        myointent data fetch roshambo --to recordings --accept-licence\n  \
+        myointent data fetch myoup --archive ~/Downloads/MyoUP_dataset-main.zip"
+)]
+pub struct Arguments {
+    /// The data set, by its name in `myointent data fetch`
+    name: Option<String>,
+    /// Folder of all recordings; the set gets a folder of its name in it
+    #[arg(long, value_name = "DIR", default_value = "data")]
+    to: PathBuf,
+    /// Archive that was downloaded before; several if the set is published in parts
+    #[arg(long, value_name = "FILE", requires = "name")]
+    archive: Vec<PathBuf>,
+    /// Agree to the licence without being asked, for scripts
+    #[arg(long, requires = "name")]
+    accept_licence: bool,
+}
+
+/// Fetches a data set, or lists all of them.
+///
+/// # Errors
+/// When the licence is not agreed to, the files cannot be had, or no reader recognises any.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let Some(name) = &arguments.name else {
+        return Ok(std::io::stdout().write_all(list().plain().as_bytes())?);
+    };
+    let Some(own) = source(name) else {
+        let names = SOURCES.map(|own| own.data_set.name());
+        bail!(
+            "no data set is named {}: expected one of {}",
+            printable(name),
+            names.join(", ")
+        );
+    };
+    let place = arguments.to.join(name);
+    free(&place)?;
+    if !arguments.archive.is_empty() {
+        agree(own, None, arguments.accept_licence)?;
+        put(own, &arguments.archive, &place)?;
+        return Ok(());
+    }
+    if let Address::ByHand(why) = own.address {
+        bail!(
+            "{name} cannot be downloaded by a program: {why}\n{}",
+            by_hand(own, &[])
+        );
+    }
+    let planned = plan(own, &Servers::default()).with_context(|| by_hand(own, &[]))?;
+    agree(
+        own,
+        planned.stated_licence.as_deref(),
+        arguments.accept_licence,
+    )?;
+    let parts = arguments.to.join(format!(".{name}.download"));
+    let received =
+        download(&planned, own, &parts).with_context(|| by_hand(own, &planned.downloads))?;
+    report(&planned, &received)?;
+    let files: Vec<PathBuf> = received.into_iter().map(|own| own.path).collect();
+    put(own, &files, &place)?;
+    let _ = std::fs::remove_dir_all(&parts);
+    Ok(())
+}
+
+/// Names, addresses and licences.
+fn list() -> Table {
+    let caption =
+        "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
+    let mut table = Table::new(caption, ["name", "page", "how", "licence"]);
+    for own in SOURCES {
+        let how = match own.address {
+            Address::ByHand(_) => "by hand",
+            Address::Zenodo(_) => "download, checksum",
+            Address::GitHub(_) | Address::Uci(_) => "download",
+        };
+        let licence = own.licence.split([':', ';']).next().unwrap_or_default();
+        table.push([own.data_set.name(), own.page, how, licence]);
+    }
+    table
+}
+
+/// Shows the licence and waits for a yes.
+fn agree(own: &Source, stated: Option<&str>, accepted: bool) -> anyhow::Result<()> {
+    let name = own.data_set.name();
+    progress::log(&format!("{name}: {}", own.page));
+    progress::log(&format!("licence: {}", own.licence));
+    if let Some(stated) = stated {
+        progress::log(&format!(
+            "licence, as the publisher states it now: {}",
+            printable(stated)
+        ));
+    }
+    if accepted {
+        return Ok(());
+    }
+    if !std::io::stdin().is_terminal() {
+        bail!("nobody is there to agree to the licence: read the page, then give --accept-licence");
+    }
+    let mut err = std::io::stderr().lock();
+    write!(err, "agree to it, and download? yes / no: ")?;
+    err.flush()?;
+    let mut line = String::new();
+    std::io::stdin().read_line(&mut line)?;
+    if line.trim().eq_ignore_ascii_case("yes") {
+        Ok(())
+    } else {
+        bail!("not agreed to: nothing was downloaded")
+    }
+}
+
+/// What to do without a network.
+fn by_hand(own: &Source, downloads: &[Download]) -> String {
+    let name = own.data_set.name();
+    let addresses: Vec<&str> = downloads.iter().map(|of| &of.url[..]).collect();
+    let from = if addresses.is_empty() {
+        own.page.to_owned()
+    } else {
+        format!("{} (page: {})", addresses.join(", "), own.page)
+    };
+    format!(
+        "{name} was not fetched. By hand: download {from}, then `myointent data fetch {name} --archive FILE`"
+    )
+}
+
+/// What came, and by what it was checked.
+fn report(planned: &Plan, received: &[Received]) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    for (own, of) in received.iter().zip(&planned.downloads) {
+        let checked = match &of.checksum {
+            Some(published) if own.verified => format!("as published, {published}"),
+            _ => "published checksum: unknown".to_owned(),
+        };
+        writeln!(
+            out,
+            "{}: {checked}; computed: {}",
+            printable(&of.file),
+            own.sha256
+        )?;
+    }
+    Ok(())
+}
+
+/// Puts archives in place and says what was recognised.
+fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
+    let done = put_in_place(files, place)?;
+    let mut out = std::io::stdout().lock();
+    let left_out = match done.left_out {
+        0 => String::new(),
+        count => format!(", {count} links and the like left out"),
+    };
+    writeln!(
+        out,
+        "{}: {} files, {:.1} MiB{left_out}\n",
+        place.display(),
+        done.files,
+        done.bytes as f64 / (1024.0 * 1024.0)
+    )?;
+    let library = load(place, &LoadOptions::default()).with_context(|| {
+        format!(
+            "unpacked, but no reader recognises a recording in {}: docs/recordings.md has the layouts",
+            place.display()
+        )
+    })?;
+    out.write_all(tables(&Inspection::new(&library)).as_bytes())?;
+    let mut recordings = library.recordings.iter();
+    if !recordings.any(|recording| recording.data_set == own.data_set) {
+        progress::log(&format!(
+            "warning: none of these recordings is of {}: is it the right archive?",
+            own.data_set.name()
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,173 @@
+//! `myointent record`: a guided recording session on a page.
+
+use std::io::Write as _;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::Args;
+
+use super::live::{SourceArguments, listen, read_model, serve};
+use crate::cli::arguments::BackendArguments;
+use crate::execution::progress;
+use crate::live::{Options, RecordOptions};
+use crate::record::protocol::{self, BUILT_IN, Protocol};
+use crate::record::{self, Kept};
+
+/// Arguments of `record`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Give one source: --port, --replay or --demo. The page shows what to do now, what comes next and for how long, beside the\n\
+    traces; keys are on it. A trial that went wrong is repeated with R. Everything is written as it comes: after a break, a kill or\n\
+    a full disk the next start for the same person makes recordings of what was written. At the end the page says whether they are\n\
+    good enough and leads on to `myointent personalize`. docs/record.md explains it.\n\n\
+    Examples:\n  myointent record --person anna --port /dev/ttyACM0\n  \
+    myointent record --person anna --port /dev/ttyACM0 --protocol paper --out recordings\n  \
+    myointent record --person test --demo --speed 4                    no hardware: a simulated person follows the cues\n  \
+    myointent protocols quick > mine.toml && myointent record --person anna --port COM3 --protocol mine.toml"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    source: SourceArguments,
+    /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
+    #[arg(long, requires = "replay")]
+    name: Option<String>,
+    /// Whose muscles: letters, digits and hyphens. The name of the folder and the beginning of the files' names.
+    #[arg(long, value_parser = person)]
+    person: String,
+    /// Folder that has a folder for each person.
+    #[arg(long, value_name = "DIR", default_value = "recordings")]
+    out: PathBuf,
+    /// What is asked for: a built-in protocol, as `myointent protocols` lists them, or a TOML file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "quick")]
+    protocol: String,
+    /// Model file that is tuned on the recordings, and whose labels the page shows. Without it, the shipped three-class model.
+    #[arg(long, value_name = "FILE.intent")]
+    model: Option<PathBuf>,
+    /// Play a demo or a replay so many times as fast, to try a protocol out.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16), conflicts_with = "port")]
+    speed: u32,
+    /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
+    /// the connection is not encrypted.
+    #[arg(long, value_name = "ADDR", value_parser = listen)]
+    listen: Option<(IpAddr, Option<u16>)>,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// Arguments of `protocols`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  myointent protocols\n  myointent protocols quick > mine.toml\n  myointent record --person anna --demo --protocol mine.toml"
+)]
+pub struct ProtocolArguments {
+    /// Protocol to print as TOML; all are listed if not given. A file is checked.
+    name: Option<String>,
+}
+
+/// A name that readers of the files take for a person.
+fn person(name: &str) -> Result<String, String> {
+    let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-';
+    if name.is_empty() || name.len() > 40 || !name.chars().all(allowed) || name.starts_with('-') {
+        return Err(
+            "expected at most 40 letters, digits and hyphens, such as anna or s3".to_owned(),
+        );
+    }
+    Ok(name.to_owned())
+}
+
+/// Serves the page until Ctrl-C. Makes recordings of what earlier sessions of the person have left.
+///
+/// # Errors
+/// When protocol or model are refused, the source cannot be read or the address cannot be listened on.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let protocol = Protocol::find(&arguments.protocol)?;
+    let model = arguments.model.as_deref().map(read_model).transpose()?;
+    let source = arguments.source.source(arguments.name.as_deref())?;
+    let device = arguments.backend.device()?;
+    recover(&arguments.out.join(&arguments.person))?;
+    let (address, port) = arguments
+        .listen
+        .unwrap_or((Ipv4Addr::LOCALHOST.into(), None));
+    let record = RecordOptions {
+        folder: arguments.out.clone(),
+        person: arguments.person.clone(),
+        protocol,
+        model: arguments
+            .model
+            .clone()
+            .unwrap_or_else(|| Path::new("models/three-class.intent").to_owned()),
+        device,
+        speed: arguments.speed,
+    };
+    serve(address, port, |listen: SocketAddr| Options {
+        source,
+        model,
+        listen,
+        record: Some(record),
+    })
+}
+
+fn recover(folder: &Path) -> anyhow::Result<()> {
+    let found = record::recover(folder).with_context(|| folder.display().to_string())?;
+    for (journal, kept) in found {
+        let journal = journal.display();
+        match kept {
+            Ok(kept) => progress::log(&format!("{journal}: an earlier session, {}", told(&kept))),
+            // The others, and this session, are no worse for it.
+            Err(error) => progress::log(&format!("warning: {journal}: {error}")),
+        }
+    }
+    Ok(())
+}
+
+fn told(kept: &Kept) -> String {
+    let mut text = format!(
+        "{:.0} s are kept in {} files",
+        kept.quality.seconds,
+        kept.files.len()
+    );
+    if kept.left_off > 0 {
+        text += &format!(
+            "; {} bytes of a line that was being written are left off, at most 0.1 s",
+            kept.left_off
+        );
+    }
+    for finding in &kept.quality.findings {
+        text += &format!("\n    {finding}: {}", finding.advice());
+    }
+    text
+}
+
+/// Lists the built-in protocols or prints one.
+///
+/// # Errors
+/// When there is no such protocol, or something is wrong with it.
+pub(super) fn protocols(arguments: &ProtocolArguments) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    if let Some(name) = &arguments.name {
+        Protocol::find(name)?;
+        write!(out, "{}", protocol::text(name)?)?;
+        return Ok(());
+    }
+    for (name, text) in BUILT_IN {
+        let about = text.lines().map_while(|line| line.strip_prefix("# "));
+        writeln!(out, "{name:12} {}", about.collect::<Vec<_>>().join(" "))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_person_is_a_name_that_readers_take_back() {
+        for name in ["anna", "s3", "Anna-2"] {
+            assert_eq!(person(name), Ok(name.to_owned()));
+        }
+        for name in ["", "anna_2", "../anna", "a b", "-a", "ä"] {
+            assert!(person(name).is_err(), "{name}");
+        }
+    }
+}

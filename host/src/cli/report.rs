@@ -1,0 +1,193 @@
+//! `myointent report`: one page on one or several runs or model files.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use super::arguments::{BackendArguments, every_recording, find_run, recordings};
+use super::evaluate_models::{PeopleArguments, warn, warn_of_test_people};
+use crate::dataset::Library;
+use crate::dataset::split::circles::is_test;
+use crate::execution::progress;
+use crate::execution::run_folder::RunFolder;
+use crate::report::MOST_ENTRIES;
+use crate::report::several::{Reported, ReportedModel, ReportedRun, tables, write};
+use crate::run::context::RunContext;
+use crate::run::evaluate::kept;
+use crate::run::model_evaluation::{NamedModel, evaluate_models};
+use crate::run::quantize::MODEL;
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Without --data, of run folders that were evaluated: their results, on the people whom each holds out. With --data, of model\n\
+    files and of the model files of run folders, on any recordings; each is evaluated on the people whom it has not seen.\n\
+    The page needs no network and no JavaScript, and prints on A4.\n\n\
+    Examples:\n  myointent report runs/mine\n  \
+    myointent report runs/loso/fold-1 runs/loso/fold-2 --out folds.html\n  \
+    myointent report models/three-class.intent runs/mine --data DIR"
+)]
+pub struct Arguments {
+    /// Run folders; with --data also model files. At most five.
+    #[arg(value_name = "RUN|MODEL", required = true)]
+    reported: Vec<PathBuf>,
+    /// Evaluate on the recordings below DIR.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Page to write.
+    #[arg(long, value_name = "FILE", default_value = "report.html")]
+    out: PathBuf,
+    #[command(flatten)]
+    people: PeopleArguments,
+    #[command(flatten)]
+    backend: BackendArguments,
+}
+
+/// Writes the page and prints its tables.
+///
+/// # Errors
+/// When a run was not evaluated, a model or the recordings are refused, nobody is left, or the page cannot be written.
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.reported.len() > MOST_ENTRIES {
+        bail!(
+            "{} on one page: expected at most {MOST_ENTRIES}, for their colours to differ",
+            arguments.reported.len()
+        );
+    }
+    let reported = match &arguments.data {
+        Some(data) => models(arguments, data)?,
+        None => runs(arguments)?,
+    };
+    let data = arguments.data.as_ref();
+    let data = data.map_or_else(String::new, |data| data.display().to_string());
+    write(&reported, &data, &arguments.out)?;
+    let mut out = std::io::stdout().lock();
+    for table in tables(&reported)? {
+        writeln!(out, "{}", table.plain())?;
+    }
+    writeln!(out, "report: {}", arguments.out.display())?;
+    Ok(())
+}
+
+/// Run folders, on the people whom each holds out.
+fn runs(arguments: &Arguments) -> anyhow::Result<Vec<Reported>> {
+    let mut reported: Vec<Reported> = Vec::new();
+    for path in &arguments.reported {
+        if path.is_file() {
+            bail!(
+                "{}: a model file needs recordings: give --data DIR",
+                path.display()
+            );
+        }
+        let (folder, config) = find_run(path)?;
+        let library = recordings(config.data.as_deref(), config.strict, &config.preset)?;
+        let test = config.split.held_out.iter();
+        warn_of_test_people(test.filter(|subject| is_test(subject)).count());
+        let device = arguments.backend.device()?;
+        let context = RunContext::continue_run(folder, config, library, device)?;
+        let evaluated = kept(&context).with_context(|| {
+            let run = path.display();
+            format!("{run} has no results to report: `myointent evaluate --run {run}` makes them")
+        });
+        let (results, evaluation) = evaluated?;
+        reported.push(Reported::Run(Box::new(ReportedRun {
+            name: unique(name(path), &reported),
+            folder: context.folder,
+            config: context.config,
+            results,
+            evaluation,
+        })));
+    }
+    same_classes(&reported)?;
+    Ok(reported)
+}
+
+/// Model files, and those of run folders, on the recordings below `data`.
+fn models(arguments: &Arguments, data: &Path) -> anyhow::Result<Vec<Reported>> {
+    let library = every_recording(data, arguments.people.strict)?;
+    let mut reported: Vec<Reported> = Vec::new();
+    for path in &arguments.reported {
+        let own = model(arguments, path, &library, &reported)?;
+        reported.push(own);
+    }
+    same_classes(&reported)?;
+    Ok(reported)
+}
+
+fn model(
+    arguments: &Arguments,
+    path: &Path,
+    library: &Library,
+    before: &[Reported],
+) -> anyhow::Result<Reported> {
+    let folder = path
+        .is_dir()
+        .then(|| RunFolder::existing(path))
+        .transpose()?;
+    let file = match &folder {
+        Some(folder) => folder.file(MODEL),
+        None => path.to_owned(),
+    };
+    let mut model = NamedModel::read(&file).with_context(|| file.display().to_string())?;
+    model.name = unique(name(path), before);
+    progress::log(&format!("{}:", model.name));
+    let evaluation = evaluate_models(
+        std::slice::from_ref(&model),
+        library,
+        &arguments.people.selection(),
+    )?;
+    warn(&evaluation.results);
+    Ok(Reported::Model(Box::new(ReportedModel {
+        model,
+        folder,
+        evaluation,
+    })))
+}
+
+/// The name of a run folder or a model file on the page.
+fn name(path: &Path) -> String {
+    let own = if path.is_dir() {
+        // `.` and `..` have no name of their own.
+        let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        whole.file_name().map(ToOwned::to_owned)
+    } else {
+        path.file_stem().map(ToOwned::to_owned)
+    };
+    own.map_or_else(
+        || path.display().to_string(),
+        |own| own.to_string_lossy().into_owned(),
+    )
+}
+
+/// A name that none of those before has: `fold-1`, `fold-1 (2)`.
+fn unique(name: String, before: &[Reported]) -> String {
+    let taken = |name: &str| before.iter().any(|own| own.name() == name);
+    if !taken(&name) {
+        return name;
+    }
+    let numbered = (2..).map(|number| format!("{name} ({number})"));
+    numbered
+        .into_iter()
+        .find(|numbered| !taken(numbered))
+        .unwrap_or(name)
+}
+
+/// Scores of models with different classes answer different questions.
+fn same_classes(reported: &[Reported]) -> anyhow::Result<()> {
+    let Some(first) = reported.first() else {
+        return Ok(());
+    };
+    match reported
+        .iter()
+        .find(|own| own.vocabulary() != first.vocabulary())
+    {
+        None => Ok(()),
+        Some(other) => bail!(
+            "{} and {} have different classes: give one page each",
+            first.name(),
+            other.name()
+        ),
+    }
+}

@@ -1,0 +1,171 @@
+use std::io::{Cursor, Write as _};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use zip::write::SimpleFileOptions;
+
+use super::*;
+
+fn zip(entries: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in entries {
+        writer
+            .start_file(*name, SimpleFileOptions::default())
+            .unwrap();
+        writer.write_all(content).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+/// A tar whose names are written as they are, which the library itself refuses to do.
+fn tar(entries: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut builder = tar::Builder::new(Vec::new());
+    for (name, content) in entries {
+        let mut header = tar::Header::new_ustar();
+        header.as_mut_bytes()[..name.len()].copy_from_slice(name.as_bytes());
+        header.set_size(content.len() as u64);
+        header.set_mode(0o644);
+        header.set_cksum();
+        builder.append(&header, *content).unwrap();
+    }
+    builder.into_inner().unwrap()
+}
+
+fn gz(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// Unpacks bytes into `inside` of a new folder, which is returned with the result.
+fn unpacked(bytes: &[u8], bounds: Bounds) -> (tempfile::TempDir, Result<Unpacked, ArchiveError>) {
+    let folder = tempfile::tempdir().unwrap();
+    let archive = folder.path().join("archive");
+    fs::write(&archive, bytes).unwrap();
+    let inside = folder.path().join("inside");
+    fs::create_dir(&inside).unwrap();
+    let result = unpack(&archive, &inside, bounds);
+    (folder, result)
+}
+
+fn bounds() -> Bounds {
+    Bounds::of(1 << 20)
+}
+
+#[test]
+fn each_kind_is_told_by_its_content_and_unpacked_as_it_is() {
+    let entries: [(&str, &[u8]); 3] = [("a/b/1.csv", b"one"), ("a/2.csv", b""), ("./3", b"three")];
+    for bytes in [zip(&entries), tar(&entries), gz(&tar(&entries))] {
+        let (folder, result) = unpacked(&bytes, bounds());
+        let expected = Unpacked {
+            files: 3,
+            bytes: 8,
+            left_out: 0,
+        };
+        assert_eq!(result.unwrap(), expected);
+        for (name, content) in entries {
+            let path = folder.path().join("inside").join(name);
+            assert_eq!(fs::read(path).unwrap(), content);
+        }
+    }
+}
+
+#[test]
+fn a_name_that_leads_out_refuses_the_archive_and_writes_nothing_outside() {
+    let absolute = "/tmp/myointent-escaped";
+    for name in [
+        "../out",
+        "a/../../out",
+        absolute,
+        "..\\out",
+        "C:\\out",
+        "a/..",
+    ] {
+        let bytes = tar(&[(name, b"x")]);
+        let (folder, result) = unpacked(&bytes, bounds());
+        assert!(
+            matches!(result, Err(ArchiveError::Escapes { .. })),
+            "{name}: {result:?}"
+        );
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{name}");
+        assert!(!Path::new(absolute).exists());
+        let (_folder, result) = unpacked(&zip(&[(name, b"x")]), bounds());
+        assert!(
+            matches!(result, Err(ArchiveError::Escapes { .. })),
+            "{name}: {result:?}"
+        );
+    }
+}
+
+#[test]
+fn a_link_is_left_out_so_that_nothing_follows_it() {
+    let mut builder = tar::Builder::new(Vec::new());
+    let mut header = tar::Header::new_ustar();
+    header.set_entry_type(tar::EntryType::Symlink);
+    header.set_size(0);
+    builder
+        .append_link(&mut header, "link", "/tmp/myointent-linked")
+        .unwrap();
+    let mut header = tar::Header::new_ustar();
+    header.set_size(1);
+    header.set_cksum();
+    builder
+        .append_data(&mut header, "link/file", &b"x"[..])
+        .unwrap();
+    let (folder, result) = unpacked(&builder.into_inner().unwrap(), bounds());
+    let done = result.unwrap();
+    assert_eq!((done.files, done.left_out), (1, 1));
+    let link = folder.path().join("inside/link");
+    assert!(link.is_dir() && !link.is_symlink());
+    assert!(!Path::new("/tmp/myointent-linked").exists());
+}
+
+#[test]
+fn bytes_are_counted_as_they_come_and_files_too() {
+    let bomb = vec![0; 1 << 20];
+    let few = Bounds {
+        bytes: 1000,
+        ..bounds()
+    };
+    for bytes in [zip(&[("zeros", &bomb)]), gz(&tar(&[("zeros", &bomb)]))] {
+        assert!(bytes.len() < 10_000);
+        let (_folder, result) = unpacked(&bytes, few);
+        assert!(matches!(
+            result,
+            Err(ArchiveError::TooLarge { most: 1000, .. })
+        ));
+    }
+    let one = Bounds {
+        entries: 1,
+        ..bounds()
+    };
+    let (_folder, result) = unpacked(&zip(&[("a", b""), ("b", b"")]), one);
+    assert!(matches!(
+        result,
+        Err(ArchiveError::TooLarge { most: 1, .. })
+    ));
+}
+
+#[test]
+fn the_same_name_twice_is_refused() {
+    let (_folder, result) = unpacked(&tar(&[("a", b"1"), ("./a", b"2")]), bounds());
+    assert!(
+        matches!(result, Err(ArchiveError::Twice { .. })),
+        "{result:?}"
+    );
+}
+
+#[test]
+fn what_is_cut_or_no_archive_is_refused() {
+    let content: Vec<u8> = (0..20_000_u32)
+        .flat_map(|at| (at * at).to_le_bytes())
+        .collect();
+    let whole = gz(&tar(&[("a", &content)]));
+    let (_folder, cut) = unpacked(&whole[..whole.len() / 2], bounds());
+    assert!(matches!(cut, Err(ArchiveError::Damaged { .. })), "{cut:?}");
+    let whole = zip(&[("a", &content)]);
+    let (_folder, cut) = unpacked(&whole[..whole.len() - 10], bounds());
+    assert!(matches!(cut, Err(ArchiveError::Damaged { .. })), "{cut:?}");
+    let (_folder, none) = unpacked(b"gt,emg_0\n", bounds());
+    assert!(matches!(none, Err(ArchiveError::Kind { .. })), "{none:?}");
+}

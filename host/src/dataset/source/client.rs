@@ -1,0 +1,41 @@
+//! The client of HTTP.
+
+use std::time::Duration;
+
+use ureq::Agent;
+
+use super::error::FetchError;
+
+/// Longest wait for a connection, and for the first line of an answer.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A client for an address; nothing that begins with TLS goes on without.
+pub(super) fn agent(url: &str) -> Agent {
+    let config = Agent::config_builder()
+        .http_status_as_error(false)
+        .https_only(url.starts_with("https://"))
+        .timeout_connect(Some(PATIENCE))
+        .timeout_recv_response(Some(PATIENCE))
+        .user_agent(concat!("myointent/", env!("CARGO_PKG_VERSION")));
+    let config = if is_here(url) {
+        // A proxy does not lead back to this machine.
+        config.proxy(None)
+    } else {
+        config
+    };
+    config.build().new_agent()
+}
+
+/// Whether an address is of this machine.
+fn is_here(url: &str) -> bool {
+    url.starts_with("http://127.0.0.1:") || url.starts_with("http://localhost:")
+}
+
+/// What a request that got no answer means.
+pub(super) fn request_error(url: &str, error: &ureq::Error) -> FetchError {
+    let host = url.split('/').nth(2).unwrap_or(url);
+    FetchError::NoNetwork {
+        host: host.to_owned(),
+        reason: error.to_string(),
+    }
+}

@@ -1,0 +1,166 @@
+//! What is to be downloaded for a data set.
+
+use std::io::Read as _;
+
+use serde::Deserialize;
+
+use super::catalogue::{Address, Source};
+use super::checksum::Checksum;
+use super::client::{agent, request_error};
+use super::error::FetchError;
+
+/// Most bytes of a record of Zenodo.
+const RECORD: u64 = 4 << 20;
+
+/// The servers; those of a test are its own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Servers {
+    /// Zenodo.
+    pub zenodo: String,
+    /// GitHub.
+    pub github: String,
+    /// The UCI repository.
+    pub uci: String,
+}
+
+impl Default for Servers {
+    fn default() -> Self {
+        Self {
+            zenodo: "https://zenodo.org".to_owned(),
+            github: "https://github.com".to_owned(),
+            uci: "https://archive.ics.uci.edu".to_owned(),
+        }
+    }
+}
+
+/// One file to download.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Download {
+    /// Address.
+    pub url: String,
+    /// Name on disk, without a folder.
+    pub file: String,
+    /// Length in bytes, if it is published.
+    pub size: Option<u64>,
+    /// Checksum, if one is published.
+    pub checksum: Option<Checksum>,
+}
+
+/// What is to be downloaded, under which licence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The licence that the publisher states where the files are; none without one.
+    pub stated_licence: Option<String>,
+    /// The files; empty for what is obtained by hand.
+    pub downloads: Vec<Download>,
+}
+
+/// Asks the publisher, where it states what there is, and says what to download.
+///
+/// # Errors
+/// When Zenodo cannot be reached, or its record is not one.
+pub fn plan(source: &Source, servers: &Servers) -> Result<Plan, FetchError> {
+    let alone = |url: String, file: String| Plan {
+        stated_licence: None,
+        downloads: vec![Download {
+            url,
+            file,
+            size: None,
+            checksum: None,
+        }],
+    };
+    let name = source.data_set.name();
+    match source.address {
+        Address::Zenodo(number) => zenodo(&servers.zenodo, number, source.page),
+        Address::GitHub(repository) => Ok(alone(
+            format!("{}/{repository}/archive/HEAD.zip", servers.github),
+            format!("{name}.zip"),
+        )),
+        Address::Uci(path) => Ok(alone(
+            format!("{}/{path}", servers.uci),
+            format!("{name}.zip"),
+        )),
+        Address::ByHand(_) => Ok(Plan {
+            stated_licence: None,
+            downloads: Vec::new(),
+        }),
+    }
+}
+
+/// The part of a record that is read. Source: developers.zenodo.org, *Records*.
+#[derive(Deserialize)]
+struct Record {
+    files: Vec<RecordFile>,
+    #[serde(default)]
+    metadata: Metadata,
+}
+
+#[derive(Deserialize)]
+struct RecordFile {
+    key: String,
+    size: u64,
+    #[serde(default)]
+    checksum: String,
+    links: Links,
+}
+
+#[derive(Deserialize)]
+struct Links {
+    #[serde(rename = "self")]
+    own: String,
+}
+
+#[derive(Default, Deserialize)]
+struct Metadata {
+    license: Option<License>,
+}
+
+#[derive(Deserialize)]
+struct License {
+    id: String,
+}
+
+fn zenodo(server: &str, number: u32, page: &str) -> Result<Plan, FetchError> {
+    let url = format!("{server}/api/records/{number}");
+    let response = agent(&url).get(&url).call();
+    let mut response = response.map_err(|error| request_error(&url, &error))?;
+    match response.status().as_u16() {
+        200 => {}
+        status @ (404 | 410) => {
+            return Err(FetchError::NotFound {
+                url,
+                status,
+                page: page.to_owned(),
+            });
+        }
+        status => return Err(FetchError::Status { url, status }),
+    }
+    let mut text = String::new();
+    let mut body = response.body_mut().as_reader().take(RECORD);
+    let refused = |reason: String| FetchError::Record {
+        url: url.clone(),
+        reason,
+    };
+    body.read_to_string(&mut text)
+        .map_err(|error| refused(error.to_string()))?;
+    let record: Record = serde_json::from_str(&text).map_err(|error| refused(error.to_string()))?;
+    if record.files.is_empty() {
+        return Err(refused("it has no files, or not for everybody".to_owned()));
+    }
+    let downloads = record.files.into_iter().map(|file| {
+        let named = !file.key.is_empty() && !file.key.starts_with('.');
+        if !named || file.key.contains(['/', '\\', ':', '\0']) {
+            return Err(refused(format!("a file is named {:?}", file.key)));
+        }
+        Ok(Download {
+            url: file.links.own,
+            size: Some(file.size),
+            checksum: Checksum::parse(&file.checksum),
+            file: file.key,
+        })
+    });
+    Ok(Plan {
+        downloads: downloads.collect::<Result<_, _>>()?,
+        stated_licence: record.metadata.license.map(|license| license.id),
+    })
+}

@@ -1,0 +1,260 @@
+//! One file over HTTP: resumed after a break, and bounded.
+//!
+//! What has come is kept as `FILE.partial`, and beside it what the server said of the file, so that a later command
+//! continues where this one stopped, unless the file has changed meanwhile.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use indicatif::ProgressBar;
+use serde::{Deserialize, Serialize};
+use ureq::http::Response;
+
+use super::client::{agent, request_error};
+use super::error::FetchError;
+use super::plan::Download;
+
+/// Most bytes of one file.
+const MOST: u64 = 32 << 30;
+/// How often a connection that gives nothing is tried again before the command ends.
+const TRIES: usize = 4;
+/// Pause before it is, times the number of tries.
+const PAUSE: Duration = Duration::from_millis(if cfg!(test) { 5 } else { 500 });
+
+/// What an answer's status promises of its body.
+enum Answer {
+    /// The file from its beginning.
+    Whole(Response<ureq::Body>),
+    /// The rest of it.
+    Rest(Response<ureq::Body>),
+    /// There is no rest: what was kept is no part of the file.
+    Nothing,
+}
+
+/// What is known of a file that has come in part.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Known {
+    url: String,
+    /// `ETag` or `Last-Modified`: the file is the same as long as it is.
+    version: Option<String>,
+    /// Whole length.
+    total: Option<u64>,
+}
+
+/// A file on its way.
+pub(super) struct Transfer<'a> {
+    of: &'a Download,
+    page: &'a str,
+    /// Where it ends up.
+    whole: PathBuf,
+    partial: PathBuf,
+    notes: PathBuf,
+    bar: &'a ProgressBar,
+}
+
+impl<'a> Transfer<'a> {
+    pub(super) fn new(
+        of: &'a Download,
+        page: &'a str,
+        folder: &Path,
+        bar: &'a ProgressBar,
+    ) -> Self {
+        let path = |ending: &str| folder.join(format!("{}{ending}", of.file));
+        Self {
+            of,
+            page,
+            whole: path(""),
+            partial: path(".partial"),
+            notes: path(".partial.json"),
+            bar,
+        }
+    }
+
+    /// Downloads the file, or the rest of it, and returns its path.
+    ///
+    /// # Errors
+    /// When the server cannot be reached, has no such file, sends too much, or breaks off again and again; what has come
+    /// is kept.
+    pub(super) fn run(&self) -> Result<PathBuf, FetchError> {
+        if self.whole.exists() {
+            return Ok(self.whole.clone());
+        }
+        let mut fruitless = 0;
+        loop {
+            let before = self.received();
+            match self.attempt() {
+                Ok(()) => break,
+                Err(error @ (FetchError::Broken { .. } | FetchError::Status { .. })) => {
+                    // What brings something may go on as long as it does.
+                    fruitless = if self.received() > before {
+                        1
+                    } else {
+                        fruitless + 1
+                    };
+                    if fruitless >= TRIES {
+                        return Err(error);
+                    }
+                    std::thread::sleep(PAUSE * fruitless as u32);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        let io = |source| FetchError::io(&self.whole, source);
+        fs::rename(&self.partial, &self.whole).map_err(io)?;
+        let _ = fs::remove_file(&self.notes);
+        Ok(self.whole.clone())
+    }
+
+    /// Bytes that are kept.
+    fn received(&self) -> u64 {
+        fs::metadata(&self.partial).map_or(0, |metadata| metadata.len())
+    }
+
+    /// What is known of the kept bytes; none if they are of another address.
+    fn known(&self) -> Option<Known> {
+        let text = fs::read_to_string(&self.notes).ok()?;
+        let known: Known = serde_json::from_str(&text).ok()?;
+        (known.url == self.of.url).then_some(known)
+    }
+
+    fn attempt(&self) -> Result<(), FetchError> {
+        let known = self.known();
+        let kept = if known.is_some() { self.received() } else { 0 };
+        match self.ask(kept, known.as_ref())? {
+            Answer::Whole(response) => self.receive(response, 0),
+            Answer::Rest(response) => self.receive(response, kept),
+            Answer::Nothing => {
+                let _ = fs::remove_file(&self.notes);
+                match self.ask(0, None)? {
+                    Answer::Whole(response) => self.receive(response, 0),
+                    Answer::Rest(_) | Answer::Nothing => Err(self.broken("no file is sent")),
+                }
+            }
+        }
+    }
+
+    fn ask(&self, kept: u64, known: Option<&Known>) -> Result<Answer, FetchError> {
+        let url = &self.of.url;
+        let mut request = agent(url).get(url);
+        if kept > 0 {
+            request = request.header("Range", format!("bytes={kept}-"));
+            if let Some(version) = known.and_then(|own| own.version.as_ref()) {
+                request = request.header("If-Range", version);
+            }
+        }
+        let response = request.call().map_err(|error| {
+            if kept > 0 || is_break(&error) {
+                self.broken(error.to_string())
+            } else {
+                request_error(url, &error)
+            }
+        })?;
+        match response.status().as_u16() {
+            200 => Ok(Answer::Whole(response)),
+            // What continues elsewhere than asked for is not used.
+            206 if kept > 0 && starts_at(&response) == Some(kept) => Ok(Answer::Rest(response)),
+            206 | 416 => Ok(Answer::Nothing),
+            status @ (404 | 410) => Err(FetchError::NotFound {
+                url: url.clone(),
+                status,
+                page: self.page.to_owned(),
+            }),
+            status => Err(FetchError::Status {
+                url: url.clone(),
+                status,
+            }),
+        }
+    }
+
+    /// Writes a body behind the first `kept` bytes.
+    fn receive(&self, mut response: Response<ureq::Body>, kept: u64) -> Result<(), FetchError> {
+        let length = header(&response, "content-length").and_then(|own| own.parse::<u64>().ok());
+        let total = self.of.size.or(length.map(|length| kept + length));
+        let most = self.of.size.unwrap_or(MOST);
+        let known = Known {
+            url: self.of.url.clone(),
+            version: header(&response, "etag")
+                // A weak one promises no equal bytes.
+                .filter(|own| !own.starts_with("W/"))
+                .or_else(|| header(&response, "last-modified")),
+            total,
+        };
+        let notes = serde_json::to_vec(&known).unwrap_or_default();
+        fs::write(&self.notes, notes).map_err(|source| FetchError::io(&self.notes, source))?;
+        let io = |source| FetchError::io(&self.partial, source);
+        let mut file = OpenOptions::new()
+            .create(true)
+            .write(true)
+            .truncate(kept == 0)
+            .append(kept > 0)
+            .open(&self.partial)
+            .map_err(io)?;
+        if let Some(total) = total {
+            self.bar.set_length(total);
+        }
+        self.bar.set_position(kept);
+        let mut received = kept;
+        let mut body = response.body_mut().as_reader();
+        let mut piece = vec![0; 1 << 16];
+        loop {
+            let read = match body.read(&mut piece) {
+                Ok(0) => break,
+                Ok(read) => read,
+                Err(error) => {
+                    let _ = file.flush();
+                    return Err(self.broken(error.to_string()));
+                }
+            };
+            received += read as u64;
+            if received > most {
+                self.discard(file);
+                return Err(FetchError::TooLong {
+                    url: self.of.url.clone(),
+                    most,
+                });
+            }
+            file.write_all(&piece[..read]).map_err(io)?;
+            self.bar.set_position(received);
+        }
+        file.sync_all().map_err(io)?;
+        match total {
+            Some(total) if received < total => Err(self.broken("the connection was closed")),
+            _ => Ok(()),
+        }
+    }
+
+    fn discard(&self, file: File) {
+        drop(file);
+        let _ = fs::remove_file(&self.partial);
+        let _ = fs::remove_file(&self.notes);
+    }
+
+    fn broken(&self, reason: impl Into<String>) -> FetchError {
+        let total = self.known().and_then(|known| known.total);
+        FetchError::Broken {
+            url: self.of.url.clone(),
+            received: self.received(),
+            of: total.map_or_else(String::new, |total| format!(" of {total}")),
+            reason: reason.into(),
+        }
+    }
+}
+
+/// The first byte of a partial answer, by its `Content-Range`.
+fn starts_at(response: &Response<ureq::Body>) -> Option<u64> {
+    let range = header(response, "content-range")?;
+    let (start, _) = range.strip_prefix("bytes ")?.split_once('-')?;
+    start.parse().ok()
+}
+
+fn header(response: &Response<ureq::Body>, name: &str) -> Option<String> {
+    let value = response.headers().get(name)?;
+    Some(value.to_str().ok()?.to_owned())
+}
+
+/// Whether the server was there, and broke off.
+const fn is_break(error: &ureq::Error) -> bool {
+    matches!(error, ureq::Error::Protocol(_))
+}

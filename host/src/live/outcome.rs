@@ -1,0 +1,50 @@
+//! What viewers are told of a session that is over.
+
+use serde::Serialize;
+
+use crate::record::quality::Severity;
+
+/// A finding in words.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub(crate) struct Told {
+    pub(crate) severity: Severity,
+    pub(crate) text: String,
+    pub(crate) advice: &'static str,
+}
+
+/// What was kept of a session.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub(crate) struct Kept {
+    pub(crate) good: bool,
+    pub(crate) seconds: f64,
+    pub(crate) folder: String,
+    pub(crate) files: Vec<String>,
+    /// How often each class is labelled.
+    pub(crate) counts: Vec<(&'static str, usize)>,
+    /// Trials that are not used.
+    pub(crate) bad: usize,
+    pub(crate) findings: Vec<Told>,
+    pub(crate) inspect: String,
+    pub(crate) personalize: String,
+    pub(crate) install: String,
+}
+
+/// One measure of both models on what was held back.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub(crate) struct Row {
+    pub(crate) measure: &'static str,
+    pub(crate) before: Option<f64>,
+    pub(crate) after: Option<f64>,
+}
+
+/// What a tuning does.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub(crate) struct Tuning {
+    /// `running`, `better`, `worse` or `failed`.
+    pub(crate) state: &'static str,
+    /// What to know and to do.
+    pub(crate) text: String,
+    pub(crate) rows: Vec<Row>,
+    /// Commands that come next.
+    pub(crate) commands: Vec<String>,
+}

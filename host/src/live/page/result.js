@@ -1,0 +1,80 @@
+// What came of a session: whether it is good enough, why not, and what comes next.
+
+const find = (id) => document.getElementById(id);
+
+function made(name, text, className = "") {
+  const node = document.createElement(name);
+  node.textContent = text;
+  node.className = className;
+  return node;
+}
+
+/** A command with what it does; a click selects it. */
+function command(text, what) {
+  const box = made("div", "", "command");
+  box.append(made("span", what, "quiet"), made("code", text));
+  return box;
+}
+
+const number = (value, digits) => (value === null ? "–" : value.toFixed(digits));
+
+export class Result {
+  isTuning = false;
+  #kept = null;
+
+  kept(message) {
+    this.#kept = message;
+    const { good, seconds, folder, files, counts, bad, findings } = message;
+    find("result").hidden = false;
+    find("verdict").textContent = good ? "Good enough to tune a model on" : "Not good enough yet";
+    find("verdict").dataset.good = good;
+    const each = counts.map(([name, count]) => `${name} ${count} times`).join(", ");
+    const unused = bad ? `, ${bad} trial${bad === 1 ? "" : "s"} marked as not to be used` : "";
+    find("amount").textContent = `${seconds.toFixed(0)} s kept: ${each}${unused}. ${files.length} file${files.length === 1 ? "" : "s"} in ${folder}.`;
+    find("findings").replaceChildren(...findings.map(({ severity, text, advice }) => {
+      const item = made("li", "", severity);
+      item.append(made("b", { note: "note", warning: "warning", serious: "mend this" }[severity]), made("span", text), made("span", advice, "quiet"));
+      return item;
+    }));
+    this.#scores([]);
+    find("tuned").textContent = "";
+    this.#commands([]);
+  }
+
+  tuning({ state, text, rows, commands }) {
+    this.isTuning = state === "running";
+    const words = { running: "Tuning:", better: "The tuned model is kept:", worse: "The old model stays:", failed: "Not tuned:" };
+    find("tuned").dataset.state = state;
+    find("tuned").replaceChildren(made("b", words[state]), ` ${text}`);
+    this.#scores(rows);
+    if (state !== "running") {
+      this.#commands(commands);
+    }
+  }
+
+  clear() {
+    this.#kept = null;
+    this.isTuning = false;
+    find("result").hidden = true;
+  }
+
+  #scores(rows) {
+    find("scores").hidden = rows.length === 0;
+    find("scores").tBodies[0].replaceChildren(...rows.map(({ measure, before, after }) => {
+      const row = document.createElement("tr");
+      const digits = measure.includes("minute") ? 1 : 3;
+      const head = made("th", measure);
+      head.scope = "row";
+      row.append(head, made("td", number(before, digits)), made("td", number(after, digits)));
+      return row;
+    }));
+  }
+
+  #commands(next) {
+    const { inspect, personalize } = this.#kept ?? {};
+    const all = next.length
+      ? [[next[0], "put it on the board"], [next[1], "or look at it first"]]
+      : [[inspect, "look at all recordings of this person"], [personalize, "the same as the button, in a terminal"]];
+    find("commands").replaceChildren(...all.filter(([text]) => text).map(([text, what]) => command(text, what)));
+  }
+}

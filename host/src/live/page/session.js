@@ -1,0 +1,257 @@
+// A recording session: what to do now, what comes next and how long. The program leads; the page shows and passes on keys.
+
+import { RATE } from "./clock.js";
+import { draw, words } from "./gestures.js";
+import { Result } from "./result.js";
+
+const HELD = {
+  person: "Waiting for you",
+  "leader-left": "The page that led was closed",
+  "source-lost": "The source is gone",
+  silent: "No samples are coming",
+  losses: "Too many samples are lost",
+  disk: "The disk takes no more",
+};
+
+const HINTS = {
+  person: "Go on when you are ready. The gesture that was cut short is asked for again.",
+  "leader-left": "Go on, and this page leads. The gesture that was cut short is asked for again.",
+  "source-lost": "What was recorded is kept. Check cable and board; go on when the traces move.",
+  silent: "What was recorded is kept. Is the armband connected and close? Go on when the traces move.",
+  losses: "Bring armband and board closer together, then go on. What was lost is asked for again.",
+  disk: "What was recorded is kept. Free some space, then go on.",
+};
+
+const KEYS = { Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", n: "again" };
+const BUTTONS = ["begin", "repeat", "hold", "finish"];
+const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
+
+const find = (id) => document.getElementById(id);
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+function write(node, text) {
+  if (node.textContent !== text) {
+    node.textContent = text;
+  }
+}
+
+function clockTime(samples) {
+  const seconds = Math.max(0, Math.ceil(samples / RATE));
+  return `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+}
+
+export class Session {
+  #say;
+  #you = null;
+  #leader = null;
+  #view = null;
+  #result = new Result();
+  #root = find("session");
+
+  constructor(say) {
+    this.#say = say;
+    for (const id of [...BUTTONS, "tune", "again"]) {
+      find(id).addEventListener("click", () => say({ do: "session", wish: id }));
+    }
+  }
+
+  hello({ you, record }) {
+    this.#you = you;
+    this.#leader = null;
+    this.#root.hidden = !record;
+    document.body.dataset.mode = record ? "record" : "live";
+    write(find("title"), record ? "record" : "live");
+    document.title = record ? "myointent record" : "myointent live";
+  }
+
+  lead({ viewer }) {
+    this.#leader = viewer;
+    this.#buttons();
+  }
+
+  show(view) {
+    const another = this.#view?.phase === "over" && view.phase === "waiting";
+    this.#view = view;
+    this.#root.dataset.phase = view.phase;
+    this.#root.dataset.free = view.free;
+    this.#root.dataset.label = view.cue ?? view.coming[0]?.cue ?? "relax";
+    if (another) {
+      this.#result.clear();
+    }
+    this.#task();
+    this.#next();
+    this.#coming();
+    this.#marks();
+    this.#buttons();
+    find("trouble").hidden = !view.trouble;
+    write(find("trouble"), view.trouble);
+  }
+
+  kept(message) {
+    this.#result.kept(message);
+    this.#buttons();
+    find("result").scrollIntoView({ block: "nearest", behavior: still.matches ? "auto" : "smooth" });
+  }
+
+  tuning(message) {
+    this.#result.tuning(message);
+    this.#buttons();
+  }
+
+  /** Whether a key is one of the session's. */
+  key(event) {
+    if (this.#root.hidden || event.repeat) {
+      return false;
+    }
+    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const id = KEYS[name];
+    if (id && !(name === "Enter" && event.target instanceof HTMLButtonElement)) {
+      const button = find(id);
+      if (!button.disabled && button.offsetParent !== null) {
+        button.click();
+      }
+      return true;
+    }
+    const gesture = this.#view?.free ? CLASSES[Number(name)] : undefined;
+    if (gesture && /^[0-5]$/.test(name) && this.#view.classes.includes(gesture)) {
+      this.#say({ do: "gesture", class: gesture });
+      return true;
+    }
+    return false;
+  }
+
+  /** The countdown, at a position of the stream. */
+  frame(position) {
+    const view = this.#view;
+    if (!view || this.#root.hidden) {
+      return;
+    }
+    const { from, end } = view;
+    const runs = from !== null && (view.phase === "ready" || view.phase === "cued");
+    const passed = runs ? Math.max(0, position - from) : 0;
+    if (runs && end !== null) {
+      const left = Math.max(0, end - Math.max(position, from));
+      write(find("count"), String(Math.ceil(left / RATE)));
+      const whole = end - from;
+      const shown = still.matches ? Math.ceil(left / RATE) * RATE : left;
+      find("bar").firstElementChild.style.width = `${Math.min(100, (100 * shown) / whole)}%`;
+    } else {
+      write(find("count"), runs ? clockTime(passed) : "");
+      find("bar").firstElementChild.style.width = "0";
+    }
+    this.#progress(passed);
+  }
+
+  #progress(passed) {
+    const { phase, round, rounds, done, trials, left, bad, free, protocol } = this.#view;
+    const parts = [];
+    if (free) {
+      parts.push(`protocol ${protocol}`);
+    } else if (phase === "waiting") {
+      parts.push(`protocol ${protocol}`, `${rounds} round${rounds === 1 ? "" : "s"}`, clockTime(left));
+    } else if (phase !== "over") {
+      parts.push(`round ${round} of ${rounds}`, `${done} of ${trials} done`, `${clockTime(left - passed)} left`);
+    }
+    if (bad) {
+      parts.push(`${bad} not used`);
+    }
+    write(find("progress"), parts.join(" · "));
+  }
+
+  #task() {
+    const { phase, why, cue, coming, free } = this.#view;
+    const picture = { cued: cue, ready: "relax", waiting: "relax" }[phase] ?? null;
+    draw(find("hand"), picture ?? (phase === "held" ? "relax" : null));
+    const tasks = {
+      waiting: "Ready when you are",
+      ready: "Get ready: rest your arm",
+      cued: words(cue),
+      held: HELD[why] ?? "",
+      over: "Done",
+    };
+    write(find("task"), tasks[phase]);
+    const hints = {
+      waiting: free
+        ? "Press a gesture's key as you begin it, and 0 as you let go."
+        : "Do what the picture shows as soon as it changes, and hold it until it changes again.",
+      ready: coming.length ? "Rest until the picture changes." : "",
+      cued: free ? "Until you press another key." : cue === "relax" ? "Rest." : "Firmly, as you always would. Hold it.",
+      held: HINTS[why] ?? "",
+      over: "",
+    };
+    write(find("hint"), hints[phase]);
+    const begin = { held: "Go on" }[phase] ?? "Begin";
+    write(find("begin").firstElementChild, begin);
+  }
+
+  #next() {
+    const next = this.#view.coming[0]?.cue ?? null;
+    draw(find("next-hand"), next);
+    write(find("next"), next ? words(next) : "");
+    find("next-title").hidden = next === null;
+  }
+
+  #coming() {
+    const chips = this.#view.coming.map(({ cue, samples }) => {
+      const chip = document.createElement("li");
+      chip.dataset.label = cue;
+      chip.textContent = `${cue} ${samples / RATE} s`;
+      return chip;
+    });
+    find("coming").replaceChildren(...chips);
+  }
+
+  #marks() {
+    const { free, classes, cue, phase } = this.#view;
+    find("marks").hidden = !free;
+    if (!free) {
+      return;
+    }
+    if (!find("marks").childElementCount) {
+      find("marks").append(...classes.map((name) => {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.dataset.label = name;
+        button.append(name, " ");
+        const key = document.createElement("kbd");
+        key.textContent = CLASSES.indexOf(name);
+        button.append(key);
+        button.addEventListener("click", () => this.#say({ do: "gesture", class: name }));
+        return button;
+      }));
+    }
+    for (const button of find("marks").children) {
+      button.disabled = phase !== "cued" || this.#watches();
+      button.setAttribute("aria-pressed", String(button.dataset.label === cue));
+    }
+  }
+
+  #watches() {
+    return this.#leader !== null && this.#leader !== this.#you;
+  }
+
+  #buttons() {
+    const view = this.#view;
+    if (!view) {
+      return;
+    }
+    const running = view.phase === "ready" || view.phase === "cued";
+    const shown = {
+      begin: view.phase === "waiting" || view.phase === "held",
+      repeat: running,
+      hold: running,
+      finish: running || view.phase === "held",
+    };
+    const watches = this.#watches();
+    for (const id of BUTTONS) {
+      find(id).hidden = !shown[id];
+      find(id).disabled = watches || id === "repeat" && !view.can_repeat;
+    }
+    find("again").disabled = watches || view.phase !== "over";
+    find("tune").disabled = watches || this.#result.isTuning;
+    write(find("watching"), watches ? "another page leads; this one watches" : "");
+    for (const button of find("marks").children) {
+      button.disabled = view.phase !== "cued" || watches;
+    }
+  }
+}

@@ -1,0 +1,205 @@
+//! A recording session beside a stream: a thread that takes samples from the hub, leads through a protocol and writes a
+//! journal. Neither source nor viewers ever wait for it, or for its disk.
+
+mod told;
+mod tuning;
+mod writing;
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
+
+use burn::tensor::Device;
+use shared::units::{Millis, Sample, SampleIndex};
+
+use super::event::Event;
+use super::hub::Hub;
+use super::outcome::Tuning;
+use super::source::{Asked, Stop};
+use crate::record::journal::Journal;
+use crate::record::protocol::Protocol;
+use crate::record::session::{Action, Held, Input, Session, View};
+
+/// How long it waits for samples before it looks for wishes: less than a person notices.
+const WAIT: Duration = Duration::from_millis(20);
+
+/// What is recorded, of whom, and where to.
+#[derive(Clone, Debug)]
+pub struct RecordOptions {
+    /// The folder that has a folder for each person.
+    pub folder: PathBuf,
+    /// Whose muscles.
+    pub person: String,
+    /// What is asked for.
+    pub protocol: Protocol,
+    /// The model file that is tuned afterwards, as a command names it.
+    pub model: PathBuf,
+    /// What tuning computes on.
+    pub device: Device,
+    /// How many times faster a demo or a recording plays, to try a protocol out.
+    pub speed: u32,
+}
+
+/// What a viewer wants of a session.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Wish {
+    /// Of the session in progress.
+    Action(Action),
+    /// Nobody looks at the cues any more.
+    LeaderLeft,
+    /// Another session.
+    Again,
+    /// Tune the model on all of the person's recordings.
+    Tune,
+}
+
+/// What a recorder works with.
+#[derive(Debug)]
+pub(super) struct Recorder {
+    pub(super) options: RecordOptions,
+    /// What `source` is, for the journal, and whether it is of nobody.
+    pub(super) source: (String, bool),
+    /// The serial port, for the command that comes last.
+    pub(super) port: Option<PathBuf>,
+    /// The model file's bytes.
+    pub(super) model: Vec<u8>,
+    pub(super) hub: std::sync::Arc<Hub>,
+    /// What a demo is asked for.
+    pub(super) asked: Asked,
+}
+
+/// While it runs.
+struct Running {
+    recorder: Recorder,
+    session: Session,
+    journal: Option<Journal>,
+    told: Option<View>,
+    trouble: String,
+    tuning: Option<Receiver<Tuning>>,
+}
+
+impl Recorder {
+    /// Leads through sessions until it is stopped; then ends and keeps the one in progress.
+    pub(super) fn run(self, events: &Receiver<Event>, wishes: &Receiver<Wish>, stop: &Stop) {
+        let session = Session::new(self.options.protocol.clone());
+        let mut running = Running {
+            recorder: self,
+            session,
+            journal: None,
+            told: None,
+            trouble: String::new(),
+            tuning: None,
+        };
+        loop {
+            running.tell();
+            // Asked before the events are read: what was published before a stop is still taken.
+            let stopped = stop.requested();
+            for wish in wishes.try_iter() {
+                running.wish(wish);
+            }
+            match events.recv_timeout(WAIT) {
+                Ok(event) => {
+                    running.event(event);
+                    for event in events.try_iter().take(64) {
+                        running.event(event);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) if !stopped => {
+                    let now = running.now();
+                    running.handle(now, Input::Tick);
+                }
+                Err(_) => break,
+            }
+            running.flush();
+        }
+        if running.journal.is_some() {
+            running.wish(Wish::Action(Action::Finish));
+            running.tell();
+        }
+    }
+}
+
+impl Running {
+    fn now(&self) -> Millis {
+        self.recorder.hub.millis()
+    }
+
+    fn event(&mut self, event: Event) {
+        let now = self.now();
+        match event {
+            Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(first), &emg),
+            Event::Source {
+                connected: false, ..
+            } => self.handle(now, Input::Hold(Held::SourceLost)),
+            _ => {}
+        }
+    }
+
+    fn samples(&mut self, now: Millis, first: SampleIndex, emg: &[Sample]) {
+        let before = self.session.is_running();
+        let count = emg.len() as u32;
+        self.session.handle(now, Input::Samples { first, count });
+        self.write_down();
+        // The samples with which a session ends are its last; those with which it is held belong to another stream.
+        let kept = self.session.is_running() || before && self.session.is_over();
+        if let Some(journal) = &mut self.journal
+            && kept
+        {
+            journal.samples(first, emg);
+        }
+        self.end_if_over();
+    }
+
+    fn handle(&mut self, now: Millis, input: Input) {
+        self.session.handle(now, input);
+        self.write_down();
+        self.end_if_over();
+    }
+
+    fn wish(&mut self, wish: Wish) {
+        let now = self.now();
+        match wish {
+            Wish::Action(action) => {
+                if action == Action::Begin && self.journal.is_none() && !self.create() {
+                    return;
+                }
+                self.handle(now, Input::Action(action));
+            }
+            Wish::LeaderLeft => self.handle(now, Input::Hold(Held::LeaderLeft)),
+            Wish::Again if self.session.is_over() => {
+                self.session = Session::new(self.recorder.options.protocol.clone());
+                self.trouble.clear();
+                self.recorder.hub.forget_session();
+            }
+            Wish::Tune if self.tuning.is_none() && self.journal.is_none() => self.tune(),
+            Wish::Again | Wish::Tune => {}
+        }
+    }
+
+    /// Tells viewers what has changed.
+    pub(super) fn tell(&mut self) {
+        let view = self.session.view();
+        if self.told.as_ref() != Some(&view) {
+            self.recorder.hub.publish(&Event::Session {
+                view: view.clone(),
+                trouble: self.trouble.clone(),
+            });
+            self.told = Some(view);
+        }
+        if let Some(tuned) = self
+            .tuning
+            .as_ref()
+            .and_then(|tuning| tuning.try_recv().ok())
+        {
+            self.tuning = None;
+            self.recorder.hub.publish(&Event::Tuning(tuned));
+        }
+    }
+}
+
+impl Recorder {
+    /// The person's folder.
+    fn folder(&self) -> PathBuf {
+        self.options.folder.join(&self.options.person)
+    }
+}

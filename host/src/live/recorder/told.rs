@@ -1,0 +1,76 @@
+//! What was kept, and commands, in words.
+
+use std::path::{Path, PathBuf};
+
+use super::Recorder;
+use crate::live::outcome::{Kept, Told};
+use crate::record;
+use crate::record::quality::Finding;
+
+/// What was kept, with the commands that come next.
+pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
+    let told = |finding: &Finding| Told {
+        severity: finding.severity(),
+        text: finding.to_string(),
+        advice: finding.advice(),
+    };
+    let name = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    };
+    let folder = recorder.folder();
+    let data = quoted(&folder);
+    let out = free(&folder, &recorder.options.person);
+    let counts = kept.quality.counts.iter();
+    Kept {
+        good: kept.quality.is_good_enough(),
+        seconds: kept.quality.seconds,
+        folder: folder.display().to_string(),
+        files: kept.files.iter().map(name).collect(),
+        counts: counts.map(|(&class, &count)| (class, count)).collect(),
+        bad: kept.bad,
+        findings: kept.quality.findings.iter().map(told).collect(),
+        inspect: format!("myointent data inspect {data}"),
+        personalize: format!(
+            "myointent personalize --model {} --data {data} --out {}",
+            quoted(&recorder.options.model),
+            quoted(&out)
+        ),
+        install: install(recorder, &out),
+    }
+}
+
+/// The command that brings a model onto a board.
+pub(super) fn install(recorder: &Recorder, file: &Path) -> String {
+    let port = recorder
+        .port
+        .as_deref()
+        .unwrap_or(Path::new("/dev/ttyACM0"));
+    format!(
+        "myointent board --port {} install {}",
+        quoted(port),
+        quoted(file)
+    )
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-+:\\".contains(letter);
+    if !text.is_empty() && text.chars().all(plain) {
+        text
+    } else {
+        format!("\"{text}\"")
+    }
+}
+
+/// A name that no file has.
+pub(super) fn free(folder: &Path, person: &str) -> PathBuf {
+    let mut number = 1_u32;
+    let mut path = folder.join(format!("{person}.intent"));
+    while path.exists() {
+        number += 1;
+        path = folder.join(format!("{person}-{number}.intent"));
+    }
+    path
+}

@@ -1,0 +1,131 @@
+//! The model tuned on the person's recordings, as `myointent personalize` does it, on a thread of its own.
+
+use std::path::Path;
+use std::sync::mpsc;
+
+use super::told::{free, install};
+use super::{Recorder, Running};
+use crate::dataset::{LoadOptions, load};
+use crate::evaluation::Measure;
+use crate::execution::interrupt::Interrupt;
+use crate::execution::run_folder::write_whole;
+use crate::live::event::Event;
+use crate::live::outcome::{Row, Tuning};
+use crate::run::personalize::{Personalized, TuningSettings, personalize};
+
+/// Measures that are shown; the first three decide.
+const SHOWN: [(Measure, &str); 4] = [
+    (Measure::BalancedAccuracy, "balanced accuracy"),
+    (Measure::TransitionAccuracy, "transition accuracy"),
+    (Measure::Recognition, "gestures recognised"),
+    (Measure::FalseActivations, "false activations a minute"),
+];
+
+impl Running {
+    /// Begins; what comes of it is told later.
+    pub(super) fn tune(&mut self) {
+        let folder = self.recorder.folder();
+        let model = self.recorder.model.clone();
+        let device = self.recorder.options.device.clone();
+        let (sender, receiver) = mpsc::channel();
+        let out = free(&folder, &self.recorder.options.person);
+        let next = vec![
+            install(&self.recorder, &out),
+            format!(
+                "myointent live {} --model {}",
+                source(&self.recorder),
+                out.display()
+            ),
+        ];
+        let work = move || {
+            let tuned = match tuned(&model, &folder, &device) {
+                Ok(done) => told(&done, &out, next),
+                Err(error) => failed(error),
+            };
+            // A recorder that has ended wants no answer.
+            let _ = sender.send(tuned);
+        };
+        let thread = std::thread::Builder::new().name("tuning".to_owned());
+        let state = match thread.spawn(work) {
+            Ok(_) => {
+                self.tuning = Some(receiver);
+                Tuning {
+                    state: "running",
+                    text: "on all of this person's recordings; some seconds".to_owned(),
+                    rows: Vec::new(),
+                    commands: Vec::new(),
+                }
+            }
+            Err(error) => failed(error.to_string()),
+        };
+        self.recorder.hub.publish(&Event::Tuning(state));
+    }
+}
+
+fn source(recorder: &Recorder) -> String {
+    match &recorder.port {
+        Some(port) => format!("--port {}", port.display()),
+        None => "--demo".to_owned(),
+    }
+}
+
+fn tuned(
+    model: &[u8],
+    folder: &Path,
+    device: &burn::tensor::Device,
+) -> Result<Personalized, String> {
+    let library = load(folder, &LoadOptions::default()).map_err(|error| error.to_string())?;
+    let settings = TuningSettings::default();
+    personalize(
+        model,
+        &library,
+        None,
+        &settings,
+        device,
+        &Interrupt::default(),
+    )
+    .map_err(|error| error.to_string())
+}
+
+fn failed(text: String) -> Tuning {
+    Tuning {
+        state: "failed",
+        text,
+        rows: Vec::new(),
+        commands: Vec::new(),
+    }
+}
+
+fn told(done: &Personalized, out: &Path, next: Vec<String>) -> Tuning {
+    let [old, new, _] = &done.scores;
+    let mean = |measure: Measure, score| measure.mean(score).map(|own| own.mean);
+    let rows = SHOWN.map(|(measure, name)| Row {
+        measure: name,
+        before: mean(measure, old),
+        after: mean(measure, new),
+    });
+    let held = format!(
+        "on the {:.0} s held back, after {:.0} s to tune on",
+        done.judged_seconds, done.tuned_seconds
+    );
+    let worse = Tuning {
+        state: "worse",
+        text: format!(
+            "the tuned one is worse {held}. Nothing is written; more recordings may help."
+        ),
+        rows: rows.to_vec(),
+        commands: Vec::new(),
+    };
+    if !done.is_not_worse() {
+        return worse;
+    }
+    match write_whole(out, &done.bytes) {
+        Ok(()) => Tuning {
+            state: "better",
+            text: format!("not worse {held}. It is in {}", out.display()),
+            commands: next,
+            ..worse
+        },
+        Err(error) => failed(error.to_string()),
+    }
+}

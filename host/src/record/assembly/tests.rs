@@ -1,0 +1,145 @@
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use shared::units::CHANNELS;
+
+use super::*;
+use crate::record::session::Output;
+
+const O: Option<Intent> = Some(Intent::Open);
+const R: Option<Intent> = Some(Intent::Relax);
+
+fn cue(at: u32, cue: Option<Intent>, trial: u32) -> Entry {
+    let at = SampleIndex(at);
+    Entry::of(Output::Cue { at, cue, trial })
+}
+
+fn quiet(first: u32, count: u32) -> Entry {
+    let sample = |at: u32| [(at % 5) as i8 - 2; CHANNELS];
+    let samples: Vec<Sample> = (first..first + count).map(sample).collect();
+    Entry::samples(SampleIndex(first), &samples)
+}
+
+/// Noise, loud or not.
+fn noise(first: u32, count: u32, most: i8) -> Entry {
+    let mut random = ChaCha8Rng::seed_from_u64(first.into());
+    let sample = |_| [(); CHANNELS].map(|()| random.random_range(-most..=most));
+    let samples: Vec<Sample> = (0..count).map(sample).collect();
+    Entry::samples(SampleIndex(first), &samples)
+}
+
+#[test]
+fn every_sample_has_the_cue_of_its_index_wherever_that_is_written() {
+    let round = Entry::Round { number: 1, at: 100 };
+    let before = [
+        round.clone(),
+        cue(100, None, 0),
+        cue(110, R, 1),
+        quiet(100, 20),
+        quiet(120, 20),
+    ];
+    let after = [
+        round,
+        quiet(100, 20),
+        cue(100, None, 0),
+        cue(110, R, 1),
+        quiet(120, 20),
+    ];
+    for entries in [before, after] {
+        let take = assemble(&entries);
+        let [part] = &take.parts[..] else {
+            panic!("{take:?}");
+        };
+        assert_eq!((part.round, part.samples.len(), take.lost), (1, 40, 0));
+        assert!(part.cues[..10].iter().all(Option::is_none));
+        assert!(part.cues[10..].iter().all(|cue| *cue == R));
+        assert_eq!((part.trials[9], part.trials[10]), (0, 1));
+        assert_eq!(part.index, (100..140).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn five_missing_samples_are_bridged_and_said_and_six_begin_another_recording() {
+    let entries = |second| {
+        [
+            Entry::Round { number: 1, at: 0 },
+            cue(0, R, 1),
+            quiet(0, 20),
+            quiet(second, 20),
+        ]
+    };
+    let bridged = assemble(&entries(25));
+    let [part] = &bridged.parts[..] else {
+        panic!("{bridged:?}");
+    };
+    assert_eq!((part.samples.len(), bridged.lost), (45, 5));
+    assert_eq!(part.index, (0..45).collect::<Vec<_>>());
+    assert!(
+        part.samples[20..25]
+            .iter()
+            .all(|sample| *sample == part.samples[19])
+    );
+    let said: Vec<usize> = (0..45).filter(|&at| part.bridged[at]).collect();
+    assert_eq!(said, [20, 21, 22, 23, 24]);
+    let split = assemble(&entries(26));
+    let lengths: Vec<_> = split.parts.iter().map(|part| part.samples.len()).collect();
+    assert_eq!((lengths, split.lost), (vec![20, 20], 6));
+    assert!(split.parts[1].cues.iter().all(|cue| *cue == R));
+}
+
+#[test]
+fn a_break_and_a_round_begin_another_recording() {
+    let take = assemble(&[
+        Entry::Round { number: 1, at: 0 },
+        cue(0, R, 1),
+        quiet(0, 20),
+        Entry::Break,
+        // After a restart the count begins anew.
+        cue(4, R, 2),
+        quiet(4, 20),
+        Entry::Round { number: 2, at: 14 },
+        cue(14, None, 0),
+        Entry::Over,
+    ]);
+    let found: Vec<_> = take
+        .parts
+        .iter()
+        .map(|part| (part.round, part.index[0], part.samples.len()))
+        .collect();
+    assert_eq!(found, [(1, 0, 20), (1, 4, 10), (2, 14, 10)]);
+    assert!(take.complete && take.lost == 0);
+}
+
+#[test]
+fn samples_of_a_bad_trial_stay_and_have_no_label() {
+    let entries = |bad: bool| {
+        let mut entries = vec![
+            Entry::Round { number: 1, at: 0 },
+            cue(0, R, 1),
+            noise(0, 700, 3),
+            cue(600, O, 1),
+            noise(700, 600, 40),
+            cue(1200, R, 2),
+            noise(1300, 500, 3),
+        ];
+        if bad {
+            let (trial, why) = (1, Bad::Person);
+            entries.push(Entry::Bad { trial, why });
+        }
+        entries.push(Entry::Over);
+        assemble(&entries)
+    };
+    let (good, bad) = (entries(false), entries(true));
+    assert_eq!(good.parts[0].samples, bad.parts[0].samples);
+    assert_eq!(
+        (good.parts[0].labels[1000], good.parts[0].labels[300]),
+        (O, R)
+    );
+    assert!(bad.parts[0].labels[..1200].iter().all(Option::is_none));
+    assert_eq!((bad.parts[0].cues[1000], bad.parts[0].labels[1700]), (O, R));
+    assert_eq!(
+        (good.parts[0].holds.len(), bad.parts[0].holds.len()),
+        (1, 0)
+    );
+    // The muscle still works when the next trial's rest begins: no rest, no gesture of that trial.
+    assert_ne!(bad.parts[0].labels[1250], R);
+}

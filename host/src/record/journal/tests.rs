@@ -1,0 +1,211 @@
+use std::io::{self, Write};
+
+use shared::intent::Intent;
+use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
+
+use super::*;
+use crate::record::session::{Bad, Output};
+
+fn header() -> Header {
+    Header {
+        format: 0,
+        version: "0.1.0".into(),
+        began: "2026-11-22T11:03:23Z".into(),
+        person: "anna".into(),
+        protocol: "quick".into(),
+        classes: vec!["relax".into(), "open".into()],
+        free: false,
+        source: "demo".into(),
+        synthetic: true,
+    }
+}
+
+fn sample(at: u32) -> Sample {
+    std::array::from_fn(|channel| (at as usize * CHANNELS + channel) as u8 as i8)
+}
+
+/// Samples two at a time, with cues between.
+fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
+    for at in (0..count).step_by(2) {
+        if at % 50 == 0 {
+            let cue = Some(Intent::ALL[at as usize / 50 % 6]);
+            let output = Output::Cue {
+                at: SampleIndex(at),
+                cue,
+                trial: at / 50 + 1,
+            };
+            writer.entry(&Entry::of(output));
+        }
+        writer.samples(SampleIndex(at), &[sample(at), sample(at + 1)]);
+    }
+    let (trial, why) = (2, Bad::Person);
+    writer.entry(&Entry::of(Output::Bad { trial, why }));
+    writer.entry(&Entry::Over);
+}
+
+fn journal(count: u32) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut writer = Writer::new(&mut bytes);
+    writer.entry(&Entry::Begin(header()));
+    fill(&mut writer, count);
+    writer.flush().unwrap();
+    bytes
+}
+
+/// All samples, by their index.
+fn samples(contents: &Contents) -> Vec<(u32, Sample)> {
+    let mut samples = Vec::new();
+    for entry in &contents.entries {
+        if let Entry::Samples { first, emg } = entry {
+            samples.extend((*first..).zip(Entry::decoded(emg).unwrap()));
+        }
+    }
+    samples
+}
+
+#[test]
+fn what_was_written_is_read_to_the_sample() {
+    let contents = read(&journal(130));
+    let expected: Vec<_> = (0..130).map(|at| (at, sample(at))).collect();
+    assert_eq!(samples(&contents), expected);
+    assert_eq!(contents.entries.first(), Some(&Entry::Begin(header())));
+    assert_eq!(contents.entries.last(), Some(&Entry::Over));
+    assert_eq!((contents.left_off, contents.damaged), (0, false));
+}
+
+#[test]
+fn cut_at_any_byte_all_lines_before_the_cut_are_whole() {
+    let whole = journal(130);
+    let all = read(&whole).entries;
+    for cut in 0..=whole.len() {
+        let contents = read(&whole[..cut]);
+        let lines = whole[..cut].iter().filter(|&&byte| byte == b'\n').count();
+        assert_eq!(contents.entries, all[..lines], "{cut}");
+        let end = whole[..cut].iter().rposition(|&byte| byte == b'\n');
+        assert_eq!(contents.left_off, cut - end.map_or(0, |at| at + 1), "{cut}");
+        assert!(!contents.damaged, "{cut}");
+    }
+}
+
+#[test]
+fn any_changed_byte_is_found_and_nothing_behind_it_believed() {
+    let whole = journal(60);
+    let all = read(&whole).entries;
+    for at in 0..whole.len() {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1;
+        let contents = read(&bytes);
+        let before = whole[..at].iter().filter(|&&byte| byte == b'\n').count();
+        assert_eq!(contents.entries, all[..before], "{at}");
+        assert!(contents.damaged || contents.left_off > 0, "{at}");
+    }
+}
+
+/// A disk with so much room, that takes a few bytes at a time.
+struct Disk {
+    room: usize,
+    bytes: Vec<u8>,
+}
+
+impl Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = bytes.len().min(self.room).min(7);
+        if taken == 0 {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        self.room -= taken;
+        self.bytes.extend_from_slice(&bytes[..taken]);
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_disk_that_was_full_and_has_room_again_misses_nothing() {
+    let whole = journal(130);
+    for room in 0..whole.len() {
+        let mut disk = Disk {
+            room,
+            bytes: Vec::new(),
+        };
+        let mut writer = Writer::new(&mut disk);
+        writer.entry(&Entry::Begin(header()));
+        fill(&mut writer, 130);
+        let error = writer.flush().unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        // As far as it went, it can be read.
+        let lines = whole[..room].iter().filter(|&&byte| byte == b'\n').count();
+        assert_eq!(read(&writer.get_ref().bytes).entries.len(), lines);
+        drop(writer);
+        assert_eq!(disk.bytes, whole[..room]);
+    }
+}
+
+#[test]
+fn what_a_full_disk_did_not_take_is_written_when_it_has_room() {
+    let whole = journal(130);
+    for room in [0, 1, 100, 1000, whole.len() - 1] {
+        let mut bytes = Vec::new();
+        // Room by the byte: every line is cut somewhere.
+        struct Growing<'b>(&'b mut Vec<u8>, std::rc::Rc<std::cell::Cell<usize>>);
+        impl Write for Growing<'_> {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                let taken = bytes.len().min(self.1.get() - self.0.len());
+                if taken == 0 {
+                    return Err(io::ErrorKind::StorageFull.into());
+                }
+                self.0.extend_from_slice(&bytes[..taken]);
+                Ok(taken)
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let limit = std::rc::Rc::new(std::cell::Cell::new(room));
+        let mut writer = Writer::new(Growing(&mut bytes, limit.clone()));
+        writer.entry(&Entry::Begin(header()));
+        fill(&mut writer, 130);
+        writer.flush().unwrap_err();
+        limit.set(room + 10);
+        let _ = writer.flush();
+        limit.set(usize::MAX);
+        writer.flush().unwrap();
+        drop(writer);
+        assert_eq!(bytes, whole, "{room}");
+    }
+}
+
+#[test]
+fn a_journal_is_new_and_one_session_s_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.journal");
+    let mut journal = Journal::create(&path, header()).unwrap();
+    journal.samples(SampleIndex(5), &[sample(5); 30]);
+    journal.flush(Millis(0)).unwrap();
+    assert!(matches!(
+        Journal::create(&path, header()),
+        Err(JournalError::Io { .. })
+    ));
+    assert!(matches!(open(&path), Err(JournalError::Busy { .. })));
+    journal.close().unwrap();
+    let (_lock, found, contents) = open(&path).unwrap();
+    assert_eq!(
+        (found.person.as_str(), samples(&contents).len()),
+        ("anna", 30)
+    );
+}
+
+proptest::proptest! {
+    /// Any bytes are read, to their last whole line.
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes: Vec<u8>, cut in 0_usize..4000, extra: Vec<u8>) {
+        let _ = read(&bytes);
+        let whole = journal(60);
+        let mut mixed = whole[..cut.min(whole.len())].to_vec();
+        mixed.extend(extra);
+        let _ = read(&mixed);
+    }
+}

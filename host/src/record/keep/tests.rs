@@ -1,0 +1,209 @@
+use shared::units::{Millis, Sample, SampleIndex};
+
+use super::*;
+use crate::dataset::DataSet;
+use crate::dataset::synthetic::Follower;
+use crate::record::journal::{Entry, Header, Journal, read};
+use crate::record::protocol::Protocol;
+use crate::record::session::{Action, Input, Output, Session};
+
+const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
+    [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";
+
+/// A session with a simulated person; the samples from its first one on, as they were sent.
+fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
+    let protocol = Protocol::parse("short.toml", SHORT).unwrap();
+    let header = Header {
+        format: 0,
+        version: "0.1.0".into(),
+        began: "2026-11-22T11:03:23Z".into(),
+        person: "anna".into(),
+        protocol: protocol.name.clone(),
+        classes: protocol
+            .intents()
+            .iter()
+            .map(|intent| intent.name().to_owned())
+            .collect(),
+        free: false,
+        source: "demo".into(),
+        synthetic,
+    };
+    let mut journal = Journal::create(path, header).unwrap();
+    let mut session = Session::new(protocol);
+    let mut person = Follower::new("demo");
+    let mut sent = Vec::new();
+    let mut asked = Intent::Relax;
+    session.handle(
+        Millis(0),
+        Input::Samples {
+            first: SampleIndex(8),
+            count: 2,
+        },
+    );
+    session.handle(Millis(0), Input::Action(Action::Begin));
+    for pair in 0..100 * seconds {
+        let first = SampleIndex(10 + 2 * pair);
+        let now = Millis(10 * pair);
+        let samples = [(); 2].map(|()| person.sample(asked));
+        session.handle(now, Input::Samples { first, count: 2 });
+        while let Some(output) = session.poll() {
+            if let Output::Cue { cue, .. } = output {
+                asked = cue.unwrap_or(Intent::Relax);
+            }
+            journal.entry(&Entry::of(output));
+        }
+        journal.samples(first, &samples);
+        sent.extend(samples);
+        if session.is_over() {
+            break;
+        }
+    }
+    journal.flush(Millis(0)).unwrap();
+    journal.close().unwrap();
+    sent
+}
+
+#[test]
+fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().join("anna");
+    fs::create_dir(&person).unwrap();
+    let journal = person.join("anna_20261122T110323Z_short.journal");
+    let sent = record(&journal, false, 60);
+    let kept = keep(&journal).unwrap();
+    assert!(!journal.exists());
+    let names: Vec<_> = kept
+        .files
+        .iter()
+        .map(|path| path.file_name().unwrap().to_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "anna_20261122T110323Z_short_1.csv",
+            "anna_20261122T110323Z_short_2.csv"
+        ]
+    );
+    let library = load(&person, &LoadOptions::default()).unwrap();
+    assert_eq!(library.subjects(), ["react-emg/anna"]);
+    let read: Vec<Sample> = library
+        .recordings
+        .iter()
+        .flat_map(|recording| recording.samples.clone())
+        .collect();
+    assert_eq!(read, sent);
+    for recording in &library.recordings {
+        for intent in [Intent::Relax, Intent::Open, Intent::Close] {
+            assert!(recording.labels.contains(&Some(intent)), "{intent:?}");
+        }
+    }
+    assert_eq!(kept.quality.counts["open"], 2);
+}
+
+#[test]
+fn samples_of_nobody_are_read_as_synthetic() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, true, 20);
+    let kept = keep(&journal).unwrap();
+    let library = load(&kept.files[0], &LoadOptions::default()).unwrap();
+    assert_eq!(library.recordings[0].data_set, DataSet::Synthetic);
+}
+
+#[test]
+fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    let sent = record(&journal, false, 20);
+    let whole = fs::read(&journal).unwrap();
+    fs::remove_file(&journal).unwrap();
+    // Every cut is tried in the journal's own tests; here some all over the file.
+    for cut in (0..whole.len()).step_by(1 + whole.len() / 40) {
+        let path = folder.path().join(format!("anna_{cut}x.journal"));
+        fs::write(&path, &whole[..cut]).unwrap();
+        let found = recover(folder.path()).unwrap();
+        if !whole[..cut].contains(&b'\n') {
+            assert!(found.is_empty() && !path.exists(), "{cut}");
+            continue;
+        }
+        let [(_, Ok(kept))] = &found[..] else {
+            panic!("{cut}: {found:?}");
+        };
+        let samples: Vec<Sample> = kept
+            .files
+            .iter()
+            .flat_map(|file| load(file, &LoadOptions::default()).unwrap().recordings)
+            .flat_map(|recording| recording.samples)
+            .collect();
+        let written: usize = read(&whole[..cut])
+            .entries
+            .iter()
+            .map(|entry| match entry {
+                Entry::Samples { emg, .. } => Entry::decoded(emg).unwrap().len(),
+                _ => 0,
+            })
+            .sum();
+        assert_eq!(samples, sent[..samples.len()], "{cut}");
+        // A countdown without a cue after it is no recording.
+        assert!(
+            written - samples.len() <= 200,
+            "{cut}: {} of {written}",
+            samples.len()
+        );
+        for file in &kept.files {
+            fs::remove_file(file).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_recording_that_is_there_is_never_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, false, 20);
+    let other = folder.path().join("anna_1_1.csv");
+    fs::write(&other, "somebody's").unwrap();
+    let error = keep(&journal).unwrap_err();
+    assert!(matches!(error, KeepError::Exists { .. }), "{error}");
+    assert_eq!(fs::read_to_string(&other).unwrap(), "somebody's");
+    assert!(journal.exists());
+    fs::remove_file(&other).unwrap();
+    let kept = keep(&journal).unwrap();
+    assert_eq!(kept.files[0], other);
+}
+
+#[test]
+fn a_program_that_was_killed_between_files_goes_on_with_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, false, 60);
+    let copy = fs::read(&journal).unwrap();
+    let first = keep(&journal).unwrap();
+    // The first file was written, the second was not, and the journal is still there.
+    fs::write(&journal, copy).unwrap();
+    fs::remove_file(&first.files[1]).unwrap();
+    assert_eq!(keep(&journal).unwrap(), first);
+}
+
+#[test]
+fn a_damaged_journal_is_kept_beside_what_could_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("anna_1.journal");
+    record(&journal, false, 60);
+    let mut bytes = fs::read(&journal).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&journal, &bytes).unwrap();
+    let kept = keep(&journal).unwrap();
+    assert!(
+        kept.quality
+            .findings
+            .iter()
+            .any(|finding| finding.to_string().contains("damaged"))
+    );
+    assert!(!kept.files.is_empty() && !journal.exists());
+    assert_eq!(
+        fs::read(folder.path().join("anna_1.journal.damaged")).unwrap(),
+        bytes
+    );
+}

@@ -1,0 +1,49 @@
+//! Recordings as files in ReactEMG's layout, with further columns that readers of that layout ignore.
+//!
+//! `gt` is the label of the muscle. Behind the channels: `sample`, its number in the stream; `cue`, what was asked for; `trial`,
+//! which attempt; `used`, 0 where the trial is not to be used; `bridged`, 1 where the sample never came and repeats the one before.
+
+use std::fmt::Write as _;
+
+use shared::intent::Intent;
+use shared::units::CHANNELS;
+
+use super::assembly::{Part, Take};
+use crate::dataset::readers::formats::react_emg::MUSCLE_COLUMN;
+
+/// The text of one recording; of nobody's muscles if `synthetic`.
+pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
+    let channels: String = (0..CHANNELS)
+        .map(|channel| format!(",emg_{channel}"))
+        .collect();
+    let muscle = if synthetic {
+        format!(",{MUSCLE_COLUMN}")
+    } else {
+        String::new()
+    };
+    let mut text = format!("gt{channels},sample,cue,trial,used,bridged{muscle}\n");
+    let class = |label: Option<Intent>| match label {
+        Some(intent) => intent.class().to_string(),
+        None => "-1".to_owned(),
+    };
+    for place in 0..part.samples.len() {
+        text += &class(part.labels[place]);
+        for value in part.samples[place] {
+            // Writing to a string cannot fail.
+            let _ = write!(text, ",{value}");
+        }
+        let (trial, cue) = (part.trials[place], class(part.cues[place]));
+        let used = u8::from(!take.bad.contains_key(&trial));
+        let bridged = u8::from(part.bridged[place]);
+        let _ = write!(
+            text,
+            ",{},{cue},{trial},{used},{bridged}",
+            part.index[place]
+        );
+        if synthetic {
+            let _ = write!(text, ",{}", class(part.labels[place]));
+        }
+        text.push('\n');
+    }
+    text
+}

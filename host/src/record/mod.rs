@@ -1,0 +1,19 @@
+//! A guided recording session: what a person is asked to do, and what is kept of it.
+//!
+//! ```text
+//! protocol -> session -> journal -> assembly -> csv, findings -> personalize
+//! a file      sans-IO    append-    labels of   whether it is    a model of
+//!                        only       the muscle  good enough      one's own
+//! ```
+//!
+//! `live` drives it: samples of its source in, cues to its page out.
+
+mod assembly;
+pub mod journal;
+mod keep;
+mod layout;
+pub mod protocol;
+pub mod quality;
+pub mod session;
+
+pub use self::keep::{KeepError, Kept, keep, recover};

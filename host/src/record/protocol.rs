@@ -1,0 +1,276 @@
+//! What a person is asked to do, in which order and for how long: a TOML file.
+//!
+//! Guided: a sequence of classes, from rest to rest, in rounds; each round is a recording. Free: the person says what is done,
+//! by keys. A trial is a rest and the gestures after it, up to the next rest: what is repeated as a whole.
+
+mod error;
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use serde::Deserialize;
+use shared::intent::Intent;
+use shared::units::SAMPLE_RATE_HZ;
+
+pub use self::error::{ProtocolError, ProtocolFault};
+use crate::execution::bounded_read;
+
+/// The built-in protocols, by name.
+pub const BUILT_IN: [(&str, &str); 5] = [
+    ("quick", include_str!("../../protocols/quick.toml")),
+    (
+        "quick-five",
+        include_str!("../../protocols/quick-five.toml"),
+    ),
+    ("quick-six", include_str!("../../protocols/quick-six.toml")),
+    ("paper", include_str!("../../protocols/paper.toml")),
+    ("free", include_str!("../../protocols/free.toml")),
+];
+
+/// Seconds of a class: below a second a muscle has no time to follow and to settle.
+const SECONDS: RangeInclusive<f64> = 1.0..=60.0;
+/// Seconds before a round.
+const PAUSE: RangeInclusive<f64> = 1.0..=120.0;
+const MOST_ROUNDS: u32 = 50;
+/// Classes of a sequence.
+const MOST_STEPS: usize = 500;
+
+/// A class, and how long it is asked for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Step {
+    /// The class.
+    pub intent: Intent,
+    /// Samples.
+    pub samples: u32,
+}
+
+/// A rest and the gestures after it; the last one of a round is a rest alone.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Trial {
+    /// At least one, rest first.
+    pub steps: Vec<Step>,
+}
+
+/// What is asked for.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Course {
+    /// These trials in each of so many rounds.
+    Guided {
+        /// At least one.
+        rounds: u32,
+        /// At least one with a gesture.
+        trials: Vec<Trial>,
+    },
+    /// The person says which of these is done.
+    Free {
+        /// Rest first.
+        gestures: Vec<Intent>,
+    },
+}
+
+/// A protocol.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Protocol {
+    /// Name, of the built-in one or of the file.
+    pub name: String,
+    /// Samples before each round.
+    pub pause: u32,
+    /// What is asked for.
+    pub course: Course,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    rounds: Option<u32>,
+    pause: f64,
+    sequence: Option<Vec<String>>,
+    gestures: Option<Vec<String>>,
+    seconds: Option<BTreeMap<String, f64>>,
+}
+
+impl Protocol {
+    /// A built-in protocol by its name, or the one of a file.
+    ///
+    /// # Errors
+    /// When there is none, or what is wrong with it.
+    pub fn find(name: &str) -> Result<Self, ProtocolError> {
+        Self::parse(name, &text(name)?)
+    }
+
+    /// The protocol of a text; `name` is that of the file.
+    ///
+    /// # Errors
+    /// [`ProtocolError::Toml`] with line and column, or [`ProtocolError::Wrong`].
+    pub fn parse(name: &str, text: &str) -> Result<Self, ProtocolError> {
+        let found: Text = toml::from_str(text).map_err(|error| ProtocolError::Toml {
+            name: name.to_owned(),
+            error: error.to_string().trim_end().to_owned(),
+        })?;
+        let course = found.course().map_err(|fault| ProtocolError::Wrong {
+            name: name.to_owned(),
+            fault,
+        });
+        let pause = bounded("pause", found.pause, &PAUSE);
+        let stem = Path::new(name).file_stem().unwrap_or_default();
+        Ok(Self {
+            name: stem.to_string_lossy().into_owned(),
+            course: course?,
+            pause: samples(pause.map_err(|fault| ProtocolError::Wrong {
+                name: name.to_owned(),
+                fault,
+            })?),
+        })
+    }
+
+    /// The classes that occur, in class order.
+    #[must_use]
+    pub fn intents(&self) -> Vec<Intent> {
+        let asked = |intent: &Intent| match &self.course {
+            Course::Guided { trials, .. } => {
+                let mut steps = trials.iter().flat_map(|trial| &trial.steps);
+                steps.any(|step| step.intent == *intent)
+            }
+            Course::Free { gestures } => gestures.contains(intent),
+        };
+        Intent::ALL.into_iter().filter(asked).collect()
+    }
+
+    /// Samples of it without a repeated trial; none if the person decides.
+    #[must_use]
+    pub fn samples(&self) -> Option<u64> {
+        let Course::Guided { rounds, trials } = &self.course else {
+            return None;
+        };
+        let steps = trials.iter().flat_map(|trial| &trial.steps);
+        let round: u64 = steps.map(|step| u64::from(step.samples)).sum();
+        Some(u64::from(*rounds) * (round + u64::from(self.pause)))
+    }
+}
+
+/// The text of a protocol, comments included.
+///
+/// # Errors
+/// When there is none.
+pub fn text(name: &str) -> Result<String, ProtocolError> {
+    if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+        return Ok((*text).to_owned());
+    }
+    let path = Path::new(name);
+    if !path.exists() {
+        return Err(ProtocolError::Unknown {
+            name: name.to_owned(),
+        });
+    }
+    bounded_read::read_text(path, bounded_read::PRESET).map_err(|error| ProtocolError::Unreadable {
+        name: name.to_owned(),
+        error: error.to_string(),
+    })
+}
+
+impl Text {
+    fn course(&self) -> Result<Course, ProtocolFault> {
+        match (&self.sequence, &self.gestures) {
+            (Some(sequence), None) => self.guided(sequence),
+            (None, Some(gestures)) => self.free(gestures),
+            (Some(_), Some(_)) => Err(ProtocolFault::Kind { found: "both" }),
+            (None, None) => Err(ProtocolFault::Kind { found: "neither" }),
+        }
+    }
+
+    fn guided(&self, sequence: &[String]) -> Result<Course, ProtocolFault> {
+        let rounds = self.rounds.unwrap_or(1);
+        bounded("rounds", f64::from(rounds), &(1.0..=f64::from(MOST_ROUNDS)))?;
+        bounded(
+            "classes in the sequence",
+            sequence.len() as f64,
+            &(3.0..=MOST_STEPS as f64),
+        )?;
+        let none = BTreeMap::new();
+        let seconds = self.seconds.as_ref().unwrap_or(&none);
+        for (name, &value) in seconds {
+            intent(name)?;
+            bounded(&format!("seconds of {name}"), value, &SECONDS)?;
+        }
+        let mut trials: Vec<Trial> = Vec::new();
+        let mut last = None;
+        for name in sequence {
+            let intent = intent(name)?;
+            if last == Some(intent) {
+                let class = intent.name();
+                return Err(ProtocolFault::Twice { class });
+            }
+            last = Some(intent);
+            let own = seconds.get(intent.name());
+            let step = Step {
+                intent,
+                samples: samples(*own.ok_or(ProtocolFault::NoSeconds {
+                    missing: intent.name(),
+                })?),
+            };
+            match trials.last_mut() {
+                Some(trial) if intent != Intent::Relax => trial.steps.push(step),
+                None if intent != Intent::Relax => return Err(ProtocolFault::Ends),
+                _ => trials.push(Trial { steps: vec![step] }),
+            }
+        }
+        if last != Some(Intent::Relax) {
+            return Err(ProtocolFault::Ends);
+        }
+        Ok(Course::Guided { rounds, trials })
+    }
+
+    fn free(&self, names: &[String]) -> Result<Course, ProtocolFault> {
+        for (key, given) in [
+            ("rounds", self.rounds.is_some()),
+            ("seconds", self.seconds.is_some()),
+        ] {
+            if given {
+                return Err(ProtocolFault::Meaningless { key });
+            }
+        }
+        let found = names.iter().map(|name| intent(name));
+        let gestures: Vec<Intent> = found.collect::<Result<_, _>>()?;
+        let mut sorted = gestures.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        if sorted.first() != Some(&Intent::Relax)
+            || sorted.len() < 2
+            || sorted.len() != gestures.len()
+        {
+            return Err(ProtocolFault::Gestures);
+        }
+        Ok(Course::Free { gestures: sorted })
+    }
+}
+
+fn intent(name: &str) -> Result<Intent, ProtocolFault> {
+    let found = name.to_owned();
+    Intent::from_name(name).ok_or(ProtocolFault::Class { found })
+}
+
+fn bounded(what: &str, found: f64, range: &RangeInclusive<f64>) -> Result<f64, ProtocolFault> {
+    if range.contains(&found) {
+        return Ok(found);
+    }
+    Err(ProtocolFault::Number {
+        what: what.to_owned(),
+        least: *range.start(),
+        most: *range.end(),
+        found,
+    })
+}
+
+/// Samples of a number of seconds within bounds.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "at most two minutes, never negative"
+)]
+fn samples(seconds: f64) -> u32 {
+    (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u32
+}
+
+#[cfg(test)]
+mod tests;

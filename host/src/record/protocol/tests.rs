@@ -1,0 +1,137 @@
+use super::*;
+
+fn wrong(text: &str) -> ProtocolFault {
+    match Protocol::parse("mine.toml", text) {
+        Err(ProtocolError::Wrong { fault, .. }) => fault,
+        other => panic!("{other:?}"),
+    }
+}
+
+const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"close\", \"relax\", \"close\", \"relax\"]\n\
+    [seconds]\nrelax = 2\nopen = 1.5\nclose = 1\n";
+
+#[test]
+fn a_sequence_is_divided_into_trials_at_each_rest() {
+    let protocol = Protocol::parse("some/mine.toml", SHORT).unwrap();
+    let step = |intent, samples| Step { intent, samples };
+    let rest = step(Intent::Relax, 400);
+    let trial = |steps: &[Step]| Trial {
+        steps: steps.to_vec(),
+    };
+    let trials = vec![
+        trial(&[rest, step(Intent::Open, 300), step(Intent::Close, 200)]),
+        trial(&[rest, step(Intent::Close, 200)]),
+        trial(&[rest]),
+    ];
+    assert_eq!(
+        protocol,
+        Protocol {
+            name: "mine".to_owned(),
+            pause: 600,
+            course: Course::Guided { rounds: 2, trials },
+        }
+    );
+    assert_eq!(protocol.samples(), Some(2 * (600 + 1900)));
+    let found = protocol.intents();
+    assert_eq!(found, [Intent::Relax, Intent::Open, Intent::Close]);
+}
+
+#[test]
+fn every_built_in_protocol_has_each_gesture_as_often_as_personalize_needs() {
+    for (name, _) in BUILT_IN {
+        let protocol = Protocol::find(name).unwrap();
+        let Course::Guided { rounds, trials } = &protocol.course else {
+            assert_eq!((name, protocol.samples()), ("free", None));
+            continue;
+        };
+        for intent in protocol.intents() {
+            let steps = trials.iter().flat_map(|trial| &trial.steps);
+            let once = steps.filter(|step| step.intent == intent).count();
+            // Twice in the last round, which is held back, and twice before it.
+            assert!(*rounds >= 2 && once >= 2, "{name}: {intent:?}");
+        }
+    }
+    let seconds = |name| Protocol::find(name).unwrap().samples().unwrap() as f64 / 200.0;
+    assert!((110.0..=130.0).contains(&seconds("quick")));
+    assert!((120.0..=190.0).contains(&seconds("quick-five")));
+    assert!((120.0..=230.0).contains(&seconds("quick-six")));
+}
+
+#[test]
+fn the_paper_s_sequence_is_the_paper_s() {
+    let protocol = Protocol::find("paper").unwrap();
+    let Course::Guided { trials, .. } = protocol.course else {
+        panic!("guided");
+    };
+    let letters: String = trials
+        .iter()
+        .flat_map(|trial| &trial.steps)
+        .map(|step| step.intent.name()[..1].to_uppercase())
+        .collect();
+    assert_eq!(letters, "ROCORORCR");
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_its_reason() {
+    let edit = |from: &str, to: &str| {
+        let text = SHORT.replace(from, to);
+        assert_ne!(text, SHORT);
+        text
+    };
+    let number = |text: &str| match wrong(text) {
+        ProtocolFault::Number { what, .. } => what,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(number(&edit("rounds = 2", "rounds = 0")), "rounds");
+    assert_eq!(number(&edit("pause = 3", "pause = 0")), "pause");
+    assert_eq!(number(&edit("open = 1.5", "open = 0.5")), "seconds of open");
+    assert_eq!(number(&edit("open = 1.5", "open = nan")), "seconds of open");
+    assert_eq!(number(&edit("open = 1.5", "open = 1e9")), "seconds of open");
+    assert_eq!(
+        wrong(&edit("open = 1.5\n", "")),
+        ProtocolFault::NoSeconds { missing: "open" }
+    );
+    assert_eq!(
+        wrong(&edit("\"open\", \"close\"", "\"fist\"")),
+        ProtocolFault::Class {
+            found: "fist".to_owned()
+        }
+    );
+    assert_eq!(
+        wrong(&edit("\"open\", \"close\"", "\"open\", \"open\"")),
+        ProtocolFault::Twice { class: "open" }
+    );
+    assert_eq!(wrong(&edit("[\"relax\", ", "[")), ProtocolFault::Ends);
+    assert_eq!(wrong(&edit(", \"relax\"]", "]")), ProtocolFault::Ends);
+    let both = format!("gestures = [\"relax\", \"open\"]\n{SHORT}");
+    assert_eq!(wrong(&both), ProtocolFault::Kind { found: "both" });
+    let neither = "pause = 3\n";
+    assert_eq!(wrong(neither), ProtocolFault::Kind { found: "neither" });
+    for gestures in [
+        "[]",
+        "[\"relax\"]",
+        "[\"open\", \"close\"]",
+        "[\"relax\", \"open\", \"open\"]",
+    ] {
+        let text = format!("pause = 3\ngestures = {gestures}\n");
+        assert_eq!(wrong(&text), ProtocolFault::Gestures, "{gestures}");
+    }
+    let text = "pause = 3\nrounds = 2\ngestures = [\"relax\", \"open\"]\n";
+    assert_eq!(wrong(text), ProtocolFault::Meaningless { key: "rounds" });
+}
+
+#[test]
+fn a_misspelt_key_is_named_with_its_line() {
+    let text = SHORT.replace("rounds", "round");
+    let error = Protocol::parse("mine.toml", &text).unwrap_err().to_string();
+    assert!(
+        error.contains("mine.toml") && error.contains("line 1"),
+        "{error}"
+    );
+    assert!(error.contains("unknown field `round`"), "{error}");
+    let error = Protocol::find("quik").unwrap_err().to_string();
+    assert!(
+        error.contains("quick-five") && error.contains("myointent protocols"),
+        "{error}"
+    );
+}

@@ -1,0 +1,288 @@
+//! Whether a session is good enough to tune a model on, and if not, why and what to do.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use shared::intent::Intent;
+use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
+
+use super::assembly::{Part, Take};
+use crate::dataset::labels::cued::Follow;
+use crate::dataset::library::inspection::{SATURATED, saturation};
+use crate::dataset::runs;
+use crate::statistics::median;
+
+/// How often `personalize` needs each gesture: it holds back a third, and needs two there.
+const FEWEST: usize = 6;
+/// How often docs/personalization.md asks for.
+const ENOUGH: usize = 8;
+/// Mean |x| below which an electrode says nothing, in counts: one at rest has 1 to 3.
+const SILENT: f64 = 0.3;
+/// Share of lost samples from which scores suffer, and from which a board gives no label (60 of 600).
+const LOSSES: f64 = 0.02;
+const MANY_LOSSES: f64 = 0.1;
+/// Contrast of a gesture with rest below which labels cannot be found: that of muscle-made labels.
+const LEAST_CONTRAST: f64 = 0.4;
+
+/// How bad a finding is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// Good to know.
+    Note,
+    /// Usable; better without.
+    Warning,
+    /// Not good enough.
+    Serious,
+}
+
+/// Something that is wrong with a session.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Finding {
+    /// Not a sample was recorded.
+    #[error("nothing was recorded")]
+    Nothing,
+    /// A gesture was done too seldom.
+    #[error("{class} {found} times, {expected} are needed")]
+    Seldom {
+        /// The gesture.
+        class: &'static str,
+        /// How often its label is there.
+        found: usize,
+        /// How often it should be.
+        expected: usize,
+    },
+    /// The muscle did not follow.
+    #[error("{class}: {found} of {of} cues were not followed")]
+    NotFollowed {
+        /// The gesture.
+        class: &'static str,
+        /// Cues that the muscle did not follow, or too late, or too weakly.
+        found: usize,
+        /// Cues that count.
+        of: usize,
+    },
+    /// A gesture looks like rest.
+    #[error("{class} hardly rises above rest: {factor:.1} times its amplitude")]
+    NoContrast {
+        /// The gesture.
+        class: &'static str,
+        /// Median amplitude over that of rest.
+        factor: f64,
+    },
+    /// An electrode says nothing.
+    #[error("channel {channel} is silent")]
+    Silent {
+        /// From 1 on, as the armband counts.
+        channel: usize,
+    },
+    /// An electrode says more than the armband can measure.
+    #[error("channel {channel} is saturated in {percent:.0} % of the samples")]
+    Saturated {
+        /// From 1 on.
+        channel: usize,
+        /// Share of the samples.
+        percent: f64,
+    },
+    /// Samples were lost.
+    #[error(
+        "{samples} samples were lost, {percent:.1} %; gaps of up to 25 ms are bridged, longer ones begin another file"
+    )]
+    Lost {
+        /// How many.
+        samples: u64,
+        /// Share of all.
+        percent: f64,
+    },
+    /// The person follows late.
+    #[error("the muscle follows its cue after {late_ms} ms")]
+    Late {
+        /// Median.
+        late_ms: i32,
+    },
+    /// The session was ended before its end.
+    #[error("the session ended early")]
+    Early,
+    /// The disk has damaged the journal.
+    #[error("the journal is damaged: what follows the damage is not in the recordings")]
+    Damaged,
+}
+
+impl Finding {
+    /// How bad it is.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Nothing | Self::Silent { .. } | Self::NoContrast { .. } => Severity::Serious,
+            Self::Seldom { found, .. } if *found < FEWEST => Severity::Serious,
+            Self::NotFollowed { found, of, .. } if 2 * found > *of => Severity::Serious,
+            Self::Lost { percent, .. } if *percent > 100.0 * MANY_LOSSES => Severity::Serious,
+            Self::Late { .. } | Self::Early => Severity::Note,
+            _ => Severity::Warning,
+        }
+    }
+
+    /// What to do.
+    #[must_use]
+    pub const fn advice(&self) -> &'static str {
+        match self {
+            Self::Nothing => "begin the session and do what it asks for to its end",
+            Self::Seldom { .. } => {
+                "record another session: all of a person's recordings count together"
+            }
+            Self::NotFollowed { .. } => {
+                "begin as soon as the picture changes, hold until it changes again, and repeat a trial that went wrong with R"
+            }
+            Self::NoContrast { .. } => {
+                "tighten the armband, move it to the thickest part of the forearm, or make the gesture more firmly"
+            }
+            Self::Silent { .. } => {
+                "press the electrode against the skin, wipe skin and electrode; if it stays silent, it is broken"
+            }
+            Self::Saturated { .. } => "less force, or move the armband a little",
+            Self::Lost { .. } => {
+                "bring armband and board closer together, away from other radios; unplug what also reads the port"
+            }
+            Self::Late { .. } => "labels are where the muscle acts, so this costs nothing",
+            Self::Early => "what was recorded is kept; record another session for the rest",
+            Self::Damaged => "check the disk; the journal is kept beside the recordings",
+        }
+    }
+}
+
+/// What came of a session.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Quality {
+    /// The worst first.
+    pub findings: Vec<Finding>,
+    /// How often each class is labelled.
+    pub counts: BTreeMap<&'static str, usize>,
+    /// Seconds of all recordings.
+    pub seconds: f64,
+}
+
+impl Quality {
+    /// Whether nothing serious was found.
+    #[must_use]
+    pub fn is_good_enough(&self) -> bool {
+        let mut findings = self.findings.iter();
+        findings.all(|finding| finding.severity() < Severity::Serious)
+    }
+}
+
+/// Judges a session that asked for these classes.
+pub(crate) fn judge(take: &Take, classes: &[Intent], free: bool, damaged: bool) -> Quality {
+    let samples: usize = take.parts.iter().map(|part| part.samples.len()).sum();
+    let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
+    let mut findings = Vec::new();
+    let counts = classes
+        .iter()
+        .map(|&intent| (intent.name(), count(take, intent)))
+        .collect::<BTreeMap<_, _>>();
+    if samples == 0 {
+        findings.push(Finding::Nothing);
+    } else {
+        gestures(take, classes, free, &mut findings);
+        electrodes(&take.parts, &mut findings);
+        let percent = 100.0 * take.lost as f64 / (samples as f64 + take.lost as f64);
+        if percent > 100.0 * LOSSES {
+            let samples = take.lost;
+            findings.push(Finding::Lost { samples, percent });
+        }
+    }
+    if !take.complete {
+        findings.push(Finding::Early);
+    }
+    if damaged {
+        findings.push(Finding::Damaged);
+    }
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
+    Quality {
+        findings,
+        counts,
+        seconds,
+    }
+}
+
+fn count(take: &Take, intent: Intent) -> usize {
+    let parts = take.parts.iter();
+    let labelled = |part: &Part| {
+        let runs = runs(&part.labels).into_iter();
+        runs.filter(|run| run.label == Some(intent)).count()
+    };
+    parts.map(labelled).sum()
+}
+
+fn gestures(take: &Take, classes: &[Intent], free: bool, findings: &mut Vec<Finding>) {
+    let mut late = Vec::new();
+    for &intent in classes.iter().filter(|&&intent| intent != Intent::Relax) {
+        let class = intent.name();
+        let (mut of, mut unfollowed, mut contrasts) = (0, 0, Vec::new());
+        for hold in take.parts.iter().flat_map(|part| &part.holds) {
+            let cued = hold.gestures.iter().zip(&hold.contrasts);
+            for (_, &contrast) in cued.filter(|((_, own), _)| *own == intent) {
+                of += 1;
+                contrasts.push(contrast);
+                match hold.follow {
+                    Follow::Followed(samples) => late.push(f64::from(samples)),
+                    Follow::Weak | Follow::Elsewhere => unfollowed += 1,
+                }
+            }
+        }
+        // In a free session a gesture that was not made was not wanted.
+        let found = count(take, intent);
+        if found < ENOUGH && !(free && of == 0) {
+            let expected = if found < FEWEST { FEWEST } else { ENOUGH };
+            findings.push(Finding::Seldom {
+                class,
+                found,
+                expected,
+            });
+        }
+        match median(&contrasts) {
+            Some(contrast) if contrast < LEAST_CONTRAST => {
+                let factor = contrast.exp();
+                findings.push(Finding::NoContrast { class, factor });
+            }
+            _ if unfollowed > 0 => findings.push(Finding::NotFollowed {
+                class,
+                found: unfollowed,
+                of,
+            }),
+            _ => {}
+        }
+    }
+    if let Some(late) = median(&late) {
+        #[expect(clippy::cast_possible_truncation, reason = "some hundred samples")]
+        let late_ms = late.round() as i32 * SAMPLE_PERIOD_MS as i32;
+        findings.push(Finding::Late { late_ms });
+    }
+}
+
+fn electrodes(parts: &[Part], findings: &mut Vec<Finding>) {
+    let samples: Vec<_> = parts
+        .iter()
+        .flat_map(|part| &part.samples)
+        .copied()
+        .collect();
+    let saturated = saturation(&samples);
+    for channel in 0..CHANNELS {
+        let values = || samples.iter().map(|sample| f64::from(sample[channel]));
+        let mean = values().sum::<f64>() / samples.len() as f64;
+        // Without a constant that lies under it.
+        let level = values().map(|value| (value - mean).abs()).sum::<f64>() / samples.len() as f64;
+        let number = channel + 1;
+        if level < SILENT {
+            findings.push(Finding::Silent { channel: number });
+        }
+        if saturated[channel] > SATURATED {
+            findings.push(Finding::Saturated {
+                channel: number,
+                percent: 100.0 * saturated[channel],
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+//! From one cue to the next: what follows a trial, and what becomes of one that failed.
+
+use shared::intent::Intent;
+use shared::units::SampleIndex;
+
+use super::input::{Bad, Held, Output};
+use super::{Phase, Session};
+use crate::record::protocol::Course;
+
+impl Session {
+    pub(super) const fn is_guided(&self) -> bool {
+        matches!(self.protocol.course, Course::Guided { .. })
+    }
+
+    pub(super) fn begin_round(&mut self, at: SampleIndex) {
+        self.round += 1;
+        let number = self.round;
+        self.outputs.push_back(Output::Round { number, at });
+        self.guided.begin_round();
+        self.before = None;
+        self.ready(at);
+    }
+
+    pub(super) fn ready(&mut self, at: SampleIndex) {
+        let end = at.plus(self.protocol.pause);
+        self.phase = Phase::Ready { from: at, end };
+        self.ask(at, None, 0);
+    }
+
+    pub(super) fn ask(&mut self, at: SampleIndex, cue: Option<Intent>, trial: u32) {
+        self.cue = cue;
+        self.trial = trial;
+        self.outputs.push_back(Output::Cue { at, cue, trial });
+    }
+
+    /// The trial that is due begins; after the last one the next round does, or the session is over.
+    pub(super) fn next_trial(&mut self, at: SampleIndex) {
+        if !self.is_guided() {
+            self.free(at, Intent::Relax);
+            return;
+        }
+        match self.guided.begin_trial() {
+            Some(step) => {
+                self.trials += 1;
+                let trial = self.trials;
+                self.ask(at, Some(step.intent), trial);
+                self.phase = Phase::Cued {
+                    from: at,
+                    end: Some(at.plus(step.samples)),
+                };
+            }
+            None if self.round < self.guided.rounds() => {
+                self.begin_round(at);
+            }
+            None => self.over(),
+        }
+    }
+
+    pub(super) fn next_step(&mut self, at: SampleIndex) {
+        if let Some(step) = self.guided.next_step() {
+            let trial = self.trial;
+            self.ask(at, Some(step.intent), trial);
+            self.phase = Phase::Cued {
+                from: at,
+                end: Some(at.plus(step.samples)),
+            };
+        } else {
+            self.lost_in_a_row = 0;
+            self.before = Some(self.trial);
+            self.next_trial(at);
+        }
+    }
+
+    /// In a free session: a rest begins a trial, as it does in a guided one.
+    pub(super) fn free(&mut self, at: SampleIndex, intent: Intent) {
+        if intent == Intent::Relax || self.trial == 0 {
+            self.before = (self.trial > 0).then_some(self.trial);
+            self.trials += 1;
+            self.trial = self.trials;
+        }
+        let trial = self.trial;
+        self.ask(at, Some(intent), trial);
+        self.phase = Phase::Cued {
+            from: at,
+            end: None,
+        };
+    }
+
+    pub(super) fn mark(&mut self, at: SampleIndex, intent: Intent) {
+        if let Course::Free { gestures } = &self.protocol.course
+            && gestures.contains(&intent)
+            && self.cue != Some(intent)
+        {
+            self.free(at, intent);
+        }
+    }
+
+    /// The trial that the person means is bad: the one that is done, or in the rest after it the one before.
+    pub(super) fn repeat(&mut self, at: SampleIndex) {
+        match self.before.take() {
+            Some(before) if self.cue == Some(Intent::Relax) => {
+                self.bad += 1;
+                let (trial, why) = (before, Bad::Person);
+                self.outputs.push_back(Output::Bad { trial, why });
+                self.guided.put_back_both();
+                self.trial = 0;
+            }
+            _ => {
+                self.fail(Bad::Person);
+            }
+        }
+        if self.is_guided() {
+            self.next_trial(at);
+        } else {
+            self.free(at, Intent::Relax);
+        }
+    }
+
+    /// The trial in progress is not to be used, and will be asked for again.
+    pub(super) fn fail(&mut self, why: Bad) {
+        if self.trial > 0 {
+            self.bad += 1;
+            let trial = self.trial;
+            self.outputs.push_back(Output::Bad { trial, why });
+            self.guided.put_back();
+            self.before = None;
+            self.trial = 0;
+        }
+    }
+
+    pub(super) fn hold(&mut self, why: Held) {
+        if matches!(self.phase, Phase::Cued { .. }) && self.trial > 0 {
+            let lost = matches!(why, Held::Losses);
+            // Losses have failed the trial before.
+            if !lost {
+                self.fail(match why {
+                    Held::SourceLost | Held::Silent => Bad::Lost,
+                    _ => Bad::Interrupted,
+                });
+            }
+        }
+        self.phase = Phase::Held(why);
+        self.cue = None;
+        self.trial = 0;
+        self.outputs.push_back(Output::Pause);
+    }
+
+    /// The person has had enough: a gesture in progress is not to be used.
+    pub(super) fn finish(&mut self) {
+        let cued = matches!(self.phase, Phase::Cued { .. });
+        if cued && self.is_guided() && self.cue != Some(Intent::Relax) {
+            self.fail(Bad::Interrupted);
+        }
+        self.over();
+    }
+
+    pub(super) fn over(&mut self) {
+        self.phase = Phase::Over;
+        self.cue = None;
+        self.trial = 0;
+        self.outputs.push_back(Output::Over);
+    }
+}

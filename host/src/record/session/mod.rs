@@ -1,0 +1,218 @@
+//! A recording session, without I/O: samples that have come, and what the person says; out come cues.
+//!
+//! ```text
+//! session.handle(now, Input::Samples { .. });          // now: Millis, always an argument
+//! while let Some(output) = session.poll() { .. }        // cues, bad trials, rounds: what is written down
+//! session.view()                                        // what a page shows
+//! ```
+//!
+//! Its time is the stream's: a cue begins and ends at a sample, so that what is shown and what is written agree to the
+//! sample, and a stream that stands holds the session. The clock is asked for one thing: whether the stream stands.
+
+mod course;
+mod guided;
+mod input;
+mod stream;
+pub mod view;
+
+use std::collections::VecDeque;
+
+use shared::intent::Intent;
+use shared::units::{Millis, SampleIndex};
+
+use self::guided::Guided;
+pub use self::input::{Action, Bad, Held, Input, Output};
+pub use self::stream::{BRIDGED, Continuity, Continuous};
+pub use self::view::View;
+use super::protocol::Protocol;
+
+/// Without samples for so long a session is held: longer than a busy PC keeps them waiting.
+const SILENCE_MS: u32 = 2_000;
+/// Trials lost in a row, each repeated by itself, after which the session is held.
+const MOST_LOST: u32 = 3;
+
+/// Where the session is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Phase {
+    Waiting,
+    /// Getting ready until a sample.
+    Ready {
+        from: SampleIndex,
+        end: SampleIndex,
+    },
+    /// A cue, until a sample; in a free session without an end.
+    Cued {
+        from: SampleIndex,
+        end: Option<SampleIndex>,
+    },
+    Held(Held),
+    Over,
+}
+
+/// A session.
+#[derive(Debug)]
+pub struct Session {
+    protocol: Protocol,
+    phase: Phase,
+    guided: Guided,
+    /// What is asked for, and the number of the attempt.
+    cue: Option<Intent>,
+    trial: u32,
+    /// The attempt before.
+    before: Option<u32>,
+    trials: u32,
+    bad: u32,
+    lost_in_a_row: u32,
+    stream: Continuous,
+    /// When the last samples came.
+    heard: Option<Millis>,
+    round: u32,
+    outputs: VecDeque<Output>,
+}
+
+impl Session {
+    /// Before its beginning.
+    #[must_use]
+    pub fn new(protocol: Protocol) -> Self {
+        Self {
+            guided: Guided::new(&protocol.course),
+            protocol,
+            phase: Phase::Waiting,
+            cue: None,
+            trial: 0,
+            before: None,
+            trials: 0,
+            bad: 0,
+            lost_in_a_row: 0,
+            stream: Continuous::default(),
+            heard: None,
+            round: 0,
+            outputs: VecDeque::new(),
+        }
+    }
+
+    /// Takes what happened. Drain [`poll`](Self::poll) before the next call.
+    pub fn handle(&mut self, now: Millis, input: Input) {
+        match input {
+            Input::Samples { first, count } => self.samples(now, first, count),
+            Input::Tick => {
+                let silent = |heard: Millis| now.elapsed_since(heard) >= SILENCE_MS;
+                if self.is_running() && self.heard.is_some_and(silent) {
+                    self.hold(Held::Silent);
+                }
+            }
+            Input::Hold(why) => {
+                if why == Held::SourceLost {
+                    self.stream = Continuous::default();
+                }
+                // Nothing is kept and nothing asked for: whatever happens is no harm.
+                if self.is_running() {
+                    self.hold(why);
+                }
+            }
+            Input::Action(action) => self.action(action),
+        }
+    }
+
+    /// The next thing to write down.
+    pub fn poll(&mut self) -> Option<Output> {
+        self.outputs.pop_front()
+    }
+
+    /// Whether samples are kept: from the countdown of a round on, not while the session waits.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        matches!(self.phase, Phase::Ready { .. } | Phase::Cued { .. })
+    }
+
+    /// Whether samples have come, so that a session can begin.
+    #[must_use]
+    pub const fn has_stream(&self) -> bool {
+        self.stream.next().is_some()
+    }
+
+    /// Whether it has ended.
+    #[must_use]
+    pub const fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Over)
+    }
+
+    /// What is asked for.
+    #[must_use]
+    pub const fn cue(&self) -> Option<Intent> {
+        self.cue
+    }
+
+    fn samples(&mut self, now: Millis, first: SampleIndex, count: u32) {
+        self.heard = Some(now);
+        match self.stream.take(first, count) {
+            Continuity::Next | Continuity::Bridged(_) => {}
+            Continuity::Restart => {
+                if self.is_running() {
+                    self.hold(Held::SourceLost);
+                }
+            }
+            Continuity::Lost(_) => self.lost(first),
+        }
+        let end = first.plus(count);
+        loop {
+            match self.phase {
+                Phase::Ready { end: at, .. } if is_reached(at, end) => self.next_trial(at),
+                Phase::Cued { end: Some(at), .. } if is_reached(at, end) => self.next_step(at),
+                _ => break,
+            }
+        }
+    }
+
+    /// Samples are missing before one.
+    fn lost(&mut self, first: SampleIndex) {
+        match self.phase {
+            Phase::Cued { .. } => {
+                self.fail(Bad::Lost);
+                self.lost_in_a_row += 1;
+                if self.lost_in_a_row >= MOST_LOST {
+                    self.hold(Held::Losses);
+                } else if self.is_guided() {
+                    self.next_trial(first);
+                } else {
+                    self.free(first, Intent::Relax);
+                }
+            }
+            Phase::Ready { .. } => self.ready(first),
+            _ => {}
+        }
+    }
+
+    fn action(&mut self, action: Action) {
+        let Some(at) = self.stream.next() else {
+            // Without a stream there is nothing to begin.
+            if action == Action::Finish && !self.is_over() {
+                self.finish();
+            }
+            return;
+        };
+        match (action, self.phase) {
+            (_, Phase::Over) => {}
+            (Action::Begin, Phase::Waiting) => {
+                self.begin_round(at);
+            }
+            (Action::Begin, Phase::Held(_)) => {
+                self.lost_in_a_row = 0;
+                self.ready(at);
+            }
+            (Action::Repeat, Phase::Cued { .. }) => self.repeat(at),
+            (Action::Hold, Phase::Ready { .. } | Phase::Cued { .. }) => self.hold(Held::Person),
+            (Action::Finish, _) => self.finish(),
+            (Action::Mark(intent), Phase::Cued { .. }) => self.mark(at, intent),
+            _ => {}
+        }
+    }
+}
+
+/// Whether a stream that ends at `end` has come to a sample; right across a wrap.
+const fn is_reached(at: SampleIndex, end: SampleIndex) -> bool {
+    end.0.wrapping_sub(at.0) <= u32::MAX / 2
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,344 @@
+use super::*;
+
+/// Two trials with a gesture and a rest, twice: relax 2 s, open 1.5 s, close 1 s; 3 s to get ready.
+const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"close\", \"relax\", \"close\", \"relax\"]\n\
+    [seconds]\nrelax = 2\nopen = 1.5\nclose = 1\n";
+const FREE: &str = "pause = 1\ngestures = [\"relax\", \"open\", \"close\"]\n";
+
+/// A session, its stream, and what it said: `R1@0 -@0 open1@5` is a round, no cue, a cue with its trial, each with its sample.
+struct Played {
+    session: Session,
+    now: u32,
+    next: u32,
+    said: Vec<String>,
+}
+
+impl Played {
+    fn new(text: &str) -> Self {
+        let session = Session::new(Protocol::parse("mine.toml", text).unwrap());
+        Self {
+            session,
+            now: 0,
+            next: 1000,
+            said: Vec::new(),
+        }
+    }
+
+    fn begun(text: &str) -> Self {
+        let mut played = Self::new(text);
+        played.samples(2);
+        played.act(Action::Begin);
+        played
+    }
+
+    fn handle(&mut self, input: Input) {
+        self.session.handle(Millis(self.now), input);
+        while let Some(output) = self.session.poll() {
+            self.said.push(match output {
+                Output::Round { number, at } => format!("R{number}@{}", at.0),
+                Output::Cue { at, cue, trial } => {
+                    let name = cue.map_or("-", Intent::name);
+                    format!("{name}{trial}@{}", at.0)
+                }
+                Output::Bad { trial, why } => format!("bad{trial}:{why:?}"),
+                Output::Pause => "pause".to_owned(),
+                Output::Over => "over".to_owned(),
+            });
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        self.handle(Input::Action(action));
+    }
+
+    /// So many samples, two at a time as an armband sends them.
+    fn samples(&mut self, count: u32) {
+        for _ in 0..count / 2 {
+            self.now += 10;
+            let first = SampleIndex(self.next);
+            self.handle(Input::Samples { first, count: 2 });
+            self.next = self.next.wrapping_add(2);
+        }
+    }
+
+    fn lose(&mut self, count: u32) {
+        self.next += count;
+    }
+
+    fn said(&mut self) -> String {
+        std::mem::take(&mut self.said).join(" ")
+    }
+}
+
+#[test]
+fn cues_begin_and_end_at_their_samples() {
+    let mut played = Played::begun(SHORT);
+    assert_eq!(played.said(), "R1@1002 -0@1002");
+    played.samples(600);
+    assert_eq!(played.said(), "relax1@1602");
+    played.samples(1900);
+    assert_eq!(
+        played.said(),
+        "open1@2002 close1@2302 relax2@2502 close2@2902 relax3@3102 R2@3502 -0@3502"
+    );
+    played.samples(2500);
+    let said = played.said();
+    assert!(said.starts_with("relax4@4102 open4@4502"), "{said}");
+    assert!(said.ends_with("relax6@5602 over"), "{said}");
+    assert!(played.session.is_over() && !played.session.is_running());
+    played.samples(100);
+    played.act(Action::Repeat);
+    assert_eq!(played.said(), "");
+}
+
+#[test]
+fn a_batch_that_goes_beyond_several_cues_begins_each_at_its_sample() {
+    let mut played = Played::begun(SHORT);
+    played.said();
+    let first = SampleIndex(played.next);
+    played.handle(Input::Samples { first, count: 1101 });
+    assert_eq!(played.said(), "relax1@1602 open1@2002");
+}
+
+#[test]
+fn a_gesture_that_went_wrong_is_repeated_from_its_rest_on() {
+    let mut played = Played::begun(SHORT);
+    played.samples(600 + 500);
+    played.said();
+    played.act(Action::Repeat);
+    assert_eq!(played.said(), "bad1:Person relax2@2102");
+    played.samples(900);
+    assert_eq!(played.said(), "open2@2502 close2@2802 relax3@3002");
+    // In the rest after it, it is the gesture before that is meant.
+    played.samples(100);
+    played.act(Action::Repeat);
+    assert_eq!(played.said(), "bad2:Person relax4@3102");
+    played.samples(900);
+    assert_eq!(played.said(), "open4@3502 close4@3802 relax5@4002");
+    // Once: the gesture before that one was good.
+    played.act(Action::Repeat);
+    played.said();
+    played.act(Action::Repeat);
+    assert_eq!(played.said(), "bad6:Person relax7@4002");
+}
+
+#[test]
+fn every_trial_of_a_round_is_done_however_many_are_repeated() {
+    let mut played = Played::begun(SHORT);
+    for _ in 0..40 {
+        played.samples(370);
+        if played.session.view().phase == "cued" && played.session.view().bad < 7 {
+            played.act(Action::Repeat);
+        }
+    }
+    assert!(played.session.is_over());
+    let said = played.said();
+    let bad: Vec<&str> = said
+        .split(' ')
+        .filter_map(|one| one.strip_prefix("bad")?.split(':').next())
+        .collect();
+    let good = |name: &str| {
+        let cues = said.split(' ').filter(|one| one.starts_with(name));
+        let trials = cues.map(|one| one[name.len()..].split('@').next().unwrap());
+        trials.filter(|trial| !bad.contains(trial)).count()
+    };
+    assert_eq!(
+        (bad.len(), good("open"), good("close")),
+        (7, 2, 4),
+        "{said}"
+    );
+}
+
+#[test]
+fn six_lost_samples_fail_a_trial_and_five_do_not() {
+    let mut played = Played::begun(SHORT);
+    played.samples(1100);
+    played.said();
+    played.lose(5);
+    played.samples(2);
+    assert_eq!(played.said(), "");
+    played.lose(6);
+    played.samples(2);
+    assert_eq!(played.said(), "bad1:Lost relax2@2115");
+}
+
+#[test]
+fn losses_in_trial_after_trial_hold_the_session() {
+    let mut played = Played::begun(SHORT);
+    played.samples(700);
+    for _ in 0..3 {
+        played.lose(20);
+        played.samples(100);
+    }
+    let view = played.session.view();
+    assert_eq!(
+        (view.phase, view.why, view.bad),
+        ("held", Some(Held::Losses), 3)
+    );
+    assert!(played.said().ends_with("bad3:Lost pause"));
+    // Samples go on, and nothing is asked for until the person says so.
+    played.samples(1000);
+    assert_eq!(played.said(), "");
+    played.act(Action::Begin);
+    played.samples(1100);
+    let said = played.said();
+    assert!(
+        said.starts_with("-0@") && said.contains(" relax4@") && said.contains("open4@"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_stream_that_stands_or_goes_holds_the_session_and_the_trial_is_asked_for_again() {
+    for (input, why) in [
+        (Input::Tick, Held::Silent),
+        (Input::Hold(Held::SourceLost), Held::SourceLost),
+        (Input::Hold(Held::LeaderLeft), Held::LeaderLeft),
+        (Input::Hold(Held::Disk), Held::Disk),
+        (Input::Action(Action::Hold), Held::Person),
+    ] {
+        let mut played = Played::begun(SHORT);
+        played.samples(1100);
+        played.said();
+        played.now += 1999;
+        played.handle(Input::Tick);
+        assert_eq!(played.said(), "");
+        played.now += 1;
+        played.handle(input);
+        let said = played.said();
+        assert!(
+            said.starts_with("bad1:") && said.ends_with(" pause"),
+            "{why:?}: {said}"
+        );
+        assert_eq!(played.session.view().why, Some(why));
+        played.next += 5000;
+        played.samples(2);
+        played.act(Action::Begin);
+        played.samples(600);
+        let said = played.said();
+        let at = played.next - 602 + 2;
+        assert_eq!(said, format!("-0@{at} relax2@{}", at + 600), "{why:?}");
+    }
+}
+
+#[test]
+fn a_count_that_goes_back_is_another_stream() {
+    let mut played = Played::begun(SHORT);
+    played.samples(1100);
+    played.said();
+    played.next = 0;
+    played.samples(2);
+    assert_eq!(played.said(), "bad1:Lost pause");
+    assert_eq!(played.session.view().why, Some(Held::SourceLost));
+}
+
+#[test]
+fn a_stream_whose_count_wraps_is_the_same_stream() {
+    let mut played = Played::new(SHORT);
+    played.next = u32::MAX - 801;
+    played.samples(2);
+    played.act(Action::Begin);
+    played.said();
+    played.samples(1100);
+    assert_eq!(played.said(), "relax1@4294967096 open1@200");
+}
+
+#[test]
+fn without_a_stream_nothing_begins_and_it_can_be_ended() {
+    let mut played = Played::new(SHORT);
+    played.act(Action::Begin);
+    assert_eq!(
+        (played.said().as_str(), played.session.view().phase),
+        ("", "waiting")
+    );
+    played.act(Action::Finish);
+    assert_eq!(played.said(), "over");
+}
+
+#[test]
+fn who_ends_a_session_in_a_gesture_loses_that_gesture_alone() {
+    let mut played = Played::begun(SHORT);
+    played.samples(600 + 1300);
+    played.said();
+    played.act(Action::Finish);
+    assert_eq!(played.said(), "bad2:Interrupted over");
+    let mut played = Played::begun(SHORT);
+    played.samples(600 + 1000);
+    played.said();
+    played.act(Action::Finish);
+    assert_eq!(played.said(), "over");
+}
+
+#[test]
+fn in_a_free_session_the_person_says_what_is_done() {
+    let mut played = Played::begun(FREE);
+    played.samples(200);
+    assert_eq!(played.said(), "R1@1002 -0@1002 relax1@1202");
+    played.samples(100);
+    played.act(Action::Mark(Intent::Open));
+    played.act(Action::Mark(Intent::Open));
+    // Not one of this protocol.
+    played.act(Action::Mark(Intent::Pinch));
+    played.samples(300);
+    played.act(Action::Mark(Intent::Close));
+    played.samples(300);
+    played.act(Action::Mark(Intent::Relax));
+    assert_eq!(played.said(), "open1@1302 close1@1602 relax2@1902");
+    played.act(Action::Repeat);
+    assert_eq!(played.said(), "bad1:Person relax3@1902");
+    assert_eq!(played.session.view().left, None);
+    played.act(Action::Finish);
+    assert_eq!(played.said(), "over");
+}
+
+#[test]
+fn the_time_that_is_left_is_what_it_takes() {
+    let mut played = Played::new(SHORT);
+    assert_eq!(played.session.view().left, Some(5000));
+    played.samples(2);
+    played.act(Action::Begin);
+    let begin = played.next;
+    while !played.session.is_over() {
+        let view = played.session.view();
+        let passed = played.next - begin;
+        let own = view.from.unwrap() - begin;
+        assert_eq!(view.left, Some(u64::from(5000 - own)), "{passed} {view:?}");
+        played.samples(2);
+    }
+    assert_eq!(played.session.view().left, Some(0));
+}
+
+proptest::proptest! {
+    /// Whatever happens in whatever order: no panic, and what is said makes sense.
+    #[test]
+    fn any_inputs_make_a_session_that_can_be_written_down(
+        inputs in proptest::collection::vec((0_u8..12, 0_u32..700), 0..120),
+        free: bool,
+    ) {
+        let mut played = Played::new(if free { FREE } else { SHORT });
+        for (kind, value) in inputs {
+            match kind {
+                0..=3 => played.samples(value),
+                4 => played.lose(value % 12),
+                5 => played.now += value,
+                6 => played.act(Action::Begin),
+                7 => played.act(Action::Repeat),
+                8 => played.act(if value < 40 { Action::Finish } else { Action::Hold }),
+                9 => played.act(Action::Mark(Intent::ALL[value as usize % 6])),
+                10 => played.handle(Input::Tick),
+                _ => played.handle(Input::Hold(Held::SourceLost)),
+            }
+            let view = played.session.view();
+            proptest::prop_assert_eq!(view.phase == "cued", view.cue.is_some());
+            proptest::prop_assert!(view.done <= view.trials);
+        }
+        let said = played.said();
+        // Nobody is told twice that a trial is bad, and nothing is said after the end.
+        let mut bad: Vec<&str> = said.split(' ').filter(|one| one.starts_with("bad")).collect();
+        let count = bad.len();
+        bad.sort_unstable();
+        bad.dedup();
+        proptest::prop_assert_eq!(bad.len(), count, "{}", said);
+        proptest::prop_assert!(said.find("over").is_none_or(|at| at + 4 == said.len()), "{}", said);
+    }
+}

@@ -1,0 +1,147 @@
+//! What the armband and the board say of a run while it goes on.
+
+use std::collections::BTreeMap;
+
+use anyhow::Context as _;
+use myointent_tests::output::{Output, Tail};
+use serde_json::Value;
+use shared::uart_line::Report;
+
+/// A notification that the armband sends so much later than due, in the board's milliseconds, was held back by a busy
+/// host: the board may take that for a loss.
+const LATE_MS: f64 = 25.0;
+const PERIOD_MS: f64 = 10.0;
+
+/// Follows the files of a run.
+pub struct Observer {
+    armband: Tail,
+    lines: Tail,
+    pins: Tail,
+    time_scale: f64,
+    /// How often each event is in the armband's log.
+    events: BTreeMap<String, u32>,
+    /// The newest notification, and when it was sent.
+    sent: Option<(usize, f64)>,
+    /// EMG notifications that the board has to receive, each time they come.
+    on_air: u32,
+    /// How the next notification is impaired.
+    impaired: Option<i64>,
+    /// Whether the next notification is late because of the script, or first in its stream.
+    excused: bool,
+    /// Notifications that a busy host held back.
+    late: u32,
+    labels: u32,
+    /// The instant of the newest.
+    instant: u32,
+    stack: u64,
+}
+
+/// Everything that is counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// Connections of the armband.
+    pub connections: u32,
+    /// Connections that it closed at once.
+    pub refusals: u32,
+    /// EMG notifications that the board has to receive, each time they come.
+    pub on_air: u32,
+    /// Notifications that a busy host held back.
+    pub late: u32,
+    /// `$LABEL` lines.
+    pub labels: u32,
+    /// The sample that the newest of them is for.
+    pub instant: u32,
+    /// Bytes of the deepest stack.
+    pub stack: u64,
+}
+
+impl Observer {
+    /// Of a run whose board's clock is so many times slower than real time.
+    pub fn new(output: &Output, time_scale: u32) -> Self {
+        Self {
+            armband: output.follow_armband(),
+            lines: output.follow_lines(),
+            pins: output.follow_pins(),
+            time_scale: time_scale.into(),
+            events: BTreeMap::new(),
+            sent: None,
+            on_air: 0,
+            impaired: None,
+            excused: true,
+            late: 0,
+            labels: 0,
+            instant: 0,
+            stack: 0,
+        }
+    }
+
+    /// Takes over what was written since the last call.
+    pub fn read(&mut self) -> anyhow::Result<()> {
+        for line in self.armband.lines()? {
+            let event: Value = serde_json::from_str(&line).with_context(|| line.clone())?;
+            self.event(&event).with_context(|| line.clone())?;
+        }
+        for line in self.lines.lines()? {
+            if line.starts_with("$LABEL,") {
+                let report = Report::parse(format!("{line}\r\n").as_bytes());
+                self.instant = report.with_context(|| line.clone())?.instant.0;
+                self.labels += 1;
+            }
+        }
+        for line in self.pins.lines()? {
+            if let Some(bytes) = line.strip_prefix("STACK ") {
+                self.stack = self.stack.max(bytes.trim_end().parse()?);
+            }
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Value) -> anyhow::Result<()> {
+        let name = event["event"].as_str().context("no event")?;
+        *self.events.entry(name.to_owned()).or_default() += 1;
+        match name {
+            // Of none, one or two.
+            "drop" => self.impaired = Some(0),
+            "duplicate" => self.impaired = Some(2),
+            "corrupt" if event["kind"] != "long" => self.impaired = Some(0),
+            "delay" | "mode" => self.excused = true,
+            "sent" => {
+                let n = event["n"].as_u64().context("no number")? as usize;
+                let t = event["t"].as_f64().context("no time")?;
+                let before = self.sent.replace((n, t));
+                let passed = before.map_or(0.0, |(_, before)| 1000.0 * (t - before));
+                let excused = std::mem::take(&mut self.excused);
+                if !excused && passed > (PERIOD_MS + LATE_MS) * self.time_scale {
+                    self.late += 1;
+                }
+                self.on_air += self.impaired.take().unwrap_or(1) as u32;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Notifications sent so far, those that were dropped included.
+    pub fn sent(&self) -> usize {
+        self.sent.map_or(0, |(n, _)| n + 1)
+    }
+
+    /// Whether the recording is over.
+    pub fn has_ended(&self) -> bool {
+        self.events.contains_key("end")
+    }
+
+    /// What was seen so far.
+    pub fn seen(&self) -> Seen {
+        let count = |event: &str| self.events.get(event).copied().unwrap_or(0);
+        Seen {
+            connections: count("connected"),
+            refusals: count("refused"),
+            on_air: self.on_air,
+            late: self.late,
+            labels: self.labels,
+            instant: self.instant,
+            stack: self.stack,
+        }
+    }
+}

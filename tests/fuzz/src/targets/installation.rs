@@ -1,0 +1,122 @@
+//! The receiver of a model: any commands in any order, flash that fails, losses of power.
+
+use shared::installation::journal::{self, JOURNAL_BYTES};
+use shared::installation::{
+    BLOCK_BYTES, Block, Installation, PAGE_BYTES, Progress, Refused, Step, Transfer,
+};
+
+use crate::input::Input;
+
+/// Three pages and some blocks.
+const LENGTH: usize = 3 * PAGE_BYTES + 3 * BLOCK_BYTES + 5;
+const CAPACITY: usize = 5 * PAGE_BYTES;
+
+struct Flash {
+    region: Vec<u8>,
+    journal: [u8; JOURNAL_BYTES],
+}
+
+/// What happens: a byte for the kind, what belongs to it.
+pub fn run(data: &[u8]) {
+    let mut input = Input(data);
+    let file: Vec<u8> = (0..LENGTH).map(|place| (place % 251) as u8).collect();
+    let whole = Transfer {
+        length: LENGTH as u32,
+        checksum: 7,
+    };
+    let mut flash = Flash {
+        region: vec![0x55; CAPACITY],
+        journal: [0xff; JOURNAL_BYTES],
+    };
+    let mut installation = Installation::new(CAPACITY as u32);
+    let mut in_use = true;
+    while !input.is_empty() {
+        let kind = input.byte();
+        if kind < 0x10 {
+            // Power fails.
+            installation = Installation::new(CAPACITY as u32);
+            in_use =
+                flash.region.starts_with(&file) || flash.region.iter().all(|byte| *byte == 0x55);
+            continue;
+        }
+        if kind < 0x30 {
+            let transfer = Transfer {
+                length: if kind & 1 == 0 {
+                    whole.length
+                } else {
+                    input.word()
+                },
+                checksum: 7,
+            };
+            let journal = journal::read(&flash.journal).filter(|_| !in_use);
+            match installation.begin(transfer, journal) {
+                Ok(Progress::Next(block)) => assert!(block < transfer.blocks()),
+                Ok(Progress::Installed) => panic!("nothing was sent"),
+                Err(refused) => assert_eq!(refused, Refused::Length),
+            }
+            continue;
+        }
+        // Most blocks are those that are asked for.
+        let number = match installation.progress() {
+            Progress::Next(number) if kind & 7 != 0 => number,
+            _ => u32::from(input.byte()),
+        };
+        let fails_at = if kind & 0x78 == 0x78 {
+            input.below(8)
+        } else {
+            usize::MAX
+        };
+        let block = Block::of(&file, number);
+        if installation.take(number, &block, |_| true).is_err() {
+            continue;
+        }
+        let mut steps = 0;
+        while let Some(step) = installation.step() {
+            let success = steps != fails_at;
+            steps += 1;
+            assert!(steps < 10, "a block without end");
+            match step {
+                _ if !success => {}
+                Step::Suspend => in_use = false,
+                Step::Resume => {
+                    assert!(flash.region.starts_with(&file), "in use, and not whole");
+                    in_use = true;
+                }
+                Step::Verify => {}
+                _ => assert!(!in_use, "{step:?} while a model is in use"),
+            }
+            let success = success && (step != Step::Verify || flash.region.starts_with(&file));
+            if success {
+                write(&mut flash, &installation, step);
+            }
+            if installation.done(success).is_err() {
+                assert_eq!(installation.step(), None);
+            }
+        }
+    }
+}
+
+fn write(flash: &mut Flash, installation: &Installation, step: Step) {
+    match step {
+        Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
+        Step::WriteJournal => program(&mut flash.journal, &installation.record()),
+        Step::MarkPage(page) => {
+            program(&mut flash.journal[journal::mark(page) as usize..], &[0; 4])
+        }
+        Step::ErasePage(page) => {
+            flash.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
+        }
+        Step::WriteBlock(number) => program(
+            &mut flash.region[number as usize * BLOCK_BYTES..],
+            &installation.content().0,
+        ),
+        Step::Suspend | Step::Verify | Step::Resume => {}
+    }
+}
+
+/// Ones become zeros.
+fn program(bytes: &mut [u8], content: &[u8]) {
+    for (byte, content) in bytes.iter_mut().zip(content) {
+        *byte &= content;
+    }
+}

@@ -1,0 +1,235 @@
+//! A model for a board on a pseudo-terminal, whose line is cut at random moments.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use myointent::board::{BoardError, ModelFile, Unfit, install};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serial2::SerialPort;
+use shared::installation::journal::{self, JOURNAL_BYTES};
+use shared::installation::{BLOCK_BYTES, Installation, PAGE_BYTES, Progress, Refused, Step};
+use shared::model::file::{Model, ModelError};
+use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::command::{Command, CommandReader};
+
+use super::board::terminal;
+use super::shipped;
+
+const REGION: usize = 40 * PAGE_BYTES;
+
+/// What outlasts a loss of power.
+struct Flash {
+    region: Vec<u8>,
+    journal: [u8; JOURNAL_BYTES],
+}
+
+/// A board at a terminal, until it is dropped: then it has lost its power.
+struct Powered {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Powered {
+    /// `blocks` counts those that reach it.
+    fn on(link: &Path, flash: &Arc<Mutex<Flash>>, blocks: &Arc<AtomicU32>) -> Self {
+        let (mut master, slave) = SerialPort::pair().unwrap();
+        master.set_read_timeout(Duration::from_millis(2)).unwrap();
+        master.set_write_timeout(Duration::from_millis(20)).unwrap();
+        let _ = std::fs::remove_file(link);
+        std::os::unix::fs::symlink(terminal(&slave), link).unwrap();
+        let stop = Arc::new(AtomicBool::new(false));
+        let (stopped, flash, blocks) = (stop.clone(), flash.clone(), blocks.clone());
+        let thread = std::thread::spawn(move || {
+            run(&master, &stopped, &flash, &blocks);
+            drop(slave);
+        });
+        let thread = Some(thread);
+        Self { stop, thread }
+    }
+}
+
+impl Drop for Powered {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let _ = self.thread.take().unwrap().join();
+    }
+}
+
+fn run(line: &SerialPort, stop: &AtomicBool, flash: &Mutex<Flash>, blocks: &AtomicU32) {
+    let mut installation = Installation::new(REGION as u32);
+    let mut reader = CommandReader::new();
+    let checksum = |flash: &Flash| {
+        let model = Model::parse(&flash.region).ok()?;
+        let checksum = flash.region[..model.length].last_chunk::<4>()?;
+        Some(u32::from_le_bytes(*checksum))
+    };
+    let mut in_use = checksum(&flash.lock().unwrap());
+    while !stop.load(Ordering::Relaxed) {
+        let mut buffer = [0; 256];
+        let length = line.read(&mut buffer).unwrap_or(0);
+        for &byte in &buffer[..length] {
+            let Some(command) = reader.push(byte) else {
+                continue;
+            };
+            let flash = &mut *flash.lock().unwrap();
+            let answer = match command {
+                Ok(Command::Install(transfer)) if in_use == Some(transfer.checksum) => {
+                    Ok(Progress::Installed)
+                }
+                Ok(Command::Install(transfer)) => {
+                    let journal = journal::read(&flash.journal).filter(|_| in_use.is_none());
+                    let begun = installation.begin(transfer, journal);
+                    begun.map_err(|_| Refusal::Length)
+                }
+                Ok(Command::Block(number, block)) => {
+                    blocks.fetch_add(1, Ordering::Relaxed);
+                    let is_ours = |block: &shared::installation::Block| {
+                        matches!(Model::parse(&block.0), Err(ModelError::Length { .. }))
+                    };
+                    let mut taken = installation.take(number, &block, is_ours);
+                    while let (Ok(()), Some(step)) = (taken, installation.step()) {
+                        let success = match step {
+                            Step::Suspend => {
+                                in_use = None;
+                                true
+                            }
+                            Step::Verify => checksum(flash).is_some(),
+                            Step::Resume => {
+                                in_use = checksum(flash);
+                                true
+                            }
+                            _ => write(&installation, flash, step),
+                        };
+                        taken = installation.done(success);
+                    }
+                    taken
+                        .map(|()| installation.progress())
+                        .map_err(|refused| match refused {
+                            Refused::NotBegun => Refusal::NotBegun,
+                            Refused::Model => Refusal::Model,
+                            _ => Refusal::Arguments,
+                        })
+                }
+                Ok(_) => Err(Refusal::Unknown),
+                Err(refusal) => Err(refusal),
+            };
+            let answer = match answer {
+                Ok(progress) => Answer::Install(progress),
+                Err(refusal) => Answer::Refused(refusal),
+            };
+            let _ = line.write_all(answer.to_string().as_bytes());
+        }
+    }
+}
+
+fn write(installation: &Installation, flash: &mut Flash, step: Step) -> bool {
+    match step {
+        Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
+        Step::WriteJournal => flash.journal[..16].copy_from_slice(&installation.record()),
+        Step::MarkPage(page) => flash.journal[journal::mark(page) as usize..][..4].fill(0),
+        Step::ErasePage(page) => {
+            flash.region[page as usize * PAGE_BYTES..][..PAGE_BYTES].fill(0xff);
+        }
+        Step::WriteBlock(number) => flash.region[number as usize * BLOCK_BYTES..][..BLOCK_BYTES]
+            .copy_from_slice(&installation.content().0),
+        Step::Suspend | Step::Verify | Step::Resume => {}
+    }
+    true
+}
+
+fn five_class() -> Vec<u8> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent");
+    std::fs::read(path).unwrap()
+}
+
+fn flash_of(model: &[u8]) -> Arc<Mutex<Flash>> {
+    let mut region = model.to_vec();
+    region.resize(REGION, 0xff);
+    Arc::new(Mutex::new(Flash {
+        region,
+        journal: [0xff; JOURNAL_BYTES],
+    }))
+}
+
+#[test]
+fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let flash = flash_of(&shipped());
+    let new = five_class();
+    let is_over = Arc::new(AtomicBool::new(false));
+    let power = {
+        let (link, flash, is_over) = (link.clone(), flash.clone(), is_over.clone());
+        let blocks = Arc::new(AtomicU32::new(0));
+        let board = Powered::on(&link, &flash, &blocks);
+        std::thread::spawn(move || {
+            let mut random = ChaCha8Rng::seed_from_u64(17);
+            let mut board = Some(board);
+            let mut cuts = 0;
+            while cuts < 100 && !is_over.load(Ordering::Relaxed) {
+                // A page has 64 blocks and is written again from its start, so about one life in eight finishes one.
+                let last = blocks.load(Ordering::Relaxed) + random.random_range(0..72);
+                while blocks.load(Ordering::Relaxed) < last && !is_over.load(Ordering::Relaxed) {
+                    std::thread::sleep(Duration::from_micros(200));
+                }
+                std::thread::sleep(Duration::from_micros(random.random_range(0..1500)));
+                drop(board.take());
+                cuts += 1;
+                board = Some(Powered::on(&link, &flash, &blocks));
+            }
+            while !is_over.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            cuts
+        })
+    };
+    let file = ModelFile::new(&new).unwrap();
+    let mut seen = 0;
+    // The same command again, as a person gives it, where it has given up.
+    let installed =
+        (0..200).any(|_| install(&link, file, |blocks| seen = seen.max(blocks)).is_ok());
+    is_over.store(true, Ordering::Relaxed);
+    let cuts = power.join().unwrap();
+    assert!(installed);
+    assert_eq!(cuts, 100);
+    assert_eq!(seen, file.blocks());
+    assert!(flash.lock().unwrap().region.starts_with(&new));
+}
+
+#[test]
+fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
+    let new = five_class();
+    let mut damaged = new.clone();
+    damaged[1000] ^= 1;
+    let mut version = new.clone();
+    version[8] += 1;
+    for wrong in [
+        &damaged[..],
+        &version,
+        &new[..new.len() - 1],
+        b"",
+        b"a file",
+    ] {
+        assert!(matches!(ModelFile::new(wrong), Err(Unfit::Model(_))));
+    }
+    assert!(ModelFile::new(&new).is_ok());
+}
+
+#[test]
+fn a_model_that_is_in_use_is_not_sent_and_a_missing_port_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let flash = flash_of(&five_class());
+    let _board = Powered::on(&link, &flash, &Arc::default());
+    let new = five_class();
+    let file = ModelFile::new(&new).unwrap();
+    let mut reports = Vec::new();
+    install(&link, file, |blocks| reports.push(blocks)).unwrap();
+    assert_eq!(reports, [file.blocks()]);
+    let missing = install("/no/such/port".as_ref(), file, |_| {});
+    assert!(matches!(missing, Err(BoardError::Open { .. })));
+}

@@ -1,0 +1,180 @@
+//! `myointent record` as a process: killed in a session, and on a disk that is full.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitCode, Stdio};
+
+use clap::Parser as _;
+use myointent::cli::Cli;
+use myointent::dataset::synthetic::{self, SynthOptions};
+use myointent::dataset::{LoadOptions, load};
+use shared::units::Sample;
+
+use super::interrupt::address;
+use super::record::{SHORT, assert_equal, reach, recorded, wish};
+use super::viewer::Viewer;
+
+/// A recording to play, a protocol, and a folder to record to.
+struct Bench {
+    folder: tempfile::TempDir,
+    played: PathBuf,
+    samples: Vec<Sample>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let options = SynthOptions {
+            subjects: 1,
+            recordings: 1,
+            seconds: 20,
+            ..SynthOptions::default()
+        };
+        let played = synthetic::write(&options, &folder.path().join("played"))
+            .unwrap()
+            .remove(0);
+        let samples = load(&played, &LoadOptions::default())
+            .unwrap()
+            .recordings
+            .remove(0)
+            .samples;
+        std::fs::write(folder.path().join("short.toml"), SHORT).unwrap();
+        Self {
+            folder,
+            played,
+            samples,
+        }
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+
+    fn journals(&self) -> usize {
+        let files = std::fs::read_dir(self.out().join("anna"))
+            .unwrap()
+            .flatten();
+        files
+            .filter(|file| {
+                file.path()
+                    .extension()
+                    .is_some_and(|ending| ending == "journal")
+            })
+            .count()
+    }
+
+    /// Starts the program, behind some words of a shell; also the address of its page.
+    fn start(&self, shell: &str) -> (Child, String) {
+        let line = format!(
+            "--person anna --speed 16 --listen 127.0.0.1:0 --replay {} --out {} --protocol {}",
+            self.played.display(),
+            self.out().display(),
+            self.folder.path().join("short.toml").display(),
+        );
+        let mut child = Command::new("sh")
+            .args(["-c", &format!("{shell} exec \"$0\" \"$@\"")])
+            .arg(std::env::current_exe().unwrap())
+            .args([
+                "--exact",
+                "record_process::child",
+                "--ignored",
+                "--nocapture",
+            ])
+            .env(CHILD, line)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let url = address(&mut child);
+        (child, url)
+    }
+}
+
+fn last_sample(folder: &Path) -> usize {
+    *recorded(folder).last().unwrap().keys().last().unwrap()
+}
+
+#[test]
+fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps_the_rest() {
+    let bench = Bench::new();
+    let (mut child, url) = bench.start("");
+    let mut viewer = Viewer::connect(&url);
+    viewer.find("samples", |_| true);
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["cue"] == "close");
+    let seen = viewer.find("samples", |_| true)["first"].as_u64().unwrap() as usize;
+    // SIGKILL: nothing can be done any more.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(bench.journals(), 1);
+    let kept = myointent::record::recover(&bench.out().join("anna")).unwrap();
+    assert!(matches!(&kept[..], [(_, Ok(_))]), "{kept:?}");
+    assert_eq!(bench.journals(), 0);
+    assert_equal(&recorded(&bench.out()), &bench.samples);
+    // 16 times as fast as an armband: a line of 20 samples, and what the recorder had not yet been handed.
+    let last = last_sample(&bench.out());
+    assert!(last + 16 * 40 > seen, "{last} of {seen}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
+    let bench = Bench::new();
+    // A limit on the size of files stands for the disk: the journal cannot grow, and the signal is ignored.
+    let (mut child, url) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
+    let mut viewer = Viewer::connect(&url);
+    viewer.find("samples", |_| true);
+    wish(&mut viewer, "begin");
+    let (told, _) = reach(&mut viewer, |message| message["trouble"] != "");
+    let trouble = told["trouble"].as_str().unwrap();
+    assert!(trouble.contains("what was recorded is kept"), "{trouble}");
+    assert_eq!(
+        (&told["phase"], &told["why"]),
+        (&"held".into(), &"disk".into())
+    );
+    let limit = Command::new("prlimit")
+        .args(["--pid", &child.id().to_string(), "--fsize=unlimited"])
+        .status();
+    if !limit.is_ok_and(|status| status.success()) {
+        myointent_tests::skip(
+            "a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing",
+            "no prlimit",
+        );
+        child.kill().unwrap();
+        child.wait().unwrap();
+        return;
+    }
+    viewer.find("session", |message| message["trouble"] == "");
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["cue"] == "close");
+    wish(&mut viewer, "finish");
+    let kept = viewer.find("kept", |_| true);
+    assert!(kept["files"].as_array().unwrap().len() >= 2, "{kept}");
+    let process = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &process])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert!(child.wait().unwrap().success());
+    let files = recorded(&bench.out());
+    assert_equal(&files, &bench.samples);
+    // All up to the moment that the session was held at, which was not written when the disk was full.
+    assert!(files[0].len() > 1000, "{}", files[0].len());
+}
+
+/// Set for the process alone, the rest of its line: somebody may run all ignored tests.
+const CHILD: &str = "MYOINTENT_TEST_RECORD";
+
+#[test]
+#[ignore = "the tests above start it, as a process"]
+fn child() {
+    let Ok(more) = std::env::var(CHILD) else {
+        return;
+    };
+    let line = ["myointent", "record"].into_iter();
+    let line = line.chain(more.split(' '));
+    let code = Cli::try_parse_from(line).unwrap().run();
+    std::process::exit(i32::from(code != ExitCode::SUCCESS));
+}
