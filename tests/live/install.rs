@@ -1,7 +1,7 @@
 //! A model for a board on a pseudo-terminal, whose line is cut at random moments.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -20,6 +20,8 @@ use super::board::terminal;
 use super::shipped;
 
 const REGION: usize = 40 * PAGE_BYTES;
+/// Bytes of a block's line and of its answer, about.
+const BLOCK_LINES: usize = 125;
 
 /// What outlasts a loss of power.
 struct Flash {
@@ -27,39 +29,97 @@ struct Flash {
     journal: [u8; JOURNAL_BYTES],
 }
 
-/// A board at a terminal, until it is dropped: then it has lost its power.
-struct Powered {
+/// A board at a terminal, until it is dropped.
+struct Board {
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    thread: JoinHandle<usize>,
 }
 
-impl Powered {
-    /// `blocks` counts those that reach it.
-    fn on(link: &Path, flash: &Arc<Mutex<Flash>>, blocks: &Arc<AtomicU32>) -> Self {
+impl Board {
+    /// It loses its power after each of `lives`, which are in bytes of its line, both ways: a cut that no load of the machine moves.
+    /// Once they are over it stays on.
+    fn on(link: &Path, flash: Flash, lives: Vec<usize>) -> (Self, Arc<Mutex<Flash>>) {
+        let flash = Arc::new(Mutex::new(flash));
+        let stop = Arc::new(AtomicBool::new(false));
+        let first = Terminal::new(link);
+        let thread = {
+            let (stop, flash, link) = (stop.clone(), flash.clone(), link.to_owned());
+            std::thread::spawn(move || {
+                let mut terminal = first;
+                let mut cuts = 0;
+                let lives = lives.into_iter().chain([usize::MAX]);
+                for life in lives {
+                    run(&mut terminal.line(life), &stop, &flash);
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    cuts += 1;
+                    // The old one is closed first: whoever writes to it learns of the cut.
+                    drop(terminal);
+                    terminal = Terminal::new(&link);
+                }
+                cuts
+            })
+        };
+        (Self { stop, thread }, flash)
+    }
+
+    /// Switches it off: how often it had lost its power.
+    fn off(self) -> usize {
+        self.stop.store(true, Ordering::Relaxed);
+        self.thread.join().unwrap()
+    }
+}
+
+/// Both ends of a pseudo-terminal, and a link to it that outlasts it.
+struct Terminal {
+    master: SerialPort,
+    _slave: SerialPort,
+}
+
+impl Terminal {
+    fn new(link: &Path) -> Self {
         let (mut master, slave) = SerialPort::pair().unwrap();
         master.set_read_timeout(Duration::from_millis(2)).unwrap();
         master.set_write_timeout(Duration::from_millis(20)).unwrap();
         let _ = std::fs::remove_file(link);
         std::os::unix::fs::symlink(terminal(&slave), link).unwrap();
-        let stop = Arc::new(AtomicBool::new(false));
-        let (stopped, flash, blocks) = (stop.clone(), flash.clone(), blocks.clone());
-        let thread = std::thread::spawn(move || {
-            run(&master, &stopped, &flash, &blocks);
-            drop(slave);
-        });
-        let thread = Some(thread);
-        Self { stop, thread }
+        Self {
+            master,
+            _slave: slave,
+        }
+    }
+
+    const fn line(&self, left: usize) -> Line<'_> {
+        Line {
+            port: &self.master,
+            left,
+        }
     }
 }
 
-impl Drop for Powered {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        let _ = self.thread.take().unwrap().join();
+/// What a board reads and writes while it has power.
+struct Line<'t> {
+    port: &'t SerialPort,
+    left: usize,
+}
+
+impl Line<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> usize {
+        let length = buffer.len().min(self.left);
+        let length = self.port.read(&mut buffer[..length]).unwrap_or(0);
+        self.left -= length;
+        length
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        let length = bytes.len().min(self.left);
+        let _ = self.port.write_all(&bytes[..length]);
+        self.left -= length;
     }
 }
 
-fn run(line: &SerialPort, stop: &AtomicBool, flash: &Mutex<Flash>, blocks: &AtomicU32) {
+fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
     let mut installation = Installation::new(REGION as u32);
     let mut reader = CommandReader::new();
     let checksum = |flash: &Flash| {
@@ -68,9 +128,9 @@ fn run(line: &SerialPort, stop: &AtomicBool, flash: &Mutex<Flash>, blocks: &Atom
         Some(u32::from_le_bytes(*checksum))
     };
     let mut in_use = checksum(&flash.lock().unwrap());
-    while !stop.load(Ordering::Relaxed) {
+    while line.left > 0 && !stop.load(Ordering::Relaxed) {
         let mut buffer = [0; 256];
-        let length = line.read(&mut buffer).unwrap_or(0);
+        let length = line.read(&mut buffer);
         for &byte in &buffer[..length] {
             let Some(command) = reader.push(byte) else {
                 continue;
@@ -86,7 +146,6 @@ fn run(line: &SerialPort, stop: &AtomicBool, flash: &Mutex<Flash>, blocks: &Atom
                     begun.map_err(|_| Refusal::Length)
                 }
                 Ok(Command::Block(number, block)) => {
-                    blocks.fetch_add(1, Ordering::Relaxed);
                     let is_ours = |block: &shared::installation::Block| {
                         matches!(Model::parse(&block.0), Err(ModelError::Length { .. }))
                     };
@@ -121,7 +180,7 @@ fn run(line: &SerialPort, stop: &AtomicBool, flash: &Mutex<Flash>, blocks: &Atom
                 Ok(progress) => Answer::Install(progress),
                 Err(refusal) => Answer::Refused(refusal),
             };
-            let _ = line.write_all(answer.to_string().as_bytes());
+            line.write(answer.to_string().as_bytes());
         }
     }
 }
@@ -146,56 +205,32 @@ fn five_class() -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-fn flash_of(model: &[u8]) -> Arc<Mutex<Flash>> {
+fn flash_of(model: &[u8]) -> Flash {
     let mut region = model.to_vec();
     region.resize(REGION, 0xff);
-    Arc::new(Mutex::new(Flash {
+    Flash {
         region,
         journal: [0xff; JOURNAL_BYTES],
-    }))
+    }
 }
 
 #[test]
 fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
-    let flash = flash_of(&shipped());
     let new = five_class();
-    let is_over = Arc::new(AtomicBool::new(false));
-    let power = {
-        let (link, flash, is_over) = (link.clone(), flash.clone(), is_over.clone());
-        let blocks = Arc::new(AtomicU32::new(0));
-        let board = Powered::on(&link, &flash, &blocks);
-        std::thread::spawn(move || {
-            let mut random = ChaCha8Rng::seed_from_u64(17);
-            let mut board = Some(board);
-            let mut cuts = 0;
-            while cuts < 100 && !is_over.load(Ordering::Relaxed) {
-                // A page has 64 blocks and is written again from its start, so about one life in eight finishes one.
-                let last = blocks.load(Ordering::Relaxed) + random.random_range(0..72);
-                while blocks.load(Ordering::Relaxed) < last && !is_over.load(Ordering::Relaxed) {
-                    std::thread::sleep(Duration::from_micros(200));
-                }
-                std::thread::sleep(Duration::from_micros(random.random_range(0..1500)));
-                drop(board.take());
-                cuts += 1;
-                board = Some(Powered::on(&link, &flash, &blocks));
-            }
-            while !is_over.load(Ordering::Relaxed) {
-                std::thread::sleep(Duration::from_millis(10));
-            }
-            cuts
-        })
-    };
     let file = ModelFile::new(&new).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    // A page has 64 blocks and is written again from its start: about one life in twenty is long enough for one.
+    let page = 64 * BLOCK_LINES;
+    let lives = (0..100).map(|_| random.random_range(0..page * 17 / 16));
+    let (board, flash) = Board::on(&link, flash_of(&shipped()), lives.collect());
     let mut seen = 0;
     // The same command again, as a person gives it, where it has given up.
     let installed =
         (0..200).any(|_| install(&link, file, |blocks| seen = seen.max(blocks)).is_ok());
-    is_over.store(true, Ordering::Relaxed);
-    let cuts = power.join().unwrap();
     assert!(installed);
-    assert_eq!(cuts, 100);
+    assert_eq!(board.off(), 100);
     assert_eq!(seen, file.blocks());
     assert!(flash.lock().unwrap().region.starts_with(&new));
 }
@@ -223,9 +258,8 @@ fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
 fn a_model_that_is_in_use_is_not_sent_and_a_missing_port_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
-    let flash = flash_of(&five_class());
-    let _board = Powered::on(&link, &flash, &Arc::default());
     let new = five_class();
+    let (_board, _) = Board::on(&link, flash_of(&new), Vec::new());
     let file = ModelFile::new(&new).unwrap();
     let mut reports = Vec::new();
     install(&link, file, |blocks| reports.push(blocks)).unwrap();
