@@ -41,7 +41,7 @@ mod start;
 mod tasks;
 
 #[cfg(target_os = "none")]
-#[embassy_executor::main]
+#[embassy_executor::main(executor = "board::Executor")]
 async fn main(spawner: embassy_executor::Spawner) {
     stack_guard::start();
     start::start(spawner);

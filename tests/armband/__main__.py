@@ -10,7 +10,7 @@ from armband import Armband, Options
 from event_log import EventLog
 from misbehaviour import Script
 from radio import Radio
-from stream import Recording
+from stream import GrowingRecording, Recording
 
 
 def arguments() -> argparse.Namespace:
@@ -19,6 +19,8 @@ def arguments() -> argparse.Namespace:
                         help="where the central's host finds its controller: unix-server:PATH")
     parser.add_argument("--recording", required=True, type=Path, metavar="FILE.i8",
                         help="raw samples, 8 signed bytes each, 200 a second")
+    parser.add_argument("--follow", action="store_true",
+                        help="the recording grows, and what is appended is streamed as it comes")
     parser.add_argument("--log", required=True, type=Path, metavar="FILE.jsonl",
                         help="log of events, a JSON object a line; the first is `ready`")
     parser.add_argument("--script", type=Path, metavar="FILE.json",
@@ -75,7 +77,8 @@ async def run(chosen: argparse.Namespace) -> None:
     with chosen.log.open("w") as file:
         log = EventLog(file)
         radio = Radio(chosen.address)
-        armband = Armband(radio, Recording.read(chosen.recording), options, log)
+        kind = GrowingRecording if chosen.follow else Recording
+        armband = Armband(radio, kind.read(chosen.recording), options, log)
         await armband.start()
         if chosen.stranger:
             address, rssi = chosen.stranger

@@ -188,7 +188,7 @@ class Armband:
         clock = asyncio.get_running_loop().time
         schedule = Schedule.starting(clock(), self._options.pace)
         lane = self._options.first_lane
-        while self._next < len(self._recording):
+        while await self._recording.has(self._next):
             await asyncio.sleep(schedule.next(clock()))
             while self._radio.congested():
                 await asyncio.sleep(CONGESTION_POLL)

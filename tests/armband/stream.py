@@ -1,7 +1,9 @@
 """The recording as notifications, and the time at which each is due."""
 
+import asyncio
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 # A notification carries two samples of eight channels, one signed byte each.
 NOTIFICATION_BYTES = 16
@@ -10,6 +12,8 @@ INTERVAL = 0.01
 # After a stall of the host at most this many are sent at once; the rest of the recording is late. A
 # longer burst would overrun queues, which a real armband with its few buffers cannot do.
 CATCH_UP = 12
+# Seconds between two looks at a recording that grows.
+GROWTH_POLL = 0.002
 
 
 class Recording:
@@ -26,8 +30,32 @@ class Recording:
         """Number of notifications."""
         return len(self._samples) // NOTIFICATION_BYTES
 
+    async def has(self, n: int) -> bool:
+        """Whether there is such a notification."""
+        return n < len(self)
+
     def notification(self, n: int) -> bytes:
         return self._samples[n * NOTIFICATION_BYTES : (n + 1) * NOTIFICATION_BYTES]
+
+
+class GrowingRecording(Recording):
+    """A file that somebody appends to while it is streamed. It has no end."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        super().__init__(b"")
+        self._file = file
+
+    @classmethod
+    def read(cls, path: Path) -> "GrowingRecording":
+        return cls(path.open("rb"))
+
+    async def has(self, n: int) -> bool:
+        """Waits for it."""
+        while True:
+            self._samples += self._file.read()
+            if n < len(self):
+                return True
+            await asyncio.sleep(GROWTH_POLL)
 
 
 @dataclass

@@ -1,10 +1,12 @@
 """The parts that need no radio."""
 
+import asyncio
+import io
 import unittest
 
 from commands import CommandError, Settings
 from misbehaviour import GARBAGE, Packet, Script, ScriptError, Impairer
-from stream import CATCH_UP, Recording, Schedule
+from stream import CATCH_UP, GrowingRecording, Recording, Schedule
 
 
 class ScheduleTest(unittest.TestCase):
@@ -40,6 +42,24 @@ class RecordingTest(unittest.TestCase):
         recording = Recording(bytes(range(40)))
         self.assertEqual(len(recording), 2)
         self.assertEqual(recording.notification(1), bytes(range(16, 32)))
+
+    def test_what_is_appended_is_waited_for(self):
+        file = io.BytesIO()
+        recording = GrowingRecording(file)
+
+        async def stream() -> bytes:
+            waiting = asyncio.ensure_future(recording.has(1))
+            for part in (bytes(range(20)), bytes(range(20, 32))):
+                await asyncio.sleep(0.01)
+                self.assertFalse(waiting.done())
+                place = file.tell()
+                file.seek(0, io.SEEK_END)
+                file.write(part)
+                file.seek(place)
+            self.assertTrue(await asyncio.wait_for(waiting, 5))
+            return recording.notification(1)
+
+        self.assertEqual(asyncio.run(stream()), bytes(range(16, 32)))
 
 
 class ScriptTest(unittest.TestCase):

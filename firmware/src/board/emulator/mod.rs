@@ -7,6 +7,7 @@ mod button;
 mod clock;
 mod command_port;
 mod dead_man;
+mod executor;
 mod fault;
 mod flash;
 mod hci;
@@ -36,6 +37,7 @@ use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
 pub use button::Button;
 pub use command_port::CommandPort;
 pub use dead_man::DeadMan;
+pub use executor::Executor;
 use uart::Uart;
 pub use watchdog::Watchdog;
 
