@@ -17,6 +17,9 @@ mod install;
 #[cfg(unix)]
 #[path = "live/interrupt.rs"]
 mod interrupt;
+#[cfg(target_os = "linux")]
+#[path = "live/owner.rs"]
+mod owner;
 #[path = "live/page.rs"]
 mod page;
 #[cfg(target_os = "linux")]

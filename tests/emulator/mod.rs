@@ -24,20 +24,34 @@ pub use reader::Reader;
 pub use run::Run;
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
 use shared::units::Sample;
 use xtask::firmware::{self, Image};
 use xtask::{emulator, qemu, toolchain};
 
-/// A lock that lets one run exist at a time: each keeps a core busy, and timing means nothing in an
-/// emulator that has to share one.
-struct Exclusive(#[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
+/// Runs that may exist at a time. A board whose clock is slowed down keeps a tenth of a core busy; timing means nothing in
+/// an emulator that has to wait for one.
+const PLACES: usize = 2;
+static FREE: Mutex<usize> = Mutex::new(PLACES);
+static FREED: Condvar = Condvar::new();
 
-impl Exclusive {
+/// One of the [`PLACES`].
+struct Place(());
+
+impl Place {
     fn wait() -> Self {
-        static LOCK: Mutex<()> = Mutex::new(());
-        Self(LOCK.lock().unwrap_or_else(PoisonError::into_inner))
+        let free = FREE.lock().unwrap_or_else(PoisonError::into_inner);
+        let free = FREED.wait_while(free, |free| *free == 0);
+        *free.unwrap_or_else(PoisonError::into_inner) -= 1;
+        Self(())
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        *FREE.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        FREED.notify_one();
     }
 }
 
@@ -45,13 +59,13 @@ impl Exclusive {
 pub struct Python {
     /// The interpreter.
     pub path: PathBuf,
-    _exclusive: Exclusive,
+    _place: Place,
 }
 
 /// An emulated board and its program.
 pub struct Board {
     image: PathBuf,
-    _exclusive: Exclusive,
+    _place: Place,
 }
 
 /// A board and an armband.
@@ -87,10 +101,10 @@ pub struct Scenario<'s> {
 /// The armband's Python; without it, reports the test `name` as skipped.
 #[must_use]
 pub fn python(name: &str) -> Option<Python> {
-    let exclusive = Exclusive::wait();
+    let place = Place::wait();
     Some(Python {
         path: or_skip(name, emulator::python())?,
-        _exclusive: exclusive,
+        _place: place,
     })
 }
 
@@ -116,14 +130,14 @@ pub fn board(name: &str) -> Option<Board> {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     let toolchain = or_skip(name, toolchain::find(false))?;
     or_skip(name, qemu::find())?;
-    let exclusive = Exclusive::wait();
+    let place = Place::wait();
     let image = IMAGE.get_or_init(|| {
         firmware::build_image(&toolchain, Image::Emulator, false, false)
             .unwrap_or_else(|error| panic!("the emulator's image: {error:#}"))
     });
     Some(Board {
         image: image.clone(),
-        _exclusive: exclusive,
+        _place: place,
     })
 }
 

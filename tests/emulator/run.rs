@@ -18,6 +18,8 @@ use crate::output::{ARMBAND_LOG, LINES, Output};
 
 /// Longest wait. Far more than a healthy run needs, for a machine that is busy with other work.
 const TIMEOUT: Duration = Duration::from_secs(90);
+/// What the armband streams.
+const RECORDING: &str = "recording.i8";
 const POLL: Duration = Duration::from_millis(10);
 
 /// A running armband and machine. Both are killed when it is dropped.
@@ -52,7 +54,7 @@ impl Run {
     fn start_both(self, bench: &Bench, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
         let mut run = self;
         let path = |name: &str| run.folder.path().join(name);
-        let (recording, script) = (path("recording.i8"), path("script.json"));
+        let (recording, script) = (path(RECORDING), path("script.json"));
         std::fs::write(&recording, cast_slice::<[i8; 8], u8>(scenario.samples))?;
         std::fs::write(&script, scenario.script.to_string())?;
         let socket = path("hci");
@@ -124,6 +126,12 @@ impl Run {
     pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
         let machine = self.machine.as_mut().context("no machine")?;
         machine.send(bytes.as_ref())
+    }
+
+    /// The file that the armband streams; with its argument `--follow`, what is appended to it as well.
+    #[must_use]
+    pub fn recording(&self) -> PathBuf {
+        self.folder.path().join(RECORDING)
     }
 
     /// What UART0 writes, from its beginning; more comes while the machine runs.

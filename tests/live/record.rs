@@ -83,7 +83,7 @@ pub fn assert_equal(files: &[BTreeMap<usize, Sample>], source: &[Sample]) -> usi
 }
 
 /// Where pictures of the page are left to be looked at.
-fn pictures() -> PathBuf {
+pub fn pictures() -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("live");
     std::fs::create_dir_all(&folder).unwrap();
     folder

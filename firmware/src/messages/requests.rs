@@ -5,6 +5,7 @@ use embassy_sync::{
 };
 use embassy_time::{Duration, with_timeout};
 use shared::installation::{Block, Progress, Transfer};
+use shared::stream::alignment::Alignment;
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
@@ -35,6 +36,8 @@ pub enum InferenceRequest {
 pub enum InferenceAnswer {
     /// This is accepted.
     Align(AlignCommand),
+    /// This alignment is in force.
+    Alignment(Alignment),
     /// This gate is in force from now on.
     Gate(Gate),
     /// It is done.

@@ -74,6 +74,9 @@ async fn carry_out(command: Command) -> Answer<'static> {
             raw::switch(on);
             Answer::Raw(on)
         }
+        Command::Align(AlignCommand::State) => {
+            ask_inference(InferenceRequest::Align(AlignCommand::State)).await
+        }
         Command::Align(_) | Command::Bind(_) | Command::Gate(_) if model::current().is_none() => {
             Answer::Refused(Refusal::NoModel)
         }
@@ -91,6 +94,7 @@ async fn carry_out(command: Command) -> Answer<'static> {
 async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
     match requests::INFERENCE.ask(request).await {
         Ok(InferenceAnswer::Align(command)) => Answer::Align(command),
+        Ok(InferenceAnswer::Alignment(alignment)) => Answer::Alignment(alignment),
         Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
         // That of another request, which was late.
         Ok(InferenceAnswer::Done) => Answer::Refused(Refusal::Busy),

@@ -162,11 +162,10 @@ pub async fn run(
             }
             Either3::Third(InferenceRequest::Align(command)) => {
                 let done = align(pipeline, command, streams);
-                if done.is_ok() {
+                if let Ok(InferenceAnswer::Align(_)) = done {
                     trigger.requested();
                 }
-                let answer = done.map(|()| InferenceAnswer::Align(command));
-                requests::INFERENCE.answer(answer);
+                requests::INFERENCE.answer(done);
                 enqueue(pipeline, Reports::default());
             }
             Either3::Third(InferenceRequest::Gate(command)) => {
@@ -217,14 +216,15 @@ fn align(
     pipeline: &mut DevicePipeline,
     command: AlignCommand,
     streams: bool,
-) -> Result<(), Refusal> {
+) -> Result<InferenceAnswer, Refusal> {
     match command {
+        AlignCommand::State => return Ok(InferenceAnswer::Alignment(pipeline.alignment())),
         AlignCommand::Begin if !streams => return Err(Refusal::NoStream),
         AlignCommand::Begin => pipeline.begin_alignment(),
         AlignCommand::Cancel => pipeline.cancel_alignment(),
         AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
     }
-    Ok(())
+    Ok(InferenceAnswer::Align(command))
 }
 
 fn set_gate(pipeline: &mut DevicePipeline, command: GateCommand) -> Result<Gate, Refusal> {

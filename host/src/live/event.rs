@@ -3,6 +3,7 @@
 use serde::Serialize;
 use shared::intent::Intent;
 use shared::model::file::Model;
+use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
@@ -183,6 +184,19 @@ impl Event {
             mirrored: report.alignment.mirrored(),
             distance: report.quality.map(|(distance, _)| distance),
             margin: report.quality.map(|(_, margin)| margin),
+        }
+    }
+
+    /// An alignment that was made before, or on a line that was lost.
+    pub(crate) const fn of_placement(at: f64, alignment: Alignment) -> Self {
+        Self::Alignment {
+            at,
+            state: "in-force",
+            gestures: 0,
+            turn: alignment.turn(),
+            mirrored: alignment.mirrored(),
+            distance: None,
+            margin: None,
         }
     }
 

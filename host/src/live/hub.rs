@@ -69,7 +69,7 @@ impl Hub {
         Millis(self.now() as u64 as u32)
     }
 
-    /// Hands all samples, and what becomes of the source, to a recorder as well. What waits for it is not bounded: it takes
+    /// Hands all samples, what becomes of the source and how the armband sits to a recorder as well. What waits for it is not bounded: it takes
     /// less time than the samples do.
     pub(crate) fn record(&self, recorder: Sender<Event>) {
         self.lock().recorder = Some(recorder);
@@ -82,9 +82,11 @@ impl Hub {
         };
         let message: Message = text.into();
         let mut state = self.lock();
-        if let (Some(recorder), Event::Samples { .. } | Event::Source { .. }) =
-            (&state.recorder, event)
-        {
+        let is_taken = matches!(
+            event,
+            Event::Samples { .. } | Event::Source { .. } | Event::Alignment { .. }
+        );
+        if let Some(recorder) = state.recorder.as_ref().filter(|_| is_taken) {
             // A recorder that has ended needs nothing.
             let _ = recorder.send(event.clone());
         }

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use shared::intent::Intent;
+use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
 use super::journal::Entry;
@@ -23,6 +24,8 @@ pub(crate) struct Part {
     pub index: Vec<u32>,
     /// Whether the sample never came.
     pub bridged: Vec<bool>,
+    /// How the armband sat, as the board was aligned.
+    pub placements: Vec<Alignment>,
     /// What was asked for.
     pub cues: Vec<Option<Intent>>,
     /// Attempt; 0 outside.
@@ -73,6 +76,9 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                 }
                 stretch.push(first, &samples);
             }
+            Entry::Placement { turn, mirrored } => {
+                stretch.placement = Alignment::new(*turn, *mirrored);
+            }
             Entry::Break => {
                 take.parts.extend(stretch.end(&mut round));
                 stream = Continuous::default();
@@ -102,6 +108,9 @@ struct Stretch {
     first: u32,
     samples: Vec<Sample>,
     bridged: Vec<bool>,
+    placements: Vec<Alignment>,
+    /// From the next sample on.
+    placement: Alignment,
     cues: Vec<(u32, Option<Intent>, u32)>,
     rounds: Vec<(u32, u32)>,
     /// Of the cues before.
@@ -115,6 +124,7 @@ impl Stretch {
         }
         self.samples.extend_from_slice(samples);
         self.bridged.resize(self.samples.len(), false);
+        self.placements.resize(self.samples.len(), self.placement);
     }
 
     fn bridge(&mut self, missing: u32) {
@@ -122,6 +132,7 @@ impl Stretch {
             let count = self.samples.len() + missing as usize;
             self.samples.resize(count, last);
             self.bridged.resize(count, true);
+            self.placements.resize(count, self.placement);
         }
     }
 
@@ -151,6 +162,7 @@ impl Stretch {
                 part.samples.push(sample);
                 part.index.push(index);
                 part.bridged.push(bridged);
+                part.placements.push(self.placements[place]);
                 part.cues.push(cue);
                 part.trials.push(trial);
             }
@@ -162,6 +174,7 @@ impl Stretch {
             cues,
             rounds,
             carried: (cue, trial),
+            placement: self.placement,
             ..Self::default()
         };
         parts

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use shared::intent::Intent;
+use shared::units::Sample;
 
 use super::assembly::assemble;
 use super::journal::{ENDING, JournalError, open};
@@ -96,8 +97,12 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
             error,
         })?;
         let read = load(&path, &LoadOptions::default())?;
+        let placed = part.placements.iter().zip(&part.samples);
+        let samples: Vec<Sample> = placed
+            .map(|(placement, sample)| placement.apply(*sample))
+            .collect();
         let same = read.recordings.first().is_some_and(|recording| {
-            recording.samples == part.samples && recording.labels == part.labels
+            recording.samples == samples && recording.labels == part.labels
         });
         if !same {
             return Err(KeepError::Unlike { path });

@@ -1,7 +1,8 @@
 //! Recordings as files in ReactEMG's layout, with further columns that readers of that layout ignore.
 //!
 //! `gt` is the label of the muscle. Behind the channels: `sample`, its number in the stream; `cue`, what was asked for; `trial`,
-//! which attempt; `used`, 0 where the trial is not to be used; `bridged`, 1 where the sample never came and repeats the one before.
+//! which attempt; `used`, 0 where the trial is not to be used; `bridged`, 1 where the sample never came and repeats the one before;
+//! `turn` and `mirrored`, how the armband sat, as the board was aligned: the reader turns the channels so, as the board does.
 
 use std::fmt::Write as _;
 
@@ -9,7 +10,7 @@ use shared::intent::Intent;
 use shared::units::CHANNELS;
 
 use super::assembly::{Part, Take};
-use crate::dataset::readers::formats::react_emg::MUSCLE_COLUMN;
+use crate::dataset::readers::formats::react_emg::{MIRRORED_COLUMN, MUSCLE_COLUMN, TURN_COLUMN};
 
 /// The text of one recording; of nobody's muscles if `synthetic`.
 pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
@@ -21,7 +22,9 @@ pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
     } else {
         String::new()
     };
-    let mut text = format!("gt{channels},sample,cue,trial,used,bridged{muscle}\n");
+    let mut text = format!(
+        "gt{channels},sample,cue,trial,used,bridged,{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n"
+    );
     let class = |label: Option<Intent>| match label {
         Some(intent) => intent.class().to_string(),
         None => "-1".to_owned(),
@@ -34,11 +37,14 @@ pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
         }
         let (trial, cue) = (part.trials[place], class(part.cues[place]));
         let used = u8::from(!take.bad.contains_key(&trial));
+        let placement = part.placements[place];
         let bridged = u8::from(part.bridged[place]);
         let _ = write!(
             text,
-            ",{},{cue},{trial},{used},{bridged}",
-            part.index[place]
+            ",{},{cue},{trial},{used},{bridged},{},{}",
+            part.index[place],
+            placement.turn(),
+            u8::from(placement.mirrored())
         );
         if synthetic {
             let _ = write!(text, ",{}", class(part.labels[place]));

@@ -5,6 +5,7 @@
 //! body     = "OK,IDENTIFY," version "," revision "," image "," model "," armband "," firmware "," battery
 //!          | "OK,COUNTERS," number { "," number }      16 of them: the fields of `Counts`, in order
 //!          | "OK,ALIGN," ( "begin" | "cancel" | "set" )
+//!          | "OK,ALIGN,state," turn "," mirrored      as in force
 //!          | "OK,RAW," ( "on" | "off" )
 //!          | "OK,BIND," why-this "," address "," kept
 //!          | "OK,GATE," entry "," other          super::gate
@@ -17,6 +18,8 @@
 //! armband  = address of the armband that is connected | "-"
 //! firmware = its firmware, such as 1.5.1970 | "-"
 //! battery  = its charge in percent | "-"
+//! turn     = "0" ... "7"              places that the armband is turned by
+//! mirrored = "0" | "1"                whether its electrodes run the other way round
 //! why-this = "built-in"               the armband whose address was given when the program was built
 //!          | "bound"                  the armband that is bound
 //!          | "strongest"              none is bound, and the program was built to follow any
@@ -52,13 +55,14 @@ mod reading;
 
 use core::fmt;
 
-use super::command::AlignCommand;
+use super::command::{AlignCommand, Placed};
 use super::gate::Margins;
 use super::install::Missing;
 pub use super::refusal::Refusal;
 use super::write_framed;
 use crate::installation::Progress;
 use crate::myo::{Address, Counters, FirmwareVersion, Following};
+use crate::stream::alignment::Alignment;
 use crate::stream::smoother::Gate;
 
 /// What runs here.
@@ -151,6 +155,8 @@ pub enum Answer<'a> {
     Counts(Counts),
     /// To `ALIGN`: accepted. `$ALIGN` lines say what comes of it.
     Align(AlignCommand),
+    /// To `ALIGN,state`: in force.
+    Alignment(Alignment),
     /// To `RAW`, as it is from now on.
     Raw(bool),
     /// To `BIND`, as it is from now on.
@@ -175,6 +181,10 @@ impl fmt::Display for Answer<'_> {
             Self::Align(command) => {
                 write_framed(formatter, format_args!("OK,ALIGN,{}", command.name()))
             }
+            Self::Alignment(alignment) => write_framed(
+                formatter,
+                format_args!("OK,ALIGN,state,{}", Placed(*alignment)),
+            ),
             Self::Raw(true) => write_framed(formatter, format_args!("OK,RAW,on")),
             Self::Raw(false) => write_framed(formatter, format_args!("OK,RAW,off")),
             Self::Binding(binding) => write_framed(formatter, format_args!("OK,BIND,{binding}")),
@@ -256,7 +266,6 @@ impl fmt::Display for Listed<'_> {
 mod tests {
     use super::*;
     use crate::myo::AddressKind;
-    use crate::stream::alignment::Alignment;
     use alloc::{format, string::ToString};
 
     const IDENTITY: Identity<'_> = Identity {
@@ -323,6 +332,10 @@ mod tests {
             (Answer::Align(AlignCommand::Begin), "OK,ALIGN,begin"),
             (Answer::Align(AlignCommand::Cancel), "OK,ALIGN,cancel"),
             (Answer::Align(set), "OK,ALIGN,set"),
+            (
+                Answer::Alignment(Alignment::new(3, true)),
+                "OK,ALIGN,state,3,1",
+            ),
             (Answer::Raw(true), "OK,RAW,on"),
             (Answer::Raw(false), "OK,RAW,off"),
             (

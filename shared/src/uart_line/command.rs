@@ -6,6 +6,7 @@
 //!          | "COUNTERS"                          what was lost and dropped since the start
 //!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
 //!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
+//!          | "ALIGN,state"                       change nothing
 //!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
 //!          | "BIND,begin"                        pairing: bind the strongest armband of the next 30 s
 //!          | "BIND,set," address                 bind this armband
@@ -90,6 +91,8 @@ pub enum AlignCommand {
     Cancel,
     /// Put this one in force.
     Set(Alignment),
+    /// Say which one is in force.
+    State,
 }
 
 impl AlignCommand {
@@ -100,6 +103,7 @@ impl AlignCommand {
             Self::Begin => "begin",
             Self::Cancel => "cancel",
             Self::Set(_) => "set",
+            Self::State => "state",
         }
     }
 }
@@ -168,21 +172,23 @@ fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
     match arguments {
         "begin" => return Ok(AlignCommand::Begin),
         "cancel" => return Ok(AlignCommand::Cancel),
+        "state" => return Ok(AlignCommand::State),
         _ => {}
     }
-    let placement = arguments.strip_prefix("set,");
-    let (turn, mirrored) = placement
-        .and_then(|placement| placement.split_once(','))
-        .ok_or(Refusal::Arguments)?;
-    let turn = number(turn, "turn").map_err(|_| Refusal::Arguments)?;
-    let turn = u8::try_from(turn).ok().filter(|&turn| turn < 8);
+    let placement = arguments.strip_prefix("set,").and_then(placement);
+    placement.map(AlignCommand::Set).ok_or(Refusal::Arguments)
+}
+
+/// Reads `turn,mirrored`.
+pub(super) fn placement(text: &str) -> Option<Alignment> {
+    let (turn, mirrored) = text.split_once(',')?;
+    let turn = u8::try_from(number(turn, "turn").ok()?).ok()?;
     let mirrored = match mirrored {
         "0" => false,
         "1" => true,
-        _ => return Err(Refusal::Arguments),
+        _ => return None,
     };
-    let turn = turn.ok_or(Refusal::Arguments)?;
-    Ok(AlignCommand::Set(Alignment::new(turn, mirrored)))
+    (turn < 8).then(|| Alignment::new(turn, mirrored))
 }
 
 fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
@@ -198,14 +204,24 @@ fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
     }
 }
 
+/// `turn,mirrored`
+pub(super) struct Placed(pub(super) Alignment);
+
+impl fmt::Display for Placed {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(alignment) = self;
+        let mirrored = u8::from(alignment.mirrored());
+        write!(formatter, "{},{mirrored}", alignment.turn())
+    }
+}
+
 impl fmt::Display for Command {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Identify => write_framed(formatter, format_args!("IDENTIFY")),
             Self::Counters => write_framed(formatter, format_args!("COUNTERS")),
             Self::Align(AlignCommand::Set(alignment)) => {
-                let (turn, mirrored) = (alignment.turn(), u8::from(alignment.mirrored()));
-                write_framed(formatter, format_args!("ALIGN,set,{turn},{mirrored}"))
+                write_framed(formatter, format_args!("ALIGN,set,{}", Placed(*alignment)))
             }
             Self::Align(command) => {
                 write_framed(formatter, format_args!("ALIGN,{}", command.name()))
@@ -449,6 +465,7 @@ mod tests {
             Just(Command::Counters),
             Just(Command::Align(AlignCommand::Begin)),
             Just(Command::Align(AlignCommand::Cancel)),
+            Just(Command::Align(AlignCommand::State)),
             set,
         ]
     }

@@ -138,6 +138,7 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Raw(true),
         Command::Align(AlignCommand::Begin),
         Command::Align(AlignCommand::Set(Alignment::new(5, true))),
+        Command::Align(AlignCommand::State),
         Command::Bind(BindCommand::Set(address(1))),
         Command::Bind(BindCommand::Forget),
         Command::Gate(GateCommand::Set(Gate {

@@ -89,6 +89,8 @@ enum Align {
         #[arg(long)]
         mirrored: bool,
     },
+    /// Say which one is in force.
+    State,
 }
 
 #[derive(Debug, Subcommand)]
@@ -171,6 +173,15 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
         Align::Begin => AlignCommand::Begin,
         Align::Cancel => AlignCommand::Cancel,
         Align::Set { turn, mirrored } => AlignCommand::Set(Alignment::new(turn, mirrored)),
+        Align::State => {
+            let read = |answer: &Answer<'_>| match answer {
+                Answer::Alignment(alignment) => Some(*alignment),
+                _ => None,
+            };
+            let alignment = board.ask(Command::Align(AlignCommand::State), read)?;
+            writeln!(std::io::stdout(), "{}", Placed(alignment))?;
+            return Ok(());
+        }
     };
     let accepted = |answer: &Answer<'_>| matches!(answer, Answer::Align(_)).then_some(());
     board.ask(Command::Align(command), accepted)?;
@@ -189,7 +200,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     };
     match result.state {
         AlignmentState::Aligned => {
-            writeln!(out, "aligned: {}", Placed(&result))?;
+            writeln!(out, "aligned: {}", Placed(result.alignment))?;
             Ok(())
         }
         state => bail!("not aligned, nothing has changed: {}", why(state)),

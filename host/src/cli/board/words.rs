@@ -3,7 +3,8 @@
 use std::fmt;
 
 use shared::myo::Following;
-use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::stream::alignment::Alignment;
+use shared::uart_line::alignment::AlignmentState;
 use shared::uart_line::answer::{Binding, Counts, Identity};
 
 /// Why an alignment did not succeed, and what to do.
@@ -93,11 +94,11 @@ impl fmt::Display for Counted<'_> {
     }
 }
 
-pub(super) struct Placed<'a>(pub(super) &'a AlignmentReport);
+pub(super) struct Placed(pub(super) Alignment);
 
-impl fmt::Display for Placed<'_> {
+impl fmt::Display for Placed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let alignment = self.0.alignment;
+        let Self(alignment) = self;
         match alignment.turn() {
             0 => f.write_str("worn as in training")?,
             turn => write!(f, "turned by {turn} of 8 places")?,

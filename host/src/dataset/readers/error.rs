@@ -61,6 +61,14 @@ pub enum Fault {
         /// The label found.
         found: String,
     },
+    /// A placement of the armband that there is none of.
+    #[error("expected a turn of 0..=7 and mirrored 0 or 1, found {turn} and {mirrored}")]
+    Placement {
+        /// Places that it is turned by.
+        turn: f64,
+        /// Whether it is on the other arm.
+        mirrored: f64,
+    },
     /// An array of another shape or element type.
     #[error("expected an array of {expected}, found {}", excerpt(found))]
     Array {

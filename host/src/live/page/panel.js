@@ -16,6 +16,7 @@ const CAUSES = {
 const ALIGNMENTS = {
   waiting: (found) => `waiting: rest, open the hand wide for a second, rest; ${found} of 2 seen`,
   aligned: () => "aligned",
+  "in-force": () => "in force",
   "poor-distance": () => "not aligned: those were no openings of the hand; nothing changed",
   "poor-margin": () => "not aligned: two placements look alike; nothing changed",
   timeout: () => "not aligned: no two openings of the hand in 30 s; nothing changed",

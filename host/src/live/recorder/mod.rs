@@ -10,13 +10,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use burn::tensor::Device;
+use shared::stream::alignment::Alignment;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::event::Event;
 use super::hub::Hub;
 use super::outcome::Tuning;
 use super::source::{Asked, Stop};
-use crate::record::journal::Journal;
+use crate::record::journal::{Entry, Journal};
 use crate::record::protocol::Protocol;
 use crate::record::session::{Action, Held, Input, Session, View};
 
@@ -74,6 +75,8 @@ struct Running {
     session: Session,
     journal: Option<Journal>,
     told: Option<View>,
+    /// How the armband sits, as the board is aligned.
+    placement: Alignment,
     trouble: String,
     tuning: Option<Receiver<Tuning>>,
 }
@@ -87,6 +90,7 @@ impl Recorder {
             session,
             journal: None,
             told: None,
+            placement: Alignment::NONE,
             trouble: String::new(),
             tuning: None,
         };
@@ -130,8 +134,27 @@ impl Running {
             Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(first), &emg),
             Event::Source {
                 connected: false, ..
-            } => self.handle(now, Input::Hold(Held::SourceLost)),
+            } => {
+                self.place(Alignment::NONE);
+                self.handle(now, Input::Hold(Held::SourceLost));
+            }
+            Event::Alignment { turn, mirrored, .. } => self.place(Alignment::new(turn, mirrored)),
             _ => {}
+        }
+    }
+
+    /// From the next sample on the armband sits so.
+    fn place(&mut self, placement: Alignment) {
+        if self.placement != placement {
+            self.placement = placement;
+            self.write_placement();
+        }
+    }
+
+    fn write_placement(&mut self) {
+        let (turn, mirrored) = (self.placement.turn(), self.placement.mirrored());
+        if let Some(journal) = &mut self.journal {
+            journal.entry(&Entry::Placement { turn, mirrored });
         }
     }
 

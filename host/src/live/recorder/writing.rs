@@ -54,6 +54,7 @@ impl Running {
         match journal {
             Ok(journal) => {
                 self.journal = Some(journal);
+                self.write_placement();
                 self.trouble.clear();
                 true
             }

@@ -2,7 +2,7 @@
 
 use shared::stream::alignment::Alignment;
 use shared::uart_line::answer::Answer;
-use shared::uart_line::command::Command;
+use shared::uart_line::command::{AlignCommand, Command};
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::line::{Line, LineReader};
 use shared::units::{Millis, SampleIndex};
@@ -11,7 +11,7 @@ use crate::live::event::Event;
 
 /// How often the board is asked for its losses.
 const COUNTERS_MS: u32 = 2_000;
-/// How often it is asked what it is: the battery changes slowly.
+/// How often it is asked what it is, and how it is aligned: the battery changes slowly, and a line may have been lost.
 const IDENTIFY_MS: u32 = 10_000;
 /// Without samples for so long the raw stream is asked for again: the board may have restarted.
 const RAW_MS: u32 = 1_000;
@@ -41,6 +41,9 @@ pub(super) struct Dialogue {
     raw: Option<Millis>,
     counters: Option<Millis>,
     identify: Option<Millis>,
+    align: Option<Millis>,
+    /// In force, as far as it is known.
+    alignment: Option<Alignment>,
     /// Number of the next line.
     number: Option<u32>,
     /// Index of the next sample.
@@ -68,6 +71,8 @@ impl Dialogue {
             raw: None,
             counters: None,
             identify: None,
+            align: None,
+            alignment: None,
             number: None,
             next: None,
             losses,
@@ -97,6 +102,10 @@ impl Dialogue {
         if due(self.identify, IDENTIFY_MS) {
             self.identify = Some(now);
             return Some(Command::Identify);
+        }
+        if due(self.align, IDENTIFY_MS) {
+            self.align = Some(now);
+            return Some(Command::Align(AlignCommand::State));
         }
         if due(self.samples, RAW_MS) && due(self.raw, RAW_MS) {
             self.raw = Some(now);
@@ -149,6 +158,8 @@ impl Dialogue {
             let restarted = self.number.is_some_and(|next| is_before(number, next));
             if restarted {
                 self.next = None;
+                self.align = None;
+                self.alignment = None;
                 output(Heard::Restart);
             } else {
                 let missing = self.number.map_or(0, |next| number.wrapping_sub(next));
@@ -157,7 +168,16 @@ impl Dialogue {
             self.number = Some(number.wrapping_add(1));
         }
         if let Some(alignment) = news.alignment {
+            self.alignment = Some(alignment);
             output(Heard::Alignment(alignment));
+        }
+        // Made before this program looked, or on a line that was lost.
+        if let Some((at, alignment)) = news.placement
+            && self.alignment != Some(alignment)
+        {
+            self.alignment = Some(alignment);
+            output(Heard::Alignment(alignment));
+            output(Heard::Event(Event::of_placement(at, alignment)));
         }
         if let Some(report) = news.emg {
             self.samples = Some(now);
@@ -189,6 +209,8 @@ struct News {
     number: Option<u32>,
     emg: Option<EmgReport>,
     alignment: Option<Alignment>,
+    /// The answer to the question for it, and when it came.
+    placement: Option<(f64, Alignment)>,
     event: Option<Event>,
 }
 
@@ -216,6 +238,10 @@ impl News {
                 }),
                 ..Self::default()
             },
+            Line::Answer(Answer::Alignment(alignment)) => Self {
+                placement: Some((at, alignment)),
+                ..Self::default()
+            },
             Line::Answer(answer) => Self {
                 event: Self::of_answer(answer, at),
                 ..Self::default()
@@ -240,6 +266,7 @@ impl News {
                 text: format!("the board refuses: {why}"),
             }),
             Answer::Align(_)
+            | Answer::Alignment(_)
             | Answer::Raw(_)
             | Answer::Binding(_)
             | Answer::Gate(_)

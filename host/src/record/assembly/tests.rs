@@ -58,6 +58,32 @@ fn every_sample_has_the_cue_of_its_index_wherever_that_is_written() {
 }
 
 #[test]
+fn each_sample_has_the_placement_that_was_in_force_when_it_came() {
+    let turned = Entry::Placement {
+        turn: 3,
+        mirrored: false,
+    };
+    let entries = [
+        Entry::Round { number: 1, at: 0 },
+        cue(0, R, 1),
+        quiet(0, 20),
+        turned,
+        // Three are bridged: nothing is known of them.
+        quiet(23, 20),
+        // A gap: another recording, and the same placement.
+        quiet(100, 20),
+    ];
+    let take = assemble(&entries);
+    let [first, second] = &take.parts[..] else {
+        panic!("{take:?}");
+    };
+    let placed = Alignment::new(3, false);
+    assert_eq!(first.placements[..20], [Alignment::NONE; 20]);
+    assert_eq!(first.placements[20..], [placed; 23]);
+    assert_eq!(second.placements, [placed; 20]);
+}
+
+#[test]
 fn five_missing_samples_are_bridged_and_said_and_six_begin_another_recording() {
     let entries = |second| {
         [

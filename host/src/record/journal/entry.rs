@@ -49,6 +49,13 @@ pub enum Entry {
         /// The samples.
         emg: String,
     },
+    /// How the armband sits from the next sample on, as the board was aligned to it.
+    Placement {
+        /// Places that it is turned by.
+        turn: u8,
+        /// Whether it is on the other arm.
+        mirrored: bool,
+    },
     /// What follows does not continue what was before.
     Break,
     /// A round begins.

@@ -3,7 +3,7 @@
 use super::{Answer, Binding, Counts, Identity, Refusal};
 use crate::myo::{Address, Counters, FirmwareVersion, Following};
 use crate::stream::alignment::Alignment;
-use crate::uart_line::command::AlignCommand;
+use crate::uart_line::command::{AlignCommand, placement};
 use crate::uart_line::gate::gate;
 use crate::uart_line::install::progress;
 use crate::uart_line::{ParseError, fields, framed, hexadecimal, number};
@@ -38,6 +38,10 @@ impl<'a> Answer<'a> {
             "IDENTIFY" => identity(body).map(Self::Identity),
             "COUNTERS" => counts(body).map(Self::Counts),
             "ALIGN" => {
+                if let Some(state) = body.strip_prefix("OK,ALIGN,state,") {
+                    let alignment = placement(state).ok_or(wrong("align"))?;
+                    return Ok(Self::Alignment(alignment));
+                }
                 let [_, _, name] = fields(body)?;
                 let known = [
                     AlignCommand::Begin,
@@ -402,6 +406,8 @@ mod tests {
             Just(Answer::Align(AlignCommand::Begin)),
             Just(Answer::Align(AlignCommand::Cancel)),
             Just(Answer::Align(AlignCommand::Set(Alignment::NONE))),
+            (0_u8..8, any::<bool>())
+                .prop_map(|(turn, mirrored)| Answer::Alignment(Alignment::new(turn, mirrored))),
         ]
     }
 

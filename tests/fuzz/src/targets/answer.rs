@@ -61,11 +61,12 @@ fn answer(input: &mut Input<'_>) -> Answer<'static> {
             lines_dropped: input.word(),
             emg_dropped: input.word(),
         }),
-        2 => Answer::Align(match input.below(3) {
-            0 => AlignCommand::Begin,
-            1 => AlignCommand::Cancel,
-            _ => AlignCommand::Set(Alignment::new(input.byte(), input.flag())),
-        }),
+        2 => match input.below(4) {
+            0 => Answer::Align(AlignCommand::Begin),
+            1 => Answer::Align(AlignCommand::Cancel),
+            2 => Answer::Align(AlignCommand::Set(Alignment::new(input.byte(), input.flag()))),
+            _ => Answer::Alignment(Alignment::new(input.byte(), input.flag())),
+        },
         3 => Answer::Raw(input.flag()),
         4 => Answer::Binding(Binding {
             following: match input.below(5) {

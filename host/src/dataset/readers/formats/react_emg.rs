@@ -6,11 +6,13 @@
 //! and of no known set, are read where they are the only file asked for.
 //!
 //! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, except
-//! [`MUSCLE_COLUMN`], which marks synthetic recordings.
+//! [`MUSCLE_COLUMN`], which marks synthetic recordings, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as
+//! a board turns them that was aligned so.
 
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
@@ -24,6 +26,12 @@ use crate::dataset::recording::{DataSet, Recording};
 /// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
 pub(crate) const MUSCLE_COLUMN: &str = "synthetic_muscle";
 
+/// Column of recordings by `myointent record`: places that the armband is turned by, as the board was aligned.
+pub(crate) const TURN_COLUMN: &str = "turn";
+
+/// The same: 1 if it is on the other arm.
+pub(crate) const MIRRORED_COLUMN: &str = "mirrored";
+
 /// Note of a recording of an unknown person.
 const UNNAMED: &str =
     "whose recording this is is not known: expected a path like s3/s3_grasp_1.csv";
@@ -33,6 +41,8 @@ struct Columns {
     label: usize,
     channels: [usize; CHANNELS],
     synthetic: bool,
+    /// Of the turn and of whether it is mirrored.
+    placement: Option<[usize; 2]>,
     count: usize,
 }
 
@@ -49,6 +59,9 @@ impl Columns {
             label: position("gt")?,
             channels,
             synthetic: position(MUSCLE_COLUMN).is_some(),
+            placement: position(TURN_COLUMN)
+                .zip(position(MIRRORED_COLUMN))
+                .map(Into::into),
             count: names.len(),
         })
     }
@@ -81,7 +94,16 @@ pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
             *count = number(column)?;
         }
         let at_line = |fault| Damage::at_line(line, fault);
-        samples.push(table::sample(&counts, columns.channels[0] + 1).map_err(at_line)?);
+        let sample = table::sample(&counts, columns.channels[0] + 1).map_err(at_line)?;
+        let placement = match columns.placement {
+            None => Alignment::NONE,
+            Some([turn, mirrored]) => {
+                let (turn, mirrored) = (number(turn)?, number(mirrored)?);
+                placement(turn, mirrored)
+                    .ok_or_else(|| at_line(Fault::Placement { turn, mirrored }))?
+            }
+        };
+        samples.push(placement.apply(sample));
         labels.push(from_number(number(columns.label)?).map_err(at_line)?);
     }
     let data_set = if columns.synthetic {
@@ -90,6 +112,14 @@ pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
         DataSet::ReactEmg
     };
     recording(path, data_set, samples, labels)
+}
+
+/// One of the 16 placements.
+fn placement(turn: f64, mirrored: f64) -> Option<Alignment> {
+    let places = 0..CHANNELS as u8;
+    let turn = places.into_iter().find(|&place| f64::from(place) == turn)?;
+    let mirrored = [0.0, 1.0].iter().position(|&known| known == mirrored)?;
+    Some(Alignment::new(turn, mirrored == 1))
 }
 
 /// Whether an array has the layout's shape, label and eight channels, and labels in most of its first rows.
@@ -195,6 +225,31 @@ mod tests {
             (recording.subject.as_str(), recording.notes.len()),
             ("react-emg/s4", 1)
         );
+    }
+
+    #[test]
+    fn channels_are_turned_as_the_board_was_aligned() {
+        let header = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,turn,mirrored\n";
+        let read = |rows: &str| {
+            let text = format!("{header}{rows}");
+            read_csv(Path::new("/d/anna/anna_1.csv"), &text)
+        };
+        let rows = "0,0,1,2,3,4,5,6,7,0,0\n0,0,1,2,3,4,5,6,7,3,0\n0,0,1,2,3,4,5,6,7,3,1\n";
+        let expected = [
+            [0, 1, 2, 3, 4, 5, 6, 7],
+            [3, 4, 5, 6, 7, 0, 1, 2],
+            [3, 2, 1, 0, 7, 6, 5, 4],
+        ];
+        assert_eq!(read(rows).unwrap().samples, expected);
+        for wrong in ["8,0", "-1,0", "0.5,0", "0,2"] {
+            let fault = read(&format!("0,0,1,2,3,4,5,6,7,{wrong}\n"))
+                .unwrap_err()
+                .fault;
+            assert!(
+                matches!(fault, Fault::Placement { .. }),
+                "{wrong}: {fault:?}"
+            );
+        }
     }
 
     #[test]

@@ -97,6 +97,7 @@ fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
     }
     let expected = [
         (0, Command::Identify),
+        (0, Command::Align(AlignCommand::State)),
         (0, Command::Raw(true)),
         (0, Command::Counters),
         (1_000, Command::Raw(true)),
@@ -106,6 +107,30 @@ fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
     assert_eq!(asked, expected);
     let later = dialogue.command(Millis(IDENTIFY_MS));
     assert_eq!(later, Some(Command::Identify));
+}
+
+#[test]
+fn an_alignment_that_was_made_before_is_told_once_and_asked_for_again_after_a_restart() {
+    let mut dialogue = dialogue();
+    let alignment = Alignment::new(3, false);
+    let answer = Answer::Alignment(alignment).to_string();
+    let answer = answer.as_bytes();
+    let told = [
+        Heard::Alignment(alignment),
+        Heard::Event(Event::of_placement(0.0, alignment)),
+    ];
+    let found = |dialogue: &mut Dialogue| {
+        let mut all = heard(dialogue, answer);
+        all.retain(|heard| !matches!(heard, Heard::Event(Event::Line { .. })));
+        all
+    };
+    assert_eq!(found(&mut dialogue), told);
+    assert_eq!(found(&mut dialogue), []);
+    while dialogue.command(Millis(0)).is_some() {}
+    heard(&mut dialogue, [report(7), report(0)].concat().as_bytes());
+    let next = dialogue.command(Millis(1));
+    assert_eq!(next, Some(Command::Align(AlignCommand::State)));
+    assert_eq!(found(&mut dialogue), told);
 }
 
 #[test]

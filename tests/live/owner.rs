@@ -1,0 +1,308 @@
+//! The owner's loop without hardware: an armband that sits turned by three places, the emulated board, a pseudo-terminal, and the
+//! page in a browser; aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
+
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use bytemuck::cast_slice;
+use myointent::board::{ModelFile, install};
+use myointent::cli::arguments::BackendArguments;
+use myointent::dataset::synthetic::Follower;
+use myointent::live::{self, Live, Options, RecordOptions, Source};
+use myointent::record::protocol::Protocol;
+use myointent_tests::emulator::{Run, Scenario, bench};
+use serde_json::json;
+use serial2::SerialPort;
+use shared::intent::Intent;
+use shared::myo::Address;
+use shared::myo::binding::to_record;
+use shared::stream::alignment::Alignment;
+use shared::units::Sample;
+
+use super::board::terminal;
+use super::browser::Browser;
+use super::record::{SHORT, pictures};
+use super::shipped;
+use super::viewer::Viewer;
+
+/// The guest's clock is so many times slower than real time: half of a pause of a busy machine is left of it.
+const TIME_SCALE: u32 = 2;
+/// How the armband sits.
+const TURNED: Alignment = Alignment::new(3, false);
+/// Samples of a notification, and guest's time from one to the next.
+const PAIR: Duration = Duration::from_millis(10);
+/// For a machine that is busy with other work.
+const PATIENCE: Duration = Duration::from_secs(240);
+
+/// Guest's time.
+fn wait(seconds: f64) {
+    std::thread::sleep(Duration::from_secs_f64(seconds * f64::from(TIME_SCALE)));
+}
+
+/// A thread that works until it is told to stop, and what it gives then.
+struct Working<T> {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<T>>,
+}
+
+impl<T: Send + 'static> Working<T> {
+    fn start(work: impl FnOnce(&AtomicBool) -> T + Send + 'static) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let thread = Some(std::thread::spawn(move || work(&stopped)));
+        Self { stop, thread }
+    }
+
+    fn stop(mut self) -> T {
+        self.stop.store(true, Ordering::Relaxed);
+        self.thread.take().unwrap().join().unwrap()
+    }
+}
+
+/// A test that fails ends what it has started.
+impl<T> Drop for Working<T> {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Somebody who wears the armband, and does what is asked for.
+#[derive(Clone)]
+struct Wearer(Arc<Mutex<Intent>>);
+
+impl Wearer {
+    fn asked(&self, intent: Intent) {
+        *self.0.lock().unwrap() = intent;
+    }
+
+    /// Opens the hand for two seconds, with rest before.
+    fn open(&self) {
+        self.asked(Intent::Relax);
+        wait(2.0);
+        self.asked(Intent::Open);
+        wait(2.0);
+        self.asked(Intent::Relax);
+    }
+
+    /// Appends the samples of the muscles to the armband's recording, at its rate; gives what was asked for at each.
+    fn wear(&self, mut recording: File) -> Working<Vec<Intent>> {
+        let Self(asked) = self.clone();
+        Working::start(move |stop| {
+            let mut person = Follower::new("anna");
+            let mut done = Vec::new();
+            let began = Instant::now();
+            while !stop.load(Ordering::Relaxed) {
+                let pairs = began.elapsed().as_millis() / (PAIR * TIME_SCALE).as_millis();
+                let mut samples: Vec<Sample> = Vec::new();
+                while (done.len() as u128) < 2 * pairs {
+                    let intent = *asked.lock().unwrap();
+                    samples.push(TURNED.inverse().apply(person.sample(intent)));
+                    done.push(intent);
+                }
+                recording
+                    .write_all(cast_slice::<Sample, u8>(&samples))
+                    .unwrap();
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            done
+        })
+    }
+
+    /// Does what the page asks for, until the program ends.
+    fn follow(&self, live: &Live) -> JoinHandle<()> {
+        let (wearer, mut page) = (self.clone(), Viewer::connect(live.url()));
+        std::thread::spawn(move || {
+            while let Some(message) = page.next() {
+                if message["type"] == "session" {
+                    let cue = message["cue"].as_str().and_then(Intent::from_name);
+                    wearer.asked(cue.unwrap_or(Intent::Relax));
+                }
+            }
+        })
+    }
+}
+
+/// Carries bytes between the emulated board and a terminal.
+fn bridge(mut run: Run, line: SerialPort) -> Working<Run> {
+    Working::start(move |stop| {
+        let mut labels = run.open_labels().unwrap();
+        while !stop.load(Ordering::Relaxed) {
+            let mut bytes = Vec::new();
+            labels.read_to_end(&mut bytes).unwrap();
+            // Nobody may be there to read.
+            let _ = line.write_all(&bytes);
+            let mut buffer = [0; 256];
+            if let Ok(length) = line.read(&mut buffer) {
+                run.send(&buffer[..length]).unwrap();
+            }
+        }
+        run
+    })
+}
+
+fn start(port: &Path, model: &[u8], record: Option<RecordOptions>) -> Live {
+    live::start(Options {
+        source: Source::Port(port.to_owned()),
+        model: Some(model.to_vec()),
+        listen: "127.0.0.1:0".parse().unwrap(),
+        record,
+    })
+    .unwrap()
+}
+
+/// Waits for an expression of the page, for a long time.
+fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut Browser)) {
+    let end = Instant::now() + PATIENCE;
+    while browser.value(expression) != true {
+        assert!(
+            Instant::now() < end,
+            "{expression}: {}",
+            browser.text("session")
+        );
+        meanwhile(browser);
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
+#[test]
+fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
+    let name = "from_a_turned_armband_to_ones_own_model_on_the_board";
+    let (Some(bench), Some(mut browser)) = (bench(name), Browser::start(name)) else {
+        return Ok(());
+    };
+    let folder = tempfile::tempdir()?;
+    let armband = Address::parse("FA:12:34:56:78:9A")?;
+    let mut run = bench.start(&Scenario {
+        model: &shipped(),
+        page: Some(to_record(armband).to_vec()),
+        samples: &[],
+        time_scale: TIME_SCALE,
+        // What is late catches up.
+        pace: 1.0,
+        fault: None,
+        script: json!([]),
+        arguments: vec!["--follow".to_owned()],
+    })?;
+    run.wait_for("the stream", |run| run.event_count("mode") > 0)?;
+    let wearer = Wearer(Arc::new(Mutex::new(Intent::Relax)));
+    let worn = wearer.wear(File::options().append(true).open(run.recording())?);
+    let (mut master, slave) = SerialPort::pair()?;
+    master.set_read_timeout(Duration::from_millis(2))?;
+    master.set_write_timeout(Duration::from_millis(20))?;
+    let port = terminal(&slave);
+    let line = bridge(run, master);
+
+    // See it, and align it.
+    let protocol = Protocol::parse("short.toml", SHORT)?;
+    let live = start(
+        &port,
+        &shipped(),
+        Some(RecordOptions {
+            folder: folder.path().to_owned(),
+            person: "anna".to_owned(),
+            protocol,
+            model: "models/three-class.intent".into(),
+            device: BackendArguments { backend: None }.device()?,
+            speed: 1,
+        }),
+    );
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
+    reach(&mut browser, valid, |_| {});
+    browser.press("a");
+    let placed = "document.getElementById('placement').textContent";
+    let waiting = "document.getElementById('align').getAttribute('aria-pressed') === 'true'";
+    reach(&mut browser, waiting, |_| {});
+    let ended = "document.getElementById('align').getAttribute('aria-pressed') === 'false'";
+    reach(&mut browser, ended, |_| wearer.open());
+    let text = browser.value(placed);
+    assert!(
+        text.as_str()
+            .is_some_and(|text| text.starts_with("turned by 3 places; aligned")),
+        "{text}"
+    );
+    wearer.asked(Intent::Open);
+    wait(1.5);
+    browser.screenshot(&pictures().join("owner-aligned.png"));
+    wearer.asked(Intent::Relax);
+
+    // Record it, and tune a model on it.
+    let follows = wearer.follow(&live);
+    let phase =
+        |phase: &str| format!("document.getElementById('session').dataset.phase === '{phase}'");
+    browser.wait_for(&phase("waiting"));
+    browser.press("Enter");
+    let fist = "document.getElementById('task').textContent === 'Make a fist'";
+    let go_on = |browser: &mut Browser| {
+        if browser.value(&phase("held")) == true {
+            browser.press("Enter");
+        }
+    };
+    reach(&mut browser, fist, go_on);
+    wait(1.0);
+    browser.screenshot(&pictures().join("owner-session.png"));
+    reach(&mut browser, &phase("over"), go_on);
+    browser.wait_for("!document.getElementById('result').hidden");
+    let verdict = browser.text("verdict");
+    assert!(
+        verdict.starts_with("Good enough"),
+        "{}",
+        browser.text("result")
+    );
+    browser.press("t");
+    browser.wait_for("Boolean(document.getElementById('tuned').dataset.state)");
+    let state = "document.getElementById('tuned').dataset.state";
+    reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
+    assert_eq!(browser.value(state), "better", "{}", browser.text("tuned"));
+    assert!(browser.text("commands").contains("myointent board --port"));
+    browser.screenshot(&pictures().join("owner-tuned.png"));
+    assert_eq!(browser.complaints, [""; 0]);
+    live.stop()?;
+    follows.join().unwrap();
+
+    // On the board, without a restart.
+    let tuned = std::fs::read(folder.path().join("anna/anna.intent"))?;
+    let file = ModelFile::new(&tuned)?;
+    install(&port, file, |_| {})?;
+
+    // And right, on an armband that is aligned as before.
+    let live = start(&port, &tuned, None);
+    browser.open(live.url());
+    // While no program ran, the page looked for it.
+    browser.complaints.clear();
+    reach(&mut browser, valid, |_| {});
+    let text = browser.value(placed);
+    assert!(
+        text.as_str()
+            .is_some_and(|text| text.starts_with("turned by 3 places")),
+        "{text}"
+    );
+    let shown = "document.getElementById('label').textContent.toLowerCase()";
+    for intent in [Intent::Open, Intent::Close, Intent::Open, Intent::Close] {
+        for asked in [intent, Intent::Relax] {
+            wearer.asked(asked);
+            let is_shown = format!("{shown} === '{}'", asked.name());
+            browser.wait_for(&is_shown);
+            wait(1.5);
+            assert_eq!(browser.value(&is_shown), true, "{}", browser.text("label"));
+        }
+    }
+    wearer.asked(Intent::Close);
+    wait(1.5);
+    browser.screenshot(&pictures().join("owner-own-model.png"));
+    assert_eq!(browser.complaints, [""; 0]);
+    live.stop()?;
+    worn.stop();
+    let run = line.stop();
+    assert_eq!(run.lines_by_start()?.len(), 1, "the board restarted");
+    Ok(())
+}
