@@ -107,7 +107,7 @@ async fn suspend() -> bool {
 
 /// Whether the region holds a model that can be run. Says so if not.
 async fn verify() -> bool {
-    let Err(error) = model_region::load() else {
+    let Err(error) = model_region::load(&mut |_| ()) else {
         return true;
     };
     let refused = InferenceRequest::Refuse(error);

@@ -39,20 +39,21 @@ pub struct Loaded {
     pub checksum: u32,
 }
 
-/// Reads the region. Nothing that this gives may be used once an installation has asked for its end.
+/// Reads the region and hands over what is in it, which may not be used once an installation has asked for its end.
 ///
 /// # Errors
 /// Says why the model cannot be run.
-// Not inlined: its stack frame is released before anything else runs.
+// Handed over, not returned: what is read and what takes it are large, and are not on the stack at the same time. Not
+// inlined: its stack frame is released before anything else runs.
 #[inline(never)]
-pub fn load() -> Result<Loaded, ModelRefused> {
+pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
     let bytes = bytes();
     let model = Model::parse(bytes)?;
     // The file ends with it.
     let checksum = bytes[..model.length].last_chunk();
     let encoder = DeviceEncoder::new(&model)?;
     let settings = model.header.smoother.in_patches();
-    Ok(Loaded {
+    take(Loaded {
         smoother: Smoother::new(settings, encoder.classes())?,
         encoder,
         input: Input {
@@ -60,7 +61,8 @@ pub fn load() -> Result<Loaded, ModelRefused> {
             template: model.header.template,
         },
         checksum: checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes)),
-    })
+    });
+    Ok(())
 }
 
 /// What the journal says of an installation that is not complete.

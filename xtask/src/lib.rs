@@ -19,6 +19,7 @@ mod pages;
 pub mod qemu;
 pub mod size;
 pub mod stack;
+pub mod stack_chain;
 pub mod symbols;
 pub mod toolchain;
 pub mod vectors;

@@ -67,18 +67,17 @@ fn fresh(reason: ResetReason) -> &'static mut DevicePipeline {
 }
 
 /// Puts the model in flash in use.
-// Not inlined: its stack frame is released before anything else runs.
-#[inline(never)]
 fn resume(pipeline: &mut DevicePipeline) -> Result<(), ModelRefused> {
-    let Loaded {
-        encoder,
-        smoother,
-        input,
-        checksum,
-    } = model_region::load()?;
-    pipeline.resume(now(), encoder, smoother, input);
-    model::set(Some(checksum));
-    Ok(())
+    model_region::load(&mut |loaded| {
+        let Loaded {
+            encoder,
+            smoother,
+            input,
+            checksum,
+        } = loaded;
+        pipeline.resume(now(), encoder, smoother, input);
+        model::set(Some(checksum));
+    })
 }
 
 fn start(reason: ResetReason) -> Start {

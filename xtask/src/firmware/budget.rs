@@ -16,11 +16,41 @@ const STACK_GUARD: u64 = 2 * 256 + 255;
 /// Least bytes that must be left for the stack.
 pub const STACK_BUDGET: u64 = 12 * 1024;
 
+/// Least bytes of RAM that nothing uses, below the deepest chain of calls.
+const SPARE: u64 = 6 * 1024;
+
+/// What an image takes.
+#[derive(Clone, Copy)]
+pub struct Row {
+    /// Which one.
+    pub image: Image,
+    /// Of flash and RAM.
+    pub size: Size,
+    /// Bytes of its deepest chain of calls.
+    pub chain: u64,
+}
+
+impl Row {
+    /// Bytes of RAM that are left for the stack.
+    const fn left(&self) -> u64 {
+        self.image
+            .ram()
+            .saturating_sub(self.size.ram() + STACK_GUARD)
+    }
+
+    /// Bytes of RAM that nothing uses.
+    const fn spare(&self) -> u64 {
+        self.left()
+            .saturating_sub(self.chain + self.image.softdevice_stack())
+    }
+}
+
 /// Fails where an image is over a budget.
 ///
 /// # Errors
 /// Says which budget, and by how much.
-pub fn check(image: Image, size: Size) -> Result<()> {
+pub fn check(row: &Row) -> Result<()> {
+    let &Row { image, size, .. } = row;
     ensure!(
         size.own_flash() <= FLASH_BUDGET,
         "{image}: {} bytes of flash, the controller's excluded; the budget is {FLASH_BUDGET}",
@@ -37,13 +67,19 @@ pub fn check(image: Image, size: Size) -> Result<()> {
         size.ram(),
         image.ram()
     );
+    ensure!(
+        row.spare() >= SPARE,
+        "{image}: {} bytes of RAM are spare below the deepest chain of calls, which takes {}; they must be {SPARE}",
+        row.spare(),
+        row.chain
+    );
     Ok(())
 }
 
 /// The table of `cargo xtask images`.
 pub struct Table<'r> {
     /// The images with their sizes.
-    pub rows: &'r [(Image, Size)],
+    pub rows: &'r [Row],
     /// Bytes of the deepest stack that the emulated board used; the tasks are the same in every
     /// image.
     pub stack: Option<u64>,
@@ -57,16 +93,17 @@ impl fmt::Display for Table<'_> {
             .map_or_else(|| "-".to_owned(), |used| format!("{:.1}", kib(used)));
         writeln!(
             f,
-            "| image, KiB    | code  | constants | flash | controller | own   | of  | static RAM | of  | left for the stack | stack measured |"
+            "| image, KiB    | code  | constants | flash | controller | own   | of  | static RAM | of  | left for the stack | stack measured | deepest chain | spare |"
         )?;
         writeln!(
             f,
-            "|---------------|-------|-----------|-------|------------|-------|-----|------------|-----|--------------------|----------------|"
+            "|---------------|-------|-----------|-------|------------|-------|-----|------------|-----|--------------------|----------------|---------------|-------|"
         )?;
-        for &(image, size) in self.rows {
+        for row in self.rows {
+            let &Row { image, size, chain } = row;
             writeln!(
                 f,
-                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:10.1} | {:5.1} | {:3} | {:10.1} | {:3} | {:18.1} | {stack:>14} |",
+                "| {image:13} | {:5.1} | {:9.1} | {:5.1} | {:10.1} | {:5.1} | {:3} | {:10.1} | {:3} | {:18.1} | {stack:>14} | {:13.1} | {:5.1} |",
                 kib(size.text),
                 kib(size.rodata),
                 kib(size.flash()),
@@ -75,7 +112,9 @@ impl fmt::Display for Table<'_> {
                 FLASH_BUDGET / 1024,
                 kib(size.ram()),
                 RAM_BUDGET / 1024,
-                kib(image.ram().saturating_sub(size.ram() + STACK_GUARD)),
+                kib(row.left()),
+                kib(chain),
+                kib(row.spare()),
             )?;
         }
         Ok(())
@@ -86,6 +125,14 @@ impl fmt::Display for Table<'_> {
 mod tests {
     use super::*;
 
+    fn row(image: Image, size: Size) -> Row {
+        Row {
+            image,
+            size,
+            chain: 0,
+        }
+    }
+
     #[test]
     fn the_budget_counts_initial_values_twice_and_admits_its_last_byte() {
         let full = Size {
@@ -95,14 +142,14 @@ mod tests {
             bss: RAM_BUDGET - 10,
             controller: 0,
         };
-        let image = Image::Nrf52840S140;
-        assert!(check(image, full).is_ok());
-        assert!(check(image, Size { rodata: 1, ..full }).is_err());
+        let check = |size| check(&row(Image::Nrf52840S140, size));
+        assert!(check(full).is_ok());
+        assert!(check(Size { rodata: 1, ..full }).is_err());
         let more = Size {
             bss: full.bss + 1,
             ..full
         };
-        assert!(check(image, more).is_err());
+        assert!(check(more).is_err());
     }
 
     #[test]
@@ -111,7 +158,15 @@ mod tests {
             bss: Image::Nrf52832S132.ram() - STACK_GUARD - stack,
             ..Size::default()
         };
-        assert!(check(Image::Nrf52832S132, left(STACK_BUDGET)).is_ok());
-        assert!(check(Image::Nrf52832S132, left(STACK_BUDGET - 1)).is_err());
+        let small = |stack| row(Image::Nrf52832S132, left(stack));
+        assert!(check(&small(STACK_BUDGET)).is_ok());
+        assert!(check(&small(STACK_BUDGET - 1)).is_err());
+        let chain = STACK_BUDGET - 1536 - SPARE;
+        let deep = |chain| Row {
+            chain,
+            ..small(STACK_BUDGET)
+        };
+        assert!(check(&deep(chain)).is_ok());
+        assert!(check(&deep(chain + 1)).is_err());
     }
 }

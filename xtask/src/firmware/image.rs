@@ -63,6 +63,15 @@ impl Image {
         matches!(self, Self::Nrf52840Sdc | Self::Emulator)
     }
 
+    /// Bytes of stack that a SoftDevice's interrupts take (its specification: 1.5 KiB); in other images the controller's
+    /// handlers are functions of the image.
+    pub(super) const fn softdevice_stack(self) -> u64 {
+        match self {
+            Self::Nrf52840S140 | Self::Nrf52832S132 => 1536,
+            Self::Nrf52840Sdc | Self::Emulator => 0,
+        }
+    }
+
     /// Bytes of RAM that `memory.x` gives it.
     pub(super) const fn ram(self) -> u64 {
         match self {

@@ -4,7 +4,7 @@ mod budget;
 mod cargo;
 mod image;
 
-use std::{fs, path::Path};
+use std::fs;
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -12,9 +12,8 @@ pub use budget::STACK_BUDGET;
 pub use cargo::{build_image, build_simulation};
 pub use image::Image;
 
-use crate::size::{self, Size};
-use crate::{stack, toolchain};
-use budget::Table;
+use crate::{size, stack, stack_chain, toolchain};
+use budget::{Row, Table};
 
 /// How to build.
 #[derive(clap::Args)]
@@ -54,7 +53,17 @@ pub fn build(arguments: &Arguments) -> Result<()> {
         if selected.is_none_or(|name| name == image.name()) {
             let file = build_image(&toolchain, image, arguments.install, arguments.locked)?;
             println!("{}", file.display());
-            rows.push((image, measure(&file)?));
+            let bytes =
+                fs::read(&file).with_context(|| format!("{} cannot be read", file.display()))?;
+            let size = size::measure(&bytes)
+                .with_context(|| format!("{} cannot be measured", file.display()))?;
+            let chain = stack_chain::deepest(&bytes)?;
+            println!("{chain}");
+            rows.push(Row {
+                image,
+                size,
+                chain: chain.bytes,
+            });
         }
     }
     let emulator = cargo::elf_file(Image::Emulator);
@@ -64,8 +73,7 @@ pub fn build(arguments: &Arguments) -> Result<()> {
         None
     };
     println!("\n{}", Table { rows: &rows, stack });
-    rows.iter()
-        .try_for_each(|&(image, size)| budget::check(image, size))
+    rows.iter().try_for_each(budget::check)
 }
 
 /// Lints the program as each board and each radio compiles it.
@@ -90,9 +98,4 @@ pub fn lint(arguments: &LintArguments) -> Result<()> {
         ensure!(status.success(), "the image {image} has lints to fix");
     }
     Ok(())
-}
-
-fn measure(file: &Path) -> Result<Size> {
-    let bytes = fs::read(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    size::measure(&bytes).with_context(|| format!("{} cannot be measured", file.display()))
 }
