@@ -246,6 +246,7 @@ mod tests {
     use alloc::{
         format,
         string::{String, ToString},
+        vec,
         vec::Vec,
     };
     use proptest::prelude::*;
