@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use shared::myo::Address;
 
 use super::replay::one_recording;
 use crate::execution::bounded_read;
@@ -20,7 +21,7 @@ const PORT: u16 = 8377;
 /// Arguments of `live`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Give one source: --demo, --replay or --port. The address of the page is printed on standard output; Ctrl-C ends it.\n\
+    after_help = "Give one source: --demo, --replay, --port or --bluetooth. The address of the page is printed on standard output; Ctrl-C ends it.\n\
     A recording plays in real time and begins again at its end; its labels are shown beside the emitted ones. A board on\n\
     --port is asked for its raw stream, and looked for again when it is lost. The page has pause, marks and a csv of what was\n\
     seen, which `myointent data inspect` reads. docs/live.md explains it.\n\n\
@@ -59,6 +60,22 @@ pub(super) struct SourceArguments {
     /// A board's serial port, such as /dev/ttyACM0 or COM3, or a pseudo-terminal.
     #[arg(long, value_name = "PATH")]
     port: Option<PathBuf>,
+    /// An armband over this computer's own Bluetooth, without a board: its address, or `any` for the strongest signal. Needs a
+    /// program that was built with `--features bluetooth`.
+    #[arg(long, value_name = "ADDRESS|any", value_parser = armband)]
+    bluetooth: Option<Followed>,
+}
+
+/// An armband, or any.
+#[derive(Clone, Copy, Debug)]
+struct Followed(Option<Address>);
+
+fn armband(text: &str) -> Result<Followed, String> {
+    if text == "any" {
+        return Ok(Followed(None));
+    }
+    let address = Address::parse(text).map_err(|error| format!("{error}; or `any`"))?;
+    Ok(Followed(Some(address)))
 }
 
 pub(super) fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
@@ -109,11 +126,16 @@ impl SourceArguments {
     /// # Errors
     /// When the recording cannot be read.
     pub(super) fn source(&self, name: Option<&str>) -> anyhow::Result<Source> {
-        Ok(match (&self.replay, &self.port) {
-            (Some(path), _) => Source::Replay(Box::new(one_recording(path, name)?)),
-            (None, Some(path)) => Source::Port(path.clone()),
-            (None, None) => Source::Demo,
-        })
+        if let Some(path) = &self.replay {
+            return Ok(Source::Replay(Box::new(one_recording(path, name)?)));
+        }
+        if let Some(path) = &self.port {
+            return Ok(Source::Port(path.clone()));
+        }
+        let armband = self
+            .bluetooth
+            .map(|Followed(address)| Source::Bluetooth(address));
+        Ok(armband.unwrap_or(Source::Demo))
     }
 }
 
@@ -164,7 +186,12 @@ mod tests {
     #[test]
     fn without_a_source_all_of_them_are_listed() {
         let error = refusal(&[]);
-        for source in ["--demo", "--replay <RECORDING>", "--port <PATH>"] {
+        for source in [
+            "--demo",
+            "--replay <RECORDING>",
+            "--port <PATH>",
+            "--bluetooth <ADDRESS|any>",
+        ] {
             assert!(error.contains(source), "{error}");
         }
         assert!(refusal(&["--demo", "--port", "x"]).contains("cannot be used with"));

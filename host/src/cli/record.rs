@@ -17,7 +17,7 @@ use crate::record::{self, Kept};
 /// Arguments of `record`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Give one source: --port, --replay or --demo. The page shows what to do now, what comes next and for how long, beside the\n\
+    after_help = "Give one source: --port, --bluetooth, --replay or --demo. The page shows what to do now, what comes next and for how long, beside the\n\
     traces; keys are on it. A trial that went wrong is repeated with R. Everything is written as it comes: after a break, a kill or\n\
     a full disk the next start for the same person makes recordings of what was written. At the end the page says whether they are\n\
     good enough and leads on to `myointent personalize`. docs/record.md explains it.\n\n\

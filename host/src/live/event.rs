@@ -20,7 +20,7 @@ use crate::record::session::View;
 pub(crate) enum Event {
     /// Where the stream comes from, and whether it does.
     Source {
-        /// `demo`, `replay` or `port`.
+        /// `demo`, `replay`, `port` or `bluetooth`.
         kind: &'static str,
         /// Path or name.
         name: String,

@@ -31,6 +31,7 @@ use std::thread::JoinHandle;
 use anyhow::Context as _;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
+use shared::myo::Address;
 
 use self::event::Event;
 use self::hub::Hub;
@@ -58,6 +59,8 @@ pub enum Source {
     Replay(Box<Recording>),
     /// A board on this serial port or pseudo-terminal.
     Port(PathBuf),
+    /// An armband over this computer's own Bluetooth: that of the address, or else that with the strongest signal.
+    Bluetooth(Option<Address>),
 }
 
 /// What to show, and to whom.
@@ -151,6 +154,12 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
                 Source::Port(path) => Some(path.clone()),
                 _ => None,
             },
+            option: match &options.source {
+                Source::Port(path) => format!("--port {}", path.display()),
+                Source::Bluetooth(None) => "--bluetooth any".to_owned(),
+                Source::Bluetooth(Some(address)) => format!("--bluetooth {address}"),
+                Source::Demo | Source::Replay(_) => "--demo".to_owned(),
+            },
             model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
             options: record,
             hub: hub.clone(),
@@ -195,6 +204,8 @@ fn described(source: &Source) -> (String, bool) {
             recording.data_set == DataSet::Synthetic,
         ),
         Source::Port(path) => (format!("port {}", path.display()), false),
+        Source::Bluetooth(None) => ("any armband over Bluetooth".to_owned(), false),
+        Source::Bluetooth(Some(address)) => (format!("{address} over Bluetooth"), false),
     }
 }
 
@@ -268,6 +279,7 @@ fn run(
     };
     match source {
         Source::Port(path) => Board { path, model }.run(context),
+        Source::Bluetooth(address) => follow(address, model, context),
         Source::Replay(recording) => {
             let name = recording.full_name();
             recorded("replay", name, of(*recording), model).run(context)
@@ -281,6 +293,25 @@ fn run(
             recorded("demo", name, emg, model).run(context)
         }
     }
+}
+
+/// An armband over Bluetooth.
+#[cfg(feature = "bluetooth")]
+fn follow(
+    address: Option<Address>,
+    model: Option<Vec<u8>>,
+    context: &Context,
+) -> anyhow::Result<()> {
+    let model = model.unwrap_or_else(|| SHIPPED.to_vec());
+    self::source::bluetooth::Armband { address, model }.run(context)
+}
+
+/// Says what is missing.
+#[cfg(not(feature = "bluetooth"))]
+fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result<()> {
+    anyhow::bail!(
+        "this program was built without Bluetooth: cargo run --release --features bluetooth -- live --bluetooth any"
+    )
 }
 
 /// A minute of a simulated forearm.

@@ -21,7 +21,7 @@ const SHORT_ID: usize = 12;
 
 impl Uuid {
     /// The Control service, which an armband advertises.
-    pub(super) const CONTROL: Self = Self::Vendor(0x0001);
+    pub const CONTROL: Self = Self::Vendor(0x0001);
 
     /// All 128 bits, little-endian as on air.
     #[must_use]

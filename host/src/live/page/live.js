@@ -38,7 +38,7 @@ const TAKE = {
   },
   pong: (message) => clock.pong(message.sent, message.now),
   source(message) {
-    const kinds = { demo: "demo", replay: "recording", port: "board on" };
+    const kinds = { demo: "demo", replay: "recording", port: "board on", bluetooth: "armband" };
     const name = `${kinds[message.kind]}: ${message.name}`.replace("board on:", "board on");
     connected = message.connected;
     panel.source(connected ? "connected" : "lost", message.detail ? `${name}: ${message.detail}` : name);

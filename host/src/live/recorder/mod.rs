@@ -62,6 +62,8 @@ pub(super) struct Recorder {
     pub(super) source: (String, bool),
     /// The serial port, for the command that comes last.
     pub(super) port: Option<PathBuf>,
+    /// The option of the same source, for another command.
+    pub(super) option: String,
     /// The model file's bytes.
     pub(super) model: Vec<u8>,
     pub(super) hub: std::sync::Arc<Hub>,

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::mpsc;
 
+use super::Running;
 use super::told::{free, install};
-use super::{Recorder, Running};
 use crate::dataset::{LoadOptions, load};
 use crate::evaluation::Measure;
 use crate::execution::interrupt::Interrupt;
@@ -33,7 +33,7 @@ impl Running {
             install(&self.recorder, &out),
             format!(
                 "myointent live {} --model {}",
-                source(&self.recorder),
+                self.recorder.option,
                 out.display()
             ),
         ];
@@ -59,13 +59,6 @@ impl Running {
             Err(error) => failed(error.to_string()),
         };
         self.recorder.hub.publish(&Event::Tuning(state));
-    }
-}
-
-fn source(recorder: &Recorder) -> String {
-    match &recorder.port {
-        Some(port) => format!("--port {}", port.display()),
-        None => "--demo".to_owned(),
     }
 }
 

@@ -176,13 +176,13 @@ impl<E: Encode> Session<'_, '_, E> {
             };
             match heard {
                 Heard::Event(event) => hub.publish(&event),
-                Heard::Restart => scored.disconnected(now),
+                Heard::Restart => drop(scored.disconnected(now)),
                 Heard::Alignment(alignment) => scored.set_alignment(alignment),
                 Heard::Samples(report, missing) => {
                     match missing {
                         Some(0) => {}
-                        Some(missing) => scored.gap(now, missing),
-                        None => scored.disconnected(now),
+                        Some(missing) => drop(scored.gap(now, missing)),
+                        None => drop(scored.disconnected(now)),
                     }
                     let mut index = report.first;
                     for sample in report.samples {

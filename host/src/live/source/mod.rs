@@ -1,5 +1,7 @@
-//! Where a stream comes from: a recording in real time, or a board. Each runs on a thread of its own until it is stopped.
+//! Where a stream comes from: a recording in real time, a board, or an armband. Each runs on a thread of its own until it is stopped.
 
+#[cfg(any(feature = "bluetooth", test))]
+pub(crate) mod bluetooth;
 pub(crate) mod board;
 mod dialogue;
 mod recorded;

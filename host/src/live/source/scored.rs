@@ -86,14 +86,20 @@ impl<'r, E: Encode> Scored<'r, E> {
     }
 
     /// Samples are missing before the next one.
-    pub(super) fn gap(&mut self, now: Millis, missing: u32) {
-        self.pipeline.gap(now, missing);
+    pub(super) fn gap(&mut self, now: Millis, missing: u32) -> Reports {
+        self.pipeline.gap(now, missing)
+    }
+
+    /// Time has passed: a board does this itself.
+    #[cfg(any(feature = "bluetooth", test))]
+    pub(super) fn tick(&mut self, now: Millis) -> Reports {
+        self.pipeline.tick(now)
     }
 
     /// The stream has ended.
-    pub(super) fn disconnected(&mut self, now: Millis) {
-        self.pipeline.disconnected(now);
+    pub(super) fn disconnected(&mut self, now: Millis) -> Reports {
         self.last = None;
+        self.pipeline.disconnected(now)
     }
 
     /// Begins or ends an alignment.

@@ -1,0 +1,307 @@
+//! This computer's Bluetooth, through btleplug: carries out what the session asks for, and decides nothing.
+
+use std::collections::HashMap;
+use std::future::{Future, pending};
+use std::pin::Pin;
+use std::sync::mpsc::{self, Sender};
+
+use anyhow::Context as _;
+use btleplug::api::{
+    Central as _, CentralEvent, Characteristic as Remote, Manager as _, Peripheral as _,
+    ScanFilter, ValueNotification, WriteType,
+};
+use btleplug::platform::{self, Manager, Peripheral, PeripheralId};
+use futures_util::{Stream, StreamExt as _};
+use shared::myo::{Action, Address, Characteristic, Uuid};
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+
+use super::radio::{Heard, Radio, advertising_data};
+
+/// Strength of a signal that the stack does not give, as the session has it.
+const RSSI_UNKNOWN: i8 = 127;
+
+type Notifications = Pin<Box<dyn Stream<Item = ValueNotification> + Send>>;
+
+/// Starts the stack on a thread of its own.
+pub(super) fn open() -> anyhow::Result<Radio> {
+    let (actions, wanted) = unbounded_channel();
+    let (sender, heard) = mpsc::channel();
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()?;
+    std::thread::Builder::new()
+        .name("bluetooth".to_owned())
+        .spawn(move || {
+            if let Err(error) = runtime.block_on(run(wanted, &sender)) {
+                // A session that has ended wants no reason.
+                let _ = sender.send(Heard::Gone(format!("{error:#}")));
+            }
+        })?;
+    Ok(Radio { actions, heard })
+}
+
+/// Carries out actions until their channel ends.
+async fn run(mut wanted: UnboundedReceiver<Action>, sender: &Sender<Heard>) -> anyhow::Result<()> {
+    let manager = Manager::new().await.context("no Bluetooth service")?;
+    let adapters = manager.adapters().await?;
+    let central = adapters
+        .into_iter()
+        .next()
+        .context("this computer has no Bluetooth adapter, or it is switched off")?;
+    let mut events = central.events().await?;
+    let mut adapter = Adapter {
+        central,
+        known: HashMap::new(),
+        link: None,
+        notifications: None,
+    };
+    loop {
+        let heard = tokio::select! {
+            action = wanted.recv() => match action {
+                Some(action) => adapter.carry_out(action, &mut wanted).await,
+                None => {
+                    adapter.disconnect().await;
+                    return Ok(());
+                }
+            },
+            event = events.next() => {
+                let event = event.context("the Bluetooth service has ended")?;
+                adapter.happened(event).await
+            }
+            value = next(&mut adapter.notifications) => value,
+        };
+        if let Some(heard) = heard {
+            // A session that has ended closes the other channel too.
+            let _ = sender.send(heard);
+        }
+    }
+}
+
+/// The next notification that is one of the armband's.
+async fn next(notifications: &mut Option<Notifications>) -> Option<Heard> {
+    let Some(stream) = notifications else {
+        return pending().await;
+    };
+    let Some(value) = stream.next().await else {
+        // The link has ended; the central says so.
+        *notifications = None;
+        return None;
+    };
+    let bytes = value.value;
+    characteristic(value.uuid.to_bytes_le_on_air()).map(|characteristic| Heard::Notification {
+        characteristic,
+        bytes,
+    })
+}
+
+/// The characteristic of a UUID as it is on air.
+fn characteristic(uuid: [u8; 16]) -> Option<Characteristic> {
+    Characteristic::from_uuid(Uuid::from_le_bytes(&uuid)?)
+}
+
+/// A UUID as it is on air.
+trait OnAir {
+    fn to_bytes_le_on_air(&self) -> [u8; 16];
+}
+
+impl OnAir for uuid::Uuid {
+    fn to_bytes_le_on_air(&self) -> [u8; 16] {
+        // Not `to_bytes_le`, which swaps three of its fields alone.
+        self.as_u128().to_le_bytes()
+    }
+}
+
+struct Adapter {
+    central: platform::Adapter,
+    /// Who has advertised.
+    known: HashMap<[u8; 6], PeripheralId>,
+    link: Option<Link>,
+    notifications: Option<Notifications>,
+}
+
+/// A connection.
+struct Link {
+    peripheral: Peripheral,
+    found: Vec<(Characteristic, Remote)>,
+}
+
+impl Adapter {
+    /// Carries out an action; what came of it, if it is answered.
+    async fn carry_out(
+        &mut self,
+        action: Action,
+        wanted: &mut UnboundedReceiver<Action>,
+    ) -> Option<Heard> {
+        match action {
+            Action::Scan => {
+                let control =
+                    uuid::Uuid::from_u128(u128::from_le_bytes(Uuid::CONTROL.to_le_bytes()));
+                let services = vec![control];
+                let started = self.central.start_scan(ScanFilter { services }).await;
+                started.err().map(|_| Heard::ScanEnded)
+            }
+            Action::StopScan => {
+                // One that does not run cannot be stopped.
+                let _ = self.central.stop_scan().await;
+                None
+            }
+            Action::Connect(address) => Some(self.connect(address, wanted).await),
+            Action::Disconnect => {
+                let was_connected = self.link.is_some();
+                self.disconnect().await;
+                Some(if was_connected {
+                    Heard::Disconnected
+                } else {
+                    Heard::ConnectFailed
+                })
+            }
+            operation => {
+                let heard = match &mut self.link {
+                    Some(link) => {
+                        unless_ended(link.operate(operation, &mut self.notifications), wanted).await
+                    }
+                    None => Some(Heard::Failed),
+                };
+                let heard = match heard {
+                    Some(heard) => heard,
+                    None => {
+                        self.disconnect().await;
+                        Heard::Disconnected
+                    }
+                };
+                Some(heard)
+            }
+        }
+    }
+
+    async fn connect(&mut self, address: Address, wanted: &mut UnboundedReceiver<Action>) -> Heard {
+        let Some(id) = self.known.get(&address.bytes) else {
+            return Heard::ConnectFailed;
+        };
+        let Ok(peripheral) = self.central.peripheral(id).await else {
+            return Heard::ConnectFailed;
+        };
+        match unless_ended(peripheral.connect(), wanted).await {
+            Some(Ok(())) => {
+                self.link = Some(Link {
+                    peripheral,
+                    found: Vec::new(),
+                });
+                Heard::Connected
+            }
+            Some(Err(_)) | None => {
+                let _ = peripheral.disconnect().await;
+                Heard::ConnectFailed
+            }
+        }
+    }
+
+    async fn disconnect(&mut self) {
+        self.notifications = None;
+        if let Some(link) = self.link.take() {
+            // A link that has ended already is no failure.
+            let _ = link.peripheral.disconnect().await;
+        }
+    }
+
+    /// What the stack says by itself.
+    async fn happened(&mut self, event: CentralEvent) -> Option<Heard> {
+        match event {
+            CentralEvent::DeviceDiscovered(id) | CentralEvent::DeviceUpdated(id) => {
+                let peripheral = self.central.peripheral(&id).await.ok()?;
+                let properties = peripheral.properties().await.ok()??;
+                let address = Address::parse(&properties.address.to_string()).ok()?;
+                self.known.insert(address.bytes, id);
+                let rssi = properties.rssi.and_then(|rssi| i8::try_from(rssi).ok());
+                let services = properties.services.iter();
+                Some(Heard::Advertisement {
+                    address,
+                    rssi: rssi.unwrap_or(RSSI_UNKNOWN),
+                    data: advertising_data(services.map(OnAir::to_bytes_le_on_air)),
+                })
+            }
+            CentralEvent::DeviceDisconnected(id) => {
+                let link = self.link.take_if(|link| link.peripheral.id() == id)?;
+                self.notifications = None;
+                drop(link);
+                Some(Heard::Disconnected)
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Link {
+    async fn operate(
+        &mut self,
+        operation: Action,
+        notifications: &mut Option<Notifications>,
+    ) -> Heard {
+        let answer = match operation {
+            Action::Discover => self.discover().await,
+            Action::Read(characteristic) => self.read(characteristic).await,
+            Action::Write(characteristic, payload) => {
+                self.write(characteristic, payload.as_slice()).await
+            }
+            Action::Subscribe(characteristic) => {
+                self.subscribe(characteristic, notifications).await
+            }
+            _ => None,
+        };
+        answer.unwrap_or(Heard::Failed)
+    }
+
+    async fn discover(&mut self) -> Option<Heard> {
+        self.peripheral.discover_services().await.ok()?;
+        let remotes = self.peripheral.characteristics().into_iter();
+        self.found = remotes
+            .filter_map(|remote| Some((characteristic(remote.uuid.to_bytes_le_on_air())?, remote)))
+            .collect();
+        let found = self.found.iter().map(|(characteristic, _)| *characteristic);
+        Some(Heard::Discovered(found.collect()))
+    }
+
+    fn remote(&self, wanted: Characteristic) -> Option<&Remote> {
+        let mut found = self.found.iter();
+        found.find_map(|(characteristic, remote)| (*characteristic == wanted).then_some(remote))
+    }
+
+    async fn read(&self, characteristic: Characteristic) -> Option<Heard> {
+        let bytes = self.peripheral.read(self.remote(characteristic)?).await;
+        bytes.ok().map(Heard::Read)
+    }
+
+    async fn write(&self, characteristic: Characteristic, bytes: &[u8]) -> Option<Heard> {
+        let remote = self.remote(characteristic)?;
+        // The armband ignores one without response.
+        let written = self
+            .peripheral
+            .write(remote, bytes, WriteType::WithResponse);
+        written.await.ok().map(|()| Heard::Done)
+    }
+
+    async fn subscribe(
+        &self,
+        characteristic: Characteristic,
+        notifications: &mut Option<Notifications>,
+    ) -> Option<Heard> {
+        if notifications.is_none() {
+            *notifications = Some(self.peripheral.notifications().await.ok()?);
+        }
+        let remote = self.remote(characteristic)?;
+        let subscribed = self.peripheral.subscribe(remote).await;
+        subscribed.ok().map(|()| Heard::Done)
+    }
+}
+
+/// An operation's result; none if the session ends the connection before, or itself. It asks for nothing else meanwhile.
+async fn unless_ended<T>(
+    operation: impl Future<Output = T>,
+    wanted: &mut UnboundedReceiver<Action>,
+) -> Option<T> {
+    let ended = async { while !matches!(wanted.recv().await, Some(Action::Disconnect) | None) {} };
+    tokio::select! {
+        result = operation => Some(result),
+        () = ended => None,
+    }
+}

@@ -1,0 +1,234 @@
+//! An armband over this computer's own Bluetooth, without a board: the Myo session of the firmware decides, the device's pipeline
+//! labels.
+//!
+//! ```text
+//! MyoSession  -- actions -->  adapter (btleplug; feature `bluetooth`)  -- radio -->  armband
+//!             <-- heard ----
+//! ```
+
+#[cfg(feature = "bluetooth")]
+mod adapter;
+mod radio;
+#[cfg(test)]
+mod tests;
+
+use std::cell::RefCell;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+use shared::model::encoder::HostEncoder;
+use shared::model::file::Model;
+use shared::myo::{Action, Address, Event, MyoSession, Phase, Settings};
+use shared::pipeline::Reports;
+use shared::units::{Millis, Sample, SampleIndex};
+
+use self::radio::{Heard, Radio};
+use super::scored::{Found, Scored};
+use super::{Context, Request};
+use crate::execution::revision::revision;
+use crate::live::event::Event as Told;
+
+/// Between two ticks of the session, as on a board.
+const TICK: Duration = Duration::from_millis(50);
+
+/// The armband that is followed, and the model that labels its samples.
+#[derive(Debug)]
+pub(crate) struct Armband {
+    /// Without one, that with the strongest signal.
+    pub(crate) address: Option<Address>,
+    pub(crate) model: Vec<u8>,
+}
+
+impl Armband {
+    /// Follows it until it is stopped.
+    ///
+    /// # Errors
+    /// When the model is refused, or there is no Bluetooth adapter, or no longer one.
+    #[cfg(feature = "bluetooth")]
+    pub(crate) fn run(&self, context: &Context) -> anyhow::Result<()> {
+        self.run_on(&adapter::open()?, context)
+    }
+
+    fn run_on(&self, radio: &Radio, context: &Context) -> anyhow::Result<()> {
+        let model = Model::parse(&self.model).context("the model is refused")?;
+        let encoder = HostEncoder::new(&model)?;
+        let outputs = RefCell::default();
+        let mut state = encoder.fresh();
+        let mut scored = Scored::new(&model, encoder, &mut state, &outputs)?;
+        context.hub.publish(&Told::of_model(&model));
+        let report = Told::of_report(context.hub.now(), &scored.state_report());
+        context.hub.publish(&report);
+        let session = MyoSession::new(Settings {
+            pinned: self.address,
+            follow_strongest: true,
+            ..Settings::default()
+        });
+        Running {
+            context,
+            radio,
+            session,
+            scored,
+            next: SampleIndex(0),
+            streams: false,
+            told: None,
+        }
+        .run()
+    }
+}
+
+/// While it runs.
+struct Running<'c, 'r> {
+    context: &'c Context,
+    radio: &'c Radio,
+    session: MyoSession,
+    scored: Scored<'r, HostEncoder<'r>>,
+    /// Index of the next sample.
+    next: SampleIndex,
+    /// Whether samples have come since the connection was established.
+    streams: bool,
+    /// What viewers know.
+    told: Option<(Told, Told)>,
+}
+
+impl Running<'_, '_> {
+    fn run(mut self) -> anyhow::Result<()> {
+        let mut due = Instant::now();
+        while !self.context.stop.requested() {
+            self.tell();
+            self.requests();
+            let wait = due.saturating_duration_since(Instant::now());
+            match self.radio.heard.recv_timeout(wait) {
+                Ok(Heard::Gone(why)) => bail!("Bluetooth: {why}"),
+                Ok(heard) => self.handle(heard.event()),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => bail!("Bluetooth has ended"),
+            }
+            if Instant::now() >= due {
+                self.handle(Event::Tick);
+                due = Instant::now() + TICK;
+            }
+        }
+        // The adapter ends with its channel; the connection ends before.
+        let _ = self.radio.actions.send(Action::Disconnect);
+        Ok(())
+    }
+
+    fn now(&self) -> Millis {
+        self.context.hub.millis()
+    }
+
+    fn handle(&mut self, event: Event<'_>) {
+        let mut actions = Vec::new();
+        let now = self.now();
+        self.session
+            .handle(now, event, &mut |action| actions.push(action));
+        for action in actions {
+            self.act(action);
+        }
+        if event == Event::Tick {
+            let reports = self.scored.tick(now);
+            self.report(reports);
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Deliver(pair) => self.samples(pair),
+            Action::Gap { missing } => {
+                let reports = self.scored.gap(self.now(), missing);
+                self.next = self.next.plus(missing);
+                self.report(reports);
+            }
+            Action::StreamEnded => {
+                let reports = self.scored.disconnected(self.now());
+                self.report(reports);
+                self.streams = false;
+                self.context.hub.forget_stream();
+            }
+            // Nobody is bound over a restart of this program.
+            Action::Keep(_) => {}
+            // An adapter that is gone says so.
+            action => drop(self.radio.actions.send(action)),
+        }
+    }
+
+    fn samples(&mut self, pair: [Sample; 2]) {
+        let (now, at) = (self.now(), self.context.hub.now());
+        self.streams = true;
+        self.context.hub.publish(&Told::Samples {
+            at,
+            first: self.next.0,
+            emg: pair.to_vec(),
+            truth: None,
+        });
+        for sample in pair {
+            let Found {
+                reports,
+                alignment,
+                scores,
+            } = self.scored.sample(now, self.next, sample);
+            self.next = self.next.plus(1);
+            self.report(reports);
+            if let Some(report) = alignment {
+                self.context.hub.publish(&Told::of_alignment(at, &report));
+            }
+            if let Some(scores) = scores {
+                self.context.hub.publish(&scores);
+            }
+        }
+    }
+
+    fn report(&self, reports: Reports) {
+        for report in reports {
+            let told = Told::of_report(self.context.hub.now(), &report);
+            self.context.hub.publish(&told);
+        }
+    }
+
+    fn requests(&mut self) {
+        while let Ok(request) = self.context.requests.try_recv() {
+            if let Some(report) = self.scored.align(request == Request::Align) {
+                let event = Told::of_alignment(self.context.hub.now(), &report);
+                self.context.hub.publish(&event);
+            }
+        }
+    }
+
+    /// Tells viewers what has changed about the armband.
+    fn tell(&mut self) {
+        let armband = self.session.armband();
+        let detail = match self.session.phase() {
+            Phase::Streaming if self.streams => "",
+            Phase::Streaming | Phase::SettingUp => "connected; no samples yet",
+            Phase::Connecting => "connecting",
+            Phase::Disconnecting | Phase::BackingOff => "lost; looking for it again",
+            Phase::Idle | Phase::Unbound | Phase::Scanning => {
+                "looking for it: wear it, and move the hand if it sleeps"
+            }
+        };
+        let source = Told::Source {
+            kind: "bluetooth",
+            name: armband.map_or_else(|| "any armband".to_owned(), |address| address.to_string()),
+            connected: self.streams,
+            detail: detail.to_owned(),
+        };
+        let board = Told::Board {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            revision: revision().unwrap_or_default().to_owned(),
+            image: "this computer".to_owned(),
+            model: None,
+            armband: armband
+                .filter(|_| self.streams)
+                .map(|address| address.to_string()),
+            firmware: None,
+            battery: self.session.battery(),
+        };
+        let told = (source, board);
+        if self.told.as_ref() != Some(&told) {
+            self.context.hub.publish(&told.0);
+            self.context.hub.publish(&told.1);
+            self.told = Some(told);
+        }
+    }
+}

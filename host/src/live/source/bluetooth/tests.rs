@@ -1,0 +1,274 @@
+use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::thread::JoinHandle;
+
+use serde_json::{Value, json};
+use shared::myo::{Characteristic, Uuid};
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+
+use super::radio::advertising_data;
+use super::*;
+use crate::live::SHIPPED;
+use crate::live::hub::Hub;
+use crate::live::source::Stop;
+
+const ADDRESS: &str = "FA:12:34:56:78:9A";
+/// 1.5.1970, hardware 2.
+const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+
+/// An armband, and the stack between it and the session.
+struct Peripheral {
+    actions: UnboundedReceiver<Action>,
+    heard: Sender<Heard>,
+    samples: Vec<Sample>,
+    /// Notifications after which the link is lost, once.
+    lost_after: Option<usize>,
+    /// Of the recording, over all connections.
+    sent: usize,
+    lane: usize,
+}
+
+impl Peripheral {
+    /// Answers until the session ends; gives what it was asked for.
+    fn run(mut self) -> Vec<&'static str> {
+        let mut asked = Vec::new();
+        while let Some(action) = self.actions.blocking_recv() {
+            let (name, heard) = match action {
+                Action::Scan => ("scan", Some(advertisement())),
+                Action::StopScan => ("stop", None),
+                Action::Connect(_) => ("connect", Some(Heard::Connected)),
+                Action::Discover => {
+                    let all = Characteristic::ALL.into_iter().collect();
+                    ("discover", Some(Heard::Discovered(all)))
+                }
+                Action::Read(Characteristic::FirmwareVersion) => {
+                    ("firmware", Some(Heard::Read(FIRMWARE.to_vec())))
+                }
+                Action::Read(_) => ("battery", Some(Heard::Read(vec![80]))),
+                Action::Subscribe(_) => ("subscribe", Some(Heard::Done)),
+                Action::Write(_, payload) if payload.as_slice() == [1, 3, 2, 0, 0] => {
+                    let _ = self.heard.send(Heard::Done);
+                    self.stream();
+                    ("stream", None)
+                }
+                Action::Write(..) => ("write", Some(Heard::Done)),
+                Action::Disconnect => ("disconnect", Some(Heard::Disconnected)),
+                other => panic!("{other:?} is for the pipeline"),
+            };
+            asked.push(name);
+            if let Some(heard) = heard {
+                let _ = self.heard.send(heard);
+            }
+        }
+        asked
+    }
+
+    /// The recording from where it stands, the four characteristics in turn.
+    fn stream(&mut self) {
+        for pair in self.samples[2 * self.sent..].chunks_exact(2) {
+            let emg: Vec<u8> = pair
+                .as_flattened()
+                .iter()
+                .map(|&value| value.cast_unsigned())
+                .collect();
+            let characteristic = Characteristic::ALL[2 + self.lane];
+            let _ = self.heard.send(Heard::Notification {
+                characteristic,
+                bytes: emg,
+            });
+            self.lane = (self.lane + 1) % 4;
+            self.sent += 1;
+            // Ten times as fast as a real one.
+            std::thread::sleep(Duration::from_millis(1));
+            if self
+                .lost_after
+                .take_if(|&mut after| after == self.sent)
+                .is_some()
+            {
+                let _ = self.heard.send(Heard::Disconnected);
+                self.lane = 0;
+                return;
+            }
+        }
+    }
+}
+
+/// As a real one: padded name, flags, and the service that is looked for.
+fn advertisement() -> Heard {
+    Heard::Advertisement {
+        address: Address::parse(ADDRESS).unwrap(),
+        rssi: -50,
+        data: advertising_data([Uuid::CONTROL.to_le_bytes()]),
+    }
+}
+
+/// A session that runs, until it is stopped.
+struct Started {
+    hub: Arc<Hub>,
+    stop: Stop,
+    session: JoinHandle<anyhow::Result<()>>,
+    peripheral: JoinHandle<Vec<&'static str>>,
+}
+
+fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>) -> Started {
+    let (actions, wanted) = unbounded_channel();
+    let (sender, heard) = mpsc::channel();
+    let peripheral = Peripheral {
+        actions: wanted,
+        heard: sender,
+        samples: samples.to_vec(),
+        lost_after,
+        sent: 0,
+        lane: 0,
+    };
+    let peripheral = std::thread::spawn(move || peripheral.run());
+    let (hub, stop) = (Arc::new(Hub::new()), Stop::default());
+    let context = Context {
+        hub: hub.clone(),
+        requests: mpsc::channel().1,
+        stop: stop.clone(),
+    };
+    let armband = Armband {
+        address,
+        model: SHIPPED.to_vec(),
+    };
+    let session = std::thread::Builder::new()
+        .stack_size(crate::live::STACK)
+        .spawn(move || armband.run_on(&Radio { actions, heard }, &context))
+        .unwrap();
+    Started {
+        hub,
+        stop,
+        session,
+        peripheral,
+    }
+}
+
+/// Messages of a hub, until it is dropped.
+fn follow(hub: &Hub) -> Receiver<Value> {
+    let mut following = hub.subscribe().following;
+    let (sender, messages) = mpsc::channel();
+    std::thread::spawn(move || {
+        while let Ok(message) = following.blocking_recv() {
+            let _ = sender.send(serde_json::from_str(&message).unwrap());
+        }
+    });
+    messages
+}
+
+fn recording() -> Vec<Sample> {
+    let options = crate::dataset::synthetic::SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        seconds: 12,
+        ..Default::default()
+    };
+    crate::dataset::synthetic::generate(&options)
+        .remove(0)
+        .samples
+}
+
+/// Instants and labels of the device's pipeline.
+fn labels(samples: &[Sample]) -> Vec<Value> {
+    // On the heap: aligned as a model has to be.
+    let file = SHIPPED.to_vec();
+    let model = Model::parse(&file).unwrap();
+    let encoder = HostEncoder::new(&model).unwrap();
+    let (outputs, mut state) = (RefCell::default(), encoder.fresh());
+    let mut scored = Scored::new(&model, encoder, &mut state, &outputs).unwrap();
+    let reports = samples.iter().enumerate().flat_map(|(place, &sample)| {
+        scored
+            .sample(Millis(0), SampleIndex(place as u32), sample)
+            .reports
+    });
+    let shown = reports.map(|report| {
+        let label = report.status.label().name();
+        json!([report.instant.0, label, report.status.valid()])
+    });
+    shown.collect()
+}
+
+#[test]
+fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_lost() {
+    let samples = recording();
+    let half = samples.len() / 4;
+    let started = start(None, &samples, Some(half));
+    let messages = follow(&started.hub);
+    let (mut emg, mut shown, mut connected) = (Vec::new(), Vec::new(), Vec::new());
+    while emg.len() < samples.len() {
+        let message = messages.recv_timeout(Duration::from_secs(60)).unwrap();
+        match message["type"].as_str().unwrap() {
+            "samples" => {
+                let first = message["first"].as_u64().unwrap() as usize;
+                assert_eq!(first, emg.len());
+                let pair: Vec<Sample> = serde_json::from_value(message["emg"].clone()).unwrap();
+                emg.extend(pair);
+            }
+            "report" => {
+                shown.push(json!([
+                    message["instant"],
+                    message["label"],
+                    message["valid"]
+                ]));
+            }
+            "source" => connected.push(message["connected"] == true),
+            "board" if message["battery"] == 80 => {
+                assert!(message["armband"].is_null() || message["armband"] == ADDRESS);
+            }
+            _ => {}
+        }
+    }
+    started.stop.request();
+    started.session.join().unwrap().unwrap();
+    let asked = started.peripheral.join().unwrap();
+    assert_eq!(emg, samples);
+    // Of the first connection; the first report is of the state before it.
+    let expected = labels(&samples[..2 * half]);
+    assert!(expected.len() > 10, "{expected:?}");
+    let first = shown.iter().skip_while(|report| **report != expected[0]);
+    assert_eq!(
+        first.take(expected.len()).cloned().collect::<Vec<_>>(),
+        expected
+    );
+    connected.dedup();
+    assert_eq!(connected, [false, true, false, true]);
+    assert_eq!(asked.iter().filter(|name| **name == "connect").count(), 2);
+    assert_eq!(asked.last(), Some(&"disconnect"));
+}
+
+#[test]
+fn an_armband_of_an_address_is_connected_to_at_its_first_advertisement() {
+    let address = Address::parse(ADDRESS).unwrap();
+    let samples = recording();
+    let started = start(Some(address), &samples[..400], None);
+    let messages = follow(&started.hub);
+    let is_shown = |message: &Value| message["type"] == "samples" && message["first"] == 398;
+    while !is_shown(&messages.recv_timeout(Duration::from_secs(60)).unwrap()) {}
+    started.stop.request();
+    started.session.join().unwrap().unwrap();
+    let asked = started.peripheral.join().unwrap();
+    assert_eq!(asked[..2], ["scan", "stop"]);
+    assert!(asked.contains(&"stream"), "{asked:?}");
+}
+
+#[test]
+fn an_adapter_that_is_gone_ends_the_session_with_its_reason() {
+    let (actions, _wanted) = unbounded_channel();
+    let (sender, heard) = mpsc::channel();
+    sender
+        .send(Heard::Gone("it is switched off".to_owned()))
+        .unwrap();
+    let context = Context {
+        hub: Arc::new(Hub::new()),
+        requests: mpsc::channel().1,
+        stop: Stop::default(),
+    };
+    let armband = Armband {
+        address: None,
+        model: SHIPPED.to_vec(),
+    };
+    let thread = std::thread::Builder::new().stack_size(crate::live::STACK);
+    let session = thread.spawn(move || armband.run_on(&Radio { actions, heard }, &context));
+    let error = session.unwrap().join().unwrap().unwrap_err();
+    assert!(error.to_string().contains("switched off"), "{error}");
+}
