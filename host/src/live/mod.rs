@@ -23,7 +23,6 @@ mod source;
 mod tui;
 
 use std::net::{IpAddr, SocketAddr, TcpListener};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{self, SyncSender};
 use std::thread::JoinHandle;
@@ -39,29 +38,17 @@ pub use self::recorder::RecordOptions;
 use self::recorder::{Recorder, Wish};
 use self::server::Server;
 use self::server::access::Access;
+pub use self::source::Source;
 use self::source::board::Board;
 use self::source::{Asked, Context, Played, Recorded, Request, Stop};
+use crate::dataset::Recording;
 use crate::dataset::synthetic::{self, Follower, SynthOptions};
-use crate::dataset::{DataSet, Recording};
 
 /// The shipped model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
 /// Of the source's thread: a state of the largest model that is accepted, and what is called with it.
 const STACK: usize = 16 << 20;
-
-/// Where the stream comes from.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Source {
-    /// A synthetic recording, in real time and again and again.
-    Demo,
-    /// A recording, likewise.
-    Replay(Box<Recording>),
-    /// A board on this serial port or pseudo-terminal.
-    Port(PathBuf),
-    /// An armband over this computer's own Bluetooth: that of the address, or else that with the strongest signal.
-    Bluetooth(Option<Address>),
-}
 
 /// What to show, and to whom.
 #[derive(Clone, Debug)]
@@ -149,17 +136,12 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         let asked = Asked::default();
         played = Some((asked.clone(), record.speed));
         let recorder = Recorder {
-            source: described(&options.source),
+            source: options.source.described(),
             port: match &options.source {
                 Source::Port(path) => Some(path.clone()),
                 _ => None,
             },
-            option: match &options.source {
-                Source::Port(path) => format!("--port {}", path.display()),
-                Source::Bluetooth(None) => "--bluetooth any".to_owned(),
-                Source::Bluetooth(Some(address)) => format!("--bluetooth {address}"),
-                Source::Demo | Source::Replay(_) => "--demo".to_owned(),
-            },
+            option: options.source.option(),
             model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
             options: record,
             hub: hub.clone(),
@@ -193,20 +175,6 @@ fn record_beside(
         .name("recorder".to_owned())
         .spawn(move || recorder.run(&heard, &wishes, &stopped))?;
     Ok((thread, stop, sender))
-}
-
-/// A source in words, and whether its samples are of nobody.
-fn described(source: &Source) -> (String, bool) {
-    match source {
-        Source::Demo => ("demo".to_owned(), true),
-        Source::Replay(recording) => (
-            format!("replay of {}", recording.full_name()),
-            recording.data_set == DataSet::Synthetic,
-        ),
-        Source::Port(path) => (format!("port {}", path.display()), false),
-        Source::Bluetooth(None) => ("any armband over Bluetooth".to_owned(), false),
-        Source::Bluetooth(Some(address)) => (format!("{address} over Bluetooth"), false),
-    }
 }
 
 /// Shows a stream in the terminal until the user leaves or `over`.

@@ -182,6 +182,29 @@ impl fmt::Display for AlignmentReport {
     }
 }
 
+/// Reads `turn,mirrored`.
+pub(super) fn placement(text: &str) -> Option<Alignment> {
+    let (turn, mirrored) = text.split_once(',')?;
+    let turn = u8::try_from(number(turn, "turn").ok()?).ok()?;
+    let mirrored = match mirrored {
+        "0" => false,
+        "1" => true,
+        _ => return None,
+    };
+    (turn < 8).then(|| Alignment::new(turn, mirrored))
+}
+
+/// `turn,mirrored`
+pub(super) struct Placed(pub(super) Alignment);
+
+impl fmt::Display for Placed {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(alignment) = self;
+        let mirrored = u8::from(alignment.mirrored());
+        write!(formatter, "{},{mirrored}", alignment.turn())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -55,7 +55,8 @@ mod reading;
 
 use core::fmt;
 
-use super::command::{AlignCommand, Placed};
+use super::alignment::Placed;
+use super::command::AlignCommand;
 use super::gate::Margins;
 use super::install::Missing;
 pub use super::refusal::Refusal;

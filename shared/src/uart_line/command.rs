@@ -34,10 +34,11 @@
 
 use core::fmt;
 
+use super::alignment::{Placed, placement};
 use super::gate::{GateCommand, Margins};
 use super::install::{self, Begun, Numbered, Wrong};
 use super::refusal::Refusal;
-use super::{ParseError, number, unframed, write_framed};
+use super::{ParseError, unframed, write_framed};
 use crate::installation::{Block, Transfer};
 use crate::myo::Address;
 use crate::stream::alignment::Alignment;
@@ -179,18 +180,6 @@ fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
     placement.map(AlignCommand::Set).ok_or(Refusal::Arguments)
 }
 
-/// Reads `turn,mirrored`.
-pub(super) fn placement(text: &str) -> Option<Alignment> {
-    let (turn, mirrored) = text.split_once(',')?;
-    let turn = u8::try_from(number(turn, "turn").ok()?).ok()?;
-    let mirrored = match mirrored {
-        "0" => false,
-        "1" => true,
-        _ => return None,
-    };
-    (turn < 8).then(|| Alignment::new(turn, mirrored))
-}
-
 fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
     match arguments {
         "begin" => Ok(BindCommand::Begin),
@@ -201,17 +190,6 @@ fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
             let address = address.and_then(Result::ok).ok_or(Refusal::Arguments)?;
             Ok(BindCommand::Set(address))
         }
-    }
-}
-
-/// `turn,mirrored`
-pub(super) struct Placed(pub(super) Alignment);
-
-impl fmt::Display for Placed {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(alignment) = self;
-        let mirrored = u8::from(alignment.mirrored());
-        write!(formatter, "{},{mirrored}", alignment.turn())
     }
 }
 

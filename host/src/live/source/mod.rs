@@ -7,14 +7,56 @@ mod dialogue;
 mod recorded;
 mod scored;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::Receiver;
 
 use shared::intent::Intent;
+use shared::myo::Address;
 
 pub(crate) use self::recorded::{Played, Recorded};
 use super::hub::Hub;
+use crate::dataset::{DataSet, Recording};
+
+/// Where the stream comes from.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Source {
+    /// A synthetic recording, in real time and again and again.
+    Demo,
+    /// A recording, likewise.
+    Replay(Box<Recording>),
+    /// A board on this serial port or pseudo-terminal.
+    Port(PathBuf),
+    /// An armband over this computer's own Bluetooth: that of the address, or else that with the strongest signal.
+    Bluetooth(Option<Address>),
+}
+
+impl Source {
+    /// In words, and whether its samples are of nobody.
+    pub(super) fn described(&self) -> (String, bool) {
+        match self {
+            Self::Demo => ("demo".to_owned(), true),
+            Self::Replay(recording) => (
+                format!("replay of {}", recording.full_name()),
+                recording.data_set == DataSet::Synthetic,
+            ),
+            Self::Port(path) => (format!("port {}", path.display()), false),
+            Self::Bluetooth(None) => ("any armband over Bluetooth".to_owned(), false),
+            Self::Bluetooth(Some(address)) => (format!("{address} over Bluetooth"), false),
+        }
+    }
+
+    /// The option of the command line for what will be there another time.
+    pub(super) fn option(&self) -> String {
+        match self {
+            Self::Port(path) => format!("--port {}", path.display()),
+            Self::Bluetooth(None) => "--bluetooth any".to_owned(),
+            Self::Bluetooth(Some(address)) => format!("--bluetooth {address}"),
+            Self::Demo | Self::Replay(_) => "--demo".to_owned(),
+        }
+    }
+}
 
 /// What a viewer may ask of a source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -3,7 +3,8 @@
 use super::{Answer, Binding, Counts, Identity, Refusal};
 use crate::myo::{Address, Counters, FirmwareVersion, Following};
 use crate::stream::alignment::Alignment;
-use crate::uart_line::command::{AlignCommand, placement};
+use crate::uart_line::alignment::placement;
+use crate::uart_line::command::AlignCommand;
 use crate::uart_line::gate::gate;
 use crate::uart_line::install::progress;
 use crate::uart_line::{ParseError, fields, framed, hexadecimal, number};

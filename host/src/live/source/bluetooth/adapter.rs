@@ -2,25 +2,20 @@
 
 use std::collections::HashMap;
 use std::future::{Future, pending};
-use std::pin::Pin;
 use std::sync::mpsc::{self, Sender};
 
 use anyhow::Context as _;
-use btleplug::api::{
-    Central as _, CentralEvent, Characteristic as Remote, Manager as _, Peripheral as _,
-    ScanFilter, ValueNotification, WriteType,
-};
-use btleplug::platform::{self, Manager, Peripheral, PeripheralId};
-use futures_util::{Stream, StreamExt as _};
-use shared::myo::{Action, Address, Characteristic, Uuid};
+use btleplug::api::{Central as _, CentralEvent, Manager as _, Peripheral as _, ScanFilter};
+use btleplug::platform::{self, Manager, PeripheralId};
+use futures_util::StreamExt as _;
+use shared::myo::{Action, Address, Uuid};
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
+use super::link::{Link, Notifications, characteristic, on_air};
 use super::radio::{Heard, Radio, advertising_data};
 
 /// Strength of a signal that the stack does not give, as the session has it.
 const RSSI_UNKNOWN: i8 = 127;
-
-type Notifications = Pin<Box<dyn Stream<Item = ValueNotification> + Send>>;
 
 /// Starts the stack on a thread of its own.
 pub(super) fn open() -> anyhow::Result<Radio> {
@@ -88,27 +83,10 @@ async fn next(notifications: &mut Option<Notifications>) -> Option<Heard> {
         return None;
     };
     let bytes = value.value;
-    characteristic(value.uuid.to_bytes_le_on_air()).map(|characteristic| Heard::Notification {
+    characteristic(value.uuid).map(|characteristic| Heard::Notification {
         characteristic,
         bytes,
     })
-}
-
-/// The characteristic of a UUID as it is on air.
-fn characteristic(uuid: [u8; 16]) -> Option<Characteristic> {
-    Characteristic::from_uuid(Uuid::from_le_bytes(&uuid)?)
-}
-
-/// A UUID as it is on air.
-trait OnAir {
-    fn to_bytes_le_on_air(&self) -> [u8; 16];
-}
-
-impl OnAir for uuid::Uuid {
-    fn to_bytes_le_on_air(&self) -> [u8; 16] {
-        // Not `to_bytes_le`, which swaps three of its fields alone.
-        self.as_u128().to_le_bytes()
-    }
 }
 
 struct Adapter {
@@ -117,12 +95,6 @@ struct Adapter {
     known: HashMap<[u8; 6], PeripheralId>,
     link: Option<Link>,
     notifications: Option<Notifications>,
-}
-
-/// A connection.
-struct Link {
-    peripheral: Peripheral,
-    found: Vec<(Characteristic, Remote)>,
 }
 
 impl Adapter {
@@ -183,10 +155,7 @@ impl Adapter {
         };
         match unless_ended(peripheral.connect(), wanted).await {
             Some(Ok(())) => {
-                self.link = Some(Link {
-                    peripheral,
-                    found: Vec::new(),
-                });
+                self.link = Some(Link::new(peripheral));
                 Heard::Connected
             }
             Some(Err(_)) | None => {
@@ -217,7 +186,7 @@ impl Adapter {
                 Some(Heard::Advertisement {
                     address,
                     rssi: rssi.unwrap_or(RSSI_UNKNOWN),
-                    data: advertising_data(services.map(OnAir::to_bytes_le_on_air)),
+                    data: advertising_data(services.copied().map(on_air)),
                 })
             }
             CentralEvent::DeviceDisconnected(id) => {
@@ -228,69 +197,6 @@ impl Adapter {
             }
             _ => None,
         }
-    }
-}
-
-impl Link {
-    async fn operate(
-        &mut self,
-        operation: Action,
-        notifications: &mut Option<Notifications>,
-    ) -> Heard {
-        let answer = match operation {
-            Action::Discover => self.discover().await,
-            Action::Read(characteristic) => self.read(characteristic).await,
-            Action::Write(characteristic, payload) => {
-                self.write(characteristic, payload.as_slice()).await
-            }
-            Action::Subscribe(characteristic) => {
-                self.subscribe(characteristic, notifications).await
-            }
-            _ => None,
-        };
-        answer.unwrap_or(Heard::Failed)
-    }
-
-    async fn discover(&mut self) -> Option<Heard> {
-        self.peripheral.discover_services().await.ok()?;
-        let remotes = self.peripheral.characteristics().into_iter();
-        self.found = remotes
-            .filter_map(|remote| Some((characteristic(remote.uuid.to_bytes_le_on_air())?, remote)))
-            .collect();
-        let found = self.found.iter().map(|(characteristic, _)| *characteristic);
-        Some(Heard::Discovered(found.collect()))
-    }
-
-    fn remote(&self, wanted: Characteristic) -> Option<&Remote> {
-        let mut found = self.found.iter();
-        found.find_map(|(characteristic, remote)| (*characteristic == wanted).then_some(remote))
-    }
-
-    async fn read(&self, characteristic: Characteristic) -> Option<Heard> {
-        let bytes = self.peripheral.read(self.remote(characteristic)?).await;
-        bytes.ok().map(Heard::Read)
-    }
-
-    async fn write(&self, characteristic: Characteristic, bytes: &[u8]) -> Option<Heard> {
-        let remote = self.remote(characteristic)?;
-        // The armband ignores one without response.
-        let written = self
-            .peripheral
-            .write(remote, bytes, WriteType::WithResponse);
-        written.await.ok().map(|()| Heard::Done)
-    }
-
-    async fn subscribe(
-        &self,
-        characteristic: Characteristic,
-        notifications: &mut Option<Notifications>,
-    ) -> Option<Heard> {
-        if notifications.is_none() {
-            *notifications = Some(self.peripheral.notifications().await.ok()?);
-        }
-        let remote = self.remote(characteristic)?;
-        let subscribed = self.peripheral.subscribe(remote).await;
-        subscribed.ok().map(|()| Heard::Done)
     }
 }
 

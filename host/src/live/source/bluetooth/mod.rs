@@ -8,6 +8,8 @@
 
 #[cfg(feature = "bluetooth")]
 mod adapter;
+#[cfg(feature = "bluetooth")]
+mod link;
 mod radio;
 #[cfg(test)]
 mod tests;
