@@ -64,7 +64,10 @@ fn answer(input: &mut Input<'_>) -> Answer<'static> {
         2 => match input.below(4) {
             0 => Answer::Align(AlignCommand::Begin),
             1 => Answer::Align(AlignCommand::Cancel),
-            2 => Answer::Align(AlignCommand::Set(Alignment::new(input.byte(), input.flag()))),
+            2 => Answer::Align(AlignCommand::Set(Alignment::new(
+                input.byte(),
+                input.flag(),
+            ))),
             _ => Answer::Alignment(Alignment::new(input.byte(), input.flag())),
         },
         3 => Answer::Raw(input.flag()),
