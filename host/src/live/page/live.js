@@ -78,6 +78,7 @@ const TAKE = {
   },
   scores: (message) => seen.scores.push(message),
   alignment(message) {
+    seen.placed = message.turn + 8 * message.mirrored;
     placed(message.turn, message.mirrored, alignmentText(message), message.state === "waiting");
   },
   mark: (message) => seen.marks.push(message),
@@ -109,6 +110,7 @@ function lost(text) {
 function noStream() {
   newest = null;
   panel.noLabel("no stream");
+  seen.placed = 0;
   placed(0, false, "not known", false);
 }
 

@@ -8,7 +8,7 @@ const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 /** The text, and its duration in seconds. Label: -1 where the recording has none, and for every sample of a board. */
 export function csv(seen) {
   const channels = Array.from({ length: CHANNELS }, (_, channel) => `emg_${channel}`);
-  const rows = [["gt", ...channels, "sample", "label", "valid", "mark"].join(",")];
+  const rows = [["gt", ...channels, "sample", "label", "valid", "turn", "mirrored", "mark"].join(",")];
   const [first, end] = seen.stretch();
   let mark = seen.marks.findIndex((one) => one.sample >= first);
   for (let sample = first; sample < end; sample += 1) {
@@ -25,6 +25,7 @@ export function csv(seen) {
       sample,
       label?.label ?? "",
       label ? Number(label.valid) : "",
+      ...seen.placement(sample),
       texts.join("; "),
     ].join(","));
   }

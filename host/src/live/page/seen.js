@@ -9,6 +9,9 @@ const CAPACITY = MINUTES * 60 * RATE;
 export class Seen {
   emg = new Int8Array(CAPACITY * CHANNELS);
   truth = new Array(CAPACITY).fill(null);
+  /** How the armband sits, as the board is aligned: its turn, and 8 more if it is mirrored. */
+  placed = 0;
+  #placements = new Uint8Array(CAPACITY);
   #present = new Uint8Array(CAPACITY);
   /** After the newest sample; null before the first. */
   end = null;
@@ -37,11 +40,18 @@ export class Seen {
       this.#present[slot] = 1;
       this.emg.set(sample, slot * CHANNELS);
       this.truth[slot] = truth ? truth[place] : null;
+      this.#placements[slot] = this.placed;
     });
     this.hasTruth ||= Boolean(truth);
     this.end = Math.max(this.end, first + emg.length);
     this.first = Math.max(this.first, this.end - CAPACITY);
     this.#forget();
+  }
+
+  /** [turn, mirrored] of a sample. */
+  placement(sample) {
+    const placed = this.#placements[sample % CAPACITY];
+    return [placed & 7, placed >> 3];
   }
 
   /** Takes a label, or a change of state. */
