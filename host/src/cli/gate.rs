@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use clap::Args;
 use shared::model::file::Model;
 
-use crate::execution::bounded_read;
+use crate::cli::read_model;
 use crate::execution::run_folder::write_whole;
 
 /// Arguments of `gate`.
@@ -37,8 +37,7 @@ pub struct Arguments {
 /// When the model or a margin is refused, or the file cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
+    let bytes = read_model(path)?;
     let file = Model::with_gate(&bytes, arguments.entry, arguments.other)
         .with_context(|| path.display().to_string())?;
     let out = arguments.out.as_ref().unwrap_or(path);

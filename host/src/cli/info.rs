@@ -9,8 +9,8 @@ use clap::Args;
 use shared::model::file::{List, Model};
 use shared::stream::smoother::AggregationMode;
 
+use crate::cli::read_model;
 use crate::dataset::readers::excerpt::printable;
-use crate::execution::bounded_read;
 
 /// Arguments of `info`.
 #[derive(Debug, Args)]
@@ -29,8 +29,7 @@ pub struct Arguments {
 /// When the file is missing or refused, for the reason that the device reports too.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
+    let bytes = read_model(path)?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let text = if arguments.json {
         serde_json::to_string_pretty(&json(&model))? + "\n"

@@ -2,15 +2,15 @@
 
 use std::io::{IsTerminal as _, Write as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use shared::myo::Address;
 
+use super::read_model;
 use super::replay::one_recording;
-use crate::execution::bounded_read;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::live::{self, Options, Source, is_local};
@@ -88,11 +88,6 @@ pub(super) fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
         "expected an address such as 0.0.0.0 or 192.168.0.2:8377; names are not looked up"
             .to_owned()
     })
-}
-
-/// The bytes of a model file.
-pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
-    bounded_read::read(path, bounded_read::MODEL).with_context(|| path.display().to_string())
 }
 
 /// Serves the page, or shows the stream in the terminal, until Ctrl-C.

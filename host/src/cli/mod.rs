@@ -22,15 +22,17 @@ mod score;
 mod steps;
 mod template;
 
+use std::path::Path;
 use std::process::ExitCode;
 
+use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
 use self::personalize::{KEPT, NotWritten};
 use self::steps::{distill, evaluate, export, quantize, quickstart, train};
 use crate::dataset::readers::excerpt::printable;
-use crate::execution::progress;
 use crate::execution::run_folder::RunError;
+use crate::execution::{bounded_read, progress};
 use crate::run::StepError;
 use crate::run::personalize::PersonalizeError;
 use crate::run::preset::PresetError;
@@ -217,4 +219,8 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .chain()
         .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
         .any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+}
+/// The bytes of a model file.
+fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
+    bounded_read::read(path, bounded_read::MODEL).with_context(|| path.display().to_string())
 }

@@ -3,12 +3,11 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
 use thiserror::Error;
 
 use crate::cli::arguments::{BackendArguments, every_recording};
-use crate::execution::bounded_read;
+use crate::cli::read_model;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
@@ -78,8 +77,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if out.exists() {
         return Err(NotWritten::Exists { path: out.clone() }.into());
     }
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
+    let bytes = read_model(path)?;
     let device = arguments.backend.device()?;
     let library = every_recording(&arguments.data, arguments.strict)?;
     let settings = TuningSettings {

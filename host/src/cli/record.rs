@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::Args;
 
-use super::live::{SourceArguments, listen, read_model, serve};
+use super::live::{SourceArguments, listen, serve};
+use super::read_model;
 use crate::cli::arguments::BackendArguments;
 use crate::execution::progress;
 use crate::live::{Options, RecordOptions};

@@ -10,8 +10,8 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
+use crate::cli::read_model;
 use crate::dataset::{LoadOptions, Recording, load};
-use crate::execution::bounded_read;
 use crate::inference::stream::pipeline;
 
 /// Arguments of `replay`.
@@ -50,8 +50,7 @@ pub struct Arguments {
 /// When the model is refused or the recording cannot be read.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
+    let bytes = read_model(path)?;
     let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
     let recording = one_recording(&arguments.recording, arguments.name.as_deref())?;
     let mut out = BufWriter::new(std::io::stdout().lock());

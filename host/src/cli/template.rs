@@ -3,11 +3,10 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
 
 use crate::cli::arguments::every_recording;
-use crate::execution::bounded_read;
+use crate::cli::read_model;
 use crate::execution::run_folder::write_whole;
 use crate::run::template::model_with_template;
 
@@ -40,8 +39,7 @@ pub struct Arguments {
 /// When the model or the recordings are refused, or too few of its people open the hand.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
+    let bytes = read_model(path)?;
     let library = every_recording(&arguments.data, arguments.strict)?;
     let (file, people) = model_with_template(&bytes, &library)?;
     let out = arguments.out.as_ref().unwrap_or(path);

@@ -19,7 +19,8 @@ use shared::uart_line::line::Line;
 
 use self::words::{Bound, Counted, Identified, Placed, why};
 use crate::board::{self, Board, ModelFile};
-use crate::execution::{bounded_read, progress};
+use crate::cli::read_model;
+use crate::execution::progress;
 
 /// An alignment or a pairing takes 30 s at most.
 const PATIENCE: Duration = Duration::from_secs(35);
@@ -153,8 +154,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn run_install(port: &Path, path: &Path) -> anyhow::Result<()> {
-    let bytes = bounded_read::read(path, bounded_read::MODEL)
-        .with_context(|| path.display().to_string())?;
+    let bytes = read_model(path)?;
     let file = ModelFile::new(&bytes).with_context(|| path.display().to_string())?;
     let bar = progress::bar(file.blocks() as usize, "install");
     let installed = board::install(port, file, |blocks| bar.set_position(blocks.into()));

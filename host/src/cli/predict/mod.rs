@@ -15,9 +15,9 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 use self::matrix::{Format, Matrix};
 use super::arguments::BackendArguments;
 use super::replay::one_recording;
+use crate::cli::read_model;
 use crate::dataset::npy::{self, Values};
 use crate::evaluation::smooth;
-use crate::execution::bounded_read;
 use crate::execution::run_folder::{RunFolder, write_whole};
 use crate::inference::{input, integer_logits, student_logits, teacher_logits};
 use crate::run::config::ResolvedConfig;
@@ -100,8 +100,7 @@ fn logits(
     samples: &[Sample],
 ) -> anyhow::Result<(Vec<LookBackLogits>, usize, Settings)> {
     if let Some(path) = &arguments.model {
-        let bytes = bounded_read::read(path, bounded_read::MODEL)
-            .with_context(|| path.display().to_string())?;
+        let bytes = read_model(path)?;
         let model =
             Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
         let classes = model.header.dimensions.vocabulary.classes();

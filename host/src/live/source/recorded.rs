@@ -9,8 +9,8 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
-use super::scored::{Found, Scored};
-use super::{Asked, Context, Request};
+use super::scored::Scored;
+use super::{Asked, Context};
 use crate::dataset::synthetic::Follower;
 use crate::live::event::Event;
 
@@ -111,7 +111,7 @@ impl Recorded {
             }
             let period = Duration::from_millis(u64::from(SAMPLE_PERIOD_MS)) * TOGETHER as u32;
             due += period / self.speed.max(1);
-            requests(context, &mut scored);
+            scored.requests(context);
             let notification = self.played.next(next);
             next = take(context, &mut scored, notification, next);
         }
@@ -144,30 +144,8 @@ fn take(
     let now = Millis(first.0.wrapping_mul(SAMPLE_PERIOD_MS));
     let mut next = first;
     for sample in emg {
-        let found = scored.sample(now, next, sample);
-        publish(context, at, found);
+        scored.sample(now, next, sample).publish(hub, at);
         next = next.plus(1);
     }
     next
-}
-
-fn publish(context: &Context, at: f64, found: Found) {
-    for report in found.reports {
-        context.hub.publish(&Event::of_report(at, &report));
-    }
-    if let Some(report) = found.alignment {
-        context.hub.publish(&Event::of_alignment(at, &report));
-    }
-    if let Some(scores) = found.scores {
-        context.hub.publish(&scores);
-    }
-}
-
-fn requests(context: &Context, scored: &mut Scored<'_, HostEncoder<'_>>) {
-    while let Ok(request) = context.requests.try_recv() {
-        if let Some(report) = scored.align(request == Request::Align) {
-            let event = Event::of_alignment(context.hub.now(), &report);
-            context.hub.publish(&event);
-        }
-    }
 }

@@ -11,8 +11,10 @@ use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
 use shared::units::{Millis, PATCH, Sample, SampleIndex};
 
+use super::{Context, Request};
 use crate::inference::stream::pipeline;
 use crate::live::event::Event;
+use crate::live::hub::Hub;
 use crate::live::scores::{Observed, Outputs};
 
 /// A pipeline whose encoder is observed.
@@ -30,6 +32,21 @@ pub(super) struct Found {
     pub(super) reports: Reports,
     pub(super) alignment: Option<AlignmentReport>,
     pub(super) scores: Option<Event>,
+}
+
+impl Found {
+    /// Tells viewers; `at` is when the sample came.
+    pub(super) fn publish(self, hub: &Hub, at: f64) {
+        for report in self.reports {
+            hub.publish(&Event::of_report(at, &report));
+        }
+        if let Some(report) = self.alignment {
+            hub.publish(&Event::of_alignment(at, &report));
+        }
+        if let Some(scores) = self.scores {
+            hub.publish(&scores);
+        }
+    }
 }
 
 impl<'r, E: Encode> Scored<'r, E> {
@@ -102,14 +119,18 @@ impl<'r, E: Encode> Scored<'r, E> {
         self.pipeline.disconnected(now)
     }
 
-    /// Begins or ends an alignment.
-    pub(super) fn align(&mut self, begin: bool) -> Option<AlignmentReport> {
-        if begin {
-            self.pipeline.begin_alignment();
-        } else {
-            self.pipeline.cancel_alignment();
+    /// Begins or ends an alignment, as viewers have asked for.
+    pub(super) fn requests(&mut self, context: &Context) {
+        while let Ok(request) = context.requests.try_recv() {
+            match request {
+                Request::Align => self.pipeline.begin_alignment(),
+                Request::CancelAlignment => self.pipeline.cancel_alignment(),
+            }
+            if let Some(report) = self.pipeline.take_alignment_report() {
+                let event = Event::of_alignment(context.hub.now(), &report);
+                context.hub.publish(&event);
+            }
         }
-        self.pipeline.take_alignment_report()
     }
 
     /// Puts an alignment in force that was found elsewhere.

@@ -26,8 +26,8 @@ use shared::pipeline::Reports;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use self::radio::{Heard, Radio};
-use super::scored::{Found, Scored};
-use super::{Context, Request};
+use super::Context;
+use super::scored::Scored;
 use crate::execution::revision::revision;
 use crate::live::event::Event as Told;
 
@@ -98,7 +98,7 @@ impl Running<'_, '_> {
         let mut due = Instant::now();
         while !self.context.stop.requested() {
             self.tell();
-            self.requests();
+            self.scored.requests(self.context);
             let wait = due.saturating_duration_since(Instant::now());
             match self.radio.heard.recv_timeout(wait) {
                 Ok(Heard::Gone(why)) => bail!("Bluetooth: {why}"),
@@ -165,19 +165,9 @@ impl Running<'_, '_> {
             truth: None,
         });
         for sample in pair {
-            let Found {
-                reports,
-                alignment,
-                scores,
-            } = self.scored.sample(now, self.next, sample);
+            let found = self.scored.sample(now, self.next, sample);
+            found.publish(&self.context.hub, at);
             self.next = self.next.plus(1);
-            self.report(reports);
-            if let Some(report) = alignment {
-                self.context.hub.publish(&Told::of_alignment(at, &report));
-            }
-            if let Some(scores) = scores {
-                self.context.hub.publish(&scores);
-            }
         }
     }
 
@@ -185,15 +175,6 @@ impl Running<'_, '_> {
         for report in reports {
             let told = Told::of_report(self.context.hub.now(), &report);
             self.context.hub.publish(&told);
-        }
-    }
-
-    fn requests(&mut self) {
-        while let Ok(request) = self.context.requests.try_recv() {
-            if let Some(report) = self.scored.align(request == Request::Align) {
-                let event = Told::of_alignment(self.context.hub.now(), &report);
-                self.context.hub.publish(&event);
-            }
         }
     }
 
