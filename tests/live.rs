@@ -9,6 +9,9 @@ mod board;
 #[path = "live/browser.rs"]
 mod browser;
 #[cfg(target_os = "linux")]
+#[path = "live/cuts.rs"]
+mod cuts;
+#[cfg(target_os = "linux")]
 #[path = "live/emulator.rs"]
 mod emulator;
 #[cfg(target_os = "linux")]

@@ -3,7 +3,7 @@
 use std::os::fd::AsRawFd as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -38,34 +38,58 @@ pub enum Damage {
 pub struct Board {
     stop: Arc<AtomicBool>,
     raw: Arc<AtomicBool>,
+    cuts: Arc<AtomicUsize>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Board {
     /// Plays a board, its terminal at the path `link`.
     pub fn start(link: &Path, damage: Damage) -> Self {
-        let (mut master, slave) = SerialPort::pair().unwrap();
-        // A read is the pace, and a write never waits for long.
-        master.set_read_timeout(PACE).unwrap();
-        master.set_write_timeout(8 * PACE).unwrap();
-        let name = terminal(&slave);
-        let _ = std::fs::remove_file(link);
-        std::os::unix::fs::symlink(name, link).unwrap();
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = stop.clone();
-        let raw = Arc::new(AtomicBool::new(false));
-        let switched = raw.clone();
-        let thread = std::thread::spawn(move || {
-            run(&master, damage, &stopped, &switched);
-            drop(slave);
-        });
+        Self::play(link, damage, Vec::new())
+    }
+
+    /// Plays a board that stays on, and whose line is pulled and put back: once for each of `dialogues`, after so many bytes,
+    /// both ways, counted from the first one that a PC sends. No load of the machine moves a cut.
+    pub fn pulled(link: &Path, dialogues: Vec<usize>) -> Self {
+        Self::play(link, Damage::None, dialogues)
+    }
+
+    fn play(link: &Path, damage: Damage, dialogues: Vec<usize>) -> Self {
+        let (stop, raw) = (Arc::default(), Arc::default());
+        let cuts = Arc::default();
+        let wire = Wire {
+            terminal: Terminal::new(link),
+            link: link.to_owned(),
+            dialogues: dialogues.into_iter(),
+            left: None,
+            cuts: Arc::clone(&cuts),
+            damage,
+            random: ChaCha8Rng::seed_from_u64(match damage {
+                Damage::CutsAndGarbage(seed) => seed,
+                Damage::None => 0,
+            }),
+        };
+        let thread = {
+            let (stop, raw) = (Arc::clone(&stop), Arc::clone(&raw));
+            std::thread::spawn(move || run(wire, &stop, &raw))
+        };
         let thread = Some(thread);
-        Self { stop, raw, thread }
+        Self {
+            stop,
+            raw,
+            cuts,
+            thread,
+        }
     }
 
     /// Whether the raw stream is on.
     pub fn is_raw(&self) -> bool {
         self.raw.load(Ordering::Relaxed)
+    }
+
+    /// How often the line was pulled.
+    pub fn cuts(&self) -> usize {
+        self.cuts.load(Ordering::Relaxed)
     }
 }
 
@@ -76,6 +100,27 @@ impl Drop for Board {
     }
 }
 
+/// Both ends of a pseudo-terminal, and a link to it that outlasts it.
+pub struct Terminal {
+    pub master: SerialPort,
+    _slave: SerialPort,
+}
+
+impl Terminal {
+    pub fn new(link: &Path) -> Self {
+        let (mut master, slave) = SerialPort::pair().unwrap();
+        // A read is the pace, and a write never waits for long.
+        master.set_read_timeout(PACE).unwrap();
+        master.set_write_timeout(8 * PACE).unwrap();
+        let _ = std::fs::remove_file(link);
+        std::os::unix::fs::symlink(terminal(&slave), link).unwrap();
+        Self {
+            master,
+            _slave: slave,
+        }
+    }
+}
+
 /// The path of a terminal.
 pub fn terminal(slave: &SerialPort) -> PathBuf {
     let path = format!("/proc/self/fd/{}", slave.as_raw_fd());
@@ -83,15 +128,7 @@ pub fn terminal(slave: &SerialPort) -> PathBuf {
 }
 
 /// Samples of a recording at four times their speed, with labels, until it is stopped.
-fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool, raw: &AtomicBool) {
-    let mut line_out = Out {
-        line,
-        damage,
-        random: ChaCha8Rng::seed_from_u64(match damage {
-            Damage::CutsAndGarbage(seed) => seed,
-            Damage::None => 0,
-        }),
-    };
+fn run(mut wire: Wire, stop: &AtomicBool, raw: &AtomicBool) {
     let bytes = shipped();
     let model = Model::parse(&bytes).unwrap();
     let encoder = HostEncoder::new(&model).unwrap();
@@ -102,8 +139,8 @@ fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool, raw: &AtomicBool) {
     pipeline.set_template(model.header.template);
     let samples = synthetic(60).samples;
     let mut reader = CommandReader::new();
-    line_out.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
-    line_out.write(&pipeline.state_report().to_string());
+    wire.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
+    wire.write(&pipeline.state_report().to_string());
     let (pairs, _) = samples.as_chunks::<2>();
     for (place, pair) in pairs.iter().cycle().enumerate() {
         if stop.load(Ordering::Relaxed) {
@@ -111,7 +148,7 @@ fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool, raw: &AtomicBool) {
         }
         let mut buffer = [0; 256];
         let began = Instant::now();
-        let length = line.read(&mut buffer).unwrap_or(0);
+        let length = wire.read(&mut buffer);
         std::thread::sleep(PACE.saturating_sub(began.elapsed()));
         for &byte in &buffer[..length] {
             let Some(command) = reader.push(byte) else {
@@ -123,21 +160,21 @@ fn run(line: &SerialPort, damage: Damage, stop: &AtomicBool, raw: &AtomicBool) {
             if let Ok(Command::Align(AlignCommand::Begin)) = command {
                 pipeline.begin_alignment();
             }
-            line_out.write(&answer(command).to_string());
+            wire.write(&answer(command).to_string());
         }
         let first = SampleIndex(2 * place as u32);
         let now = Millis(10 * place as u32);
         for &sample in pair {
             for report in pipeline.sample(now, sample) {
-                line_out.write(&report.to_string());
+                wire.write(&report.to_string());
             }
             if let Some(report) = pipeline.take_alignment_report() {
-                line_out.write(&report.to_string());
+                wire.write(&report.to_string());
             }
         }
         if raw.load(Ordering::Relaxed) {
             let samples: [Sample; 2] = *pair;
-            line_out.write(&EmgReport { first, samples }.to_string());
+            wire.write(&EmgReport { first, samples }.to_string());
         }
     }
 }
@@ -170,14 +207,27 @@ fn answer(command: Result<Command, Refusal>) -> Answer<'static> {
     }
 }
 
-/// The board's transmitter.
-struct Out<'l> {
-    line: &'l SerialPort,
+/// What connects the board to a PC.
+struct Wire {
+    terminal: Terminal,
+    link: PathBuf,
+    dialogues: std::vec::IntoIter<usize>,
+    /// Bytes until the line is pulled; none before a dialogue, and once all are over.
+    left: Option<usize>,
+    cuts: Arc<AtomicUsize>,
     damage: Damage,
     random: ChaCha8Rng,
 }
 
-impl Out<'_> {
+impl Wire {
+    fn read(&mut self, buffer: &mut [u8]) -> usize {
+        let length = self.terminal.master.read(buffer).unwrap_or(0);
+        if length > 0 && self.left.is_none() {
+            self.left = self.dialogues.next();
+        }
+        self.carried(length)
+    }
+
     fn write(&mut self, text: &str) {
         let mut bytes = text.as_bytes().to_vec();
         if let Damage::CutsAndGarbage(_) = self.damage {
@@ -189,7 +239,26 @@ impl Out<'_> {
                 bytes.extend(noise);
             }
         }
+        let length = self.left.map_or(bytes.len(), |left| left.min(bytes.len()));
         // With nobody at the other end, or one that is slow, bytes are lost, as on a real line.
-        let _ = self.line.write_all(&bytes);
+        let _ = self.terminal.master.write_all(&bytes[..length]);
+        self.carried(bytes.len());
+    }
+
+    /// Counts bytes, and pulls the line when as many have passed as it carries; returns how many of these did.
+    fn carried(&mut self, bytes: usize) -> usize {
+        let Some(left) = self.left else {
+            return bytes;
+        };
+        if bytes < left {
+            self.left = Some(left - bytes);
+            return bytes;
+        }
+        // The old one is closed last: whoever has it open learns of the cut then, and a name that is free again at once could be
+        // opened by somebody who meant the old one.
+        self.terminal = Terminal::new(&self.link);
+        self.left = None;
+        self.cuts.fetch_add(1, Ordering::Relaxed);
+        left
     }
 }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
-use std::time::Duration;
 
 use myointent::board::{BoardError, ModelFile, Unfit, install};
 use rand::{RngExt as _, SeedableRng as _};
@@ -16,7 +15,7 @@ use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{Command, CommandReader};
 
-use super::board::terminal;
+use super::board::Terminal;
 use super::shipped;
 
 const REGION: usize = 40 * PAGE_BYTES;
@@ -49,13 +48,16 @@ impl Board {
                 let mut cuts = 0;
                 let lives = lives.into_iter().chain([usize::MAX]);
                 for life in lives {
-                    run(&mut terminal.line(life), &stop, &flash);
+                    let mut line = Line {
+                        port: &terminal.master,
+                        left: life,
+                    };
+                    run(&mut line, &stop, &flash);
                     if stop.load(Ordering::Relaxed) {
                         break;
                     }
                     cuts += 1;
-                    // The old one is closed first: whoever writes to it learns of the cut.
-                    drop(terminal);
+                    // The old one is closed by that: whoever writes to it learns of the cut.
                     terminal = Terminal::new(&link);
                 }
                 cuts
@@ -68,33 +70,6 @@ impl Board {
     fn off(self) -> usize {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.join().unwrap()
-    }
-}
-
-/// Both ends of a pseudo-terminal, and a link to it that outlasts it.
-struct Terminal {
-    master: SerialPort,
-    _slave: SerialPort,
-}
-
-impl Terminal {
-    fn new(link: &Path) -> Self {
-        let (mut master, slave) = SerialPort::pair().unwrap();
-        master.set_read_timeout(Duration::from_millis(2)).unwrap();
-        master.set_write_timeout(Duration::from_millis(20)).unwrap();
-        let _ = std::fs::remove_file(link);
-        std::os::unix::fs::symlink(terminal(&slave), link).unwrap();
-        Self {
-            master,
-            _slave: slave,
-        }
-    }
-
-    const fn line(&self, left: usize) -> Line<'_> {
-        Line {
-            port: &self.master,
-            left,
-        }
     }
 }
 

@@ -20,7 +20,7 @@ pub const SHORT: &str = "rounds = 2\npause = 1\n\
     sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 1.5\nopen = 2\nclose = 2\n";
 
-fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live {
+pub fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live {
     live::start(Options {
         source,
         model: None,

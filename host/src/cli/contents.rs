@@ -1,17 +1,103 @@
 //! What is in a folder of recordings, as tables.
 
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
+use crate::dataset::Library;
 use crate::dataset::library::inspection::{Files, Inspection, SetInspection};
 use crate::dataset::readers::excerpt::printable;
+use crate::record::told::Told;
+use crate::record::{Recorded, recorded};
 use crate::report::Table;
 
 /// How many files with the same anomaly are listed; `--json` has all.
 const SHOWN: usize = 4;
 
+/// What is in a library, and whether its guided recordings are good enough to tune a model on.
+#[derive(Serialize)]
+pub(super) struct Recordings {
+    #[serde(flatten)]
+    inspection: Inspection,
+    guided: Vec<Guided>,
+}
+
+/// A person's guided recordings.
+#[derive(Serialize)]
+struct Guided {
+    person: String,
+    files: usize,
+    seconds: f64,
+    good: bool,
+    /// How often each class is labelled.
+    counts: BTreeMap<&'static str, usize>,
+    findings: Vec<Told>,
+}
+
+impl Recordings {
+    pub(super) fn new(library: &Library) -> Self {
+        Self {
+            inspection: Inspection::new(library),
+            guided: recorded(library).into_iter().map(Guided::from).collect(),
+        }
+    }
+}
+
+impl From<Recorded> for Guided {
+    fn from(recorded: Recorded) -> Self {
+        let Recorded {
+            person,
+            files,
+            quality,
+        } = recorded;
+        Self {
+            person,
+            files,
+            seconds: quality.seconds,
+            good: quality.is_good_enough(),
+            findings: quality.findings.iter().map(Told::from).collect(),
+            counts: quality.counts,
+        }
+    }
+}
+
+impl fmt::Display for Guided {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verdict = if self.good {
+            "good enough to tune a model on"
+        } else {
+            "not good enough to tune a model on"
+        };
+        let counts = self.counts.iter();
+        let counts: Vec<_> = counts
+            .map(|(class, count)| format!("{class} {count}"))
+            .collect();
+        writeln!(
+            f,
+            "{}: {:.0} s in {} guided recordings, {}: {verdict}",
+            printable(&self.person),
+            self.seconds,
+            self.files,
+            counts.join(", ")
+        )?;
+        for Told {
+            severity,
+            text,
+            advice,
+        } in &self.findings
+        {
+            writeln!(f, "    {}: {text}: {advice}", severity.name())?;
+        }
+        Ok(())
+    }
+}
+
 /// What is in a library, as text for a terminal.
-pub(super) fn tables(inspection: &Inspection) -> String {
+pub(super) fn tables(recordings: &Recordings) -> String {
+    let Recordings { inspection, guided } = recordings;
     let mut text = sets(&inspection.sets).plain() + "\n" + &taken(&inspection.taken).plain();
     for suspicion in &inspection.suspicions {
         text += &format!(
@@ -34,6 +120,9 @@ pub(super) fn tables(inspection: &Inspection) -> String {
             printable(&ignored.first.display().to_string()),
             if ignored.files > 1 { ", ..." } else { "" }
         );
+    }
+    for person in guided {
+        text += &format!("\n{person}");
     }
     text
 }

@@ -8,9 +8,8 @@ use clap::{Args, Subcommand};
 use shared::intent::Vocabulary;
 
 use super::arguments::refused;
-use super::contents::tables;
+use super::contents::{Recordings, tables};
 use super::fetch;
-use crate::dataset::library::inspection::Inspection;
 use crate::dataset::synthetic::{self, SynthOptions};
 use crate::dataset::{DataSet, LoadOptions, load};
 
@@ -118,11 +117,11 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
         ..LoadOptions::default()
     };
     let library = load(&args.path, &options).map_err(refused)?;
-    let inspection = Inspection::new(&library);
+    let recordings = Recordings::new(&library);
     let report = if args.json {
-        serde_json::to_string_pretty(&inspection)? + "\n"
+        serde_json::to_string_pretty(&recordings)? + "\n"
     } else {
-        tables(&inspection)
+        tables(&recordings)
     };
     std::io::stdout().write_all(report.as_bytes())?;
     Ok(())

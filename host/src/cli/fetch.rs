@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
-use super::contents::tables;
-use crate::dataset::library::inspection::Inspection;
+use super::contents::{Recordings, tables};
 use crate::dataset::readers::excerpt::printable;
 use crate::dataset::source::{
     Address, Download, Plan, Received, SOURCES, Servers, Source, download, free, plan,
@@ -189,7 +188,7 @@ fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
             place.display()
         )
     })?;
-    out.write_all(tables(&Inspection::new(&library)).as_bytes())?;
+    out.write_all(tables(&Recordings::new(&library)).as_bytes())?;
     let mut recordings = library.recordings.iter();
     if !recordings.any(|recording| recording.data_set == own.data_set) {
         progress::log(&format!(

@@ -2,15 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::quality::Severity;
-
-/// A finding in words.
-#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub(crate) struct Told {
-    pub(crate) severity: Severity,
-    pub(crate) text: String,
-    pub(crate) advice: &'static str,
-}
+use crate::record::told::Told;
 
 /// What was kept of a session.
 #[derive(Clone, PartialEq, Debug, Serialize)]

@@ -12,6 +12,9 @@ use shared::units::CHANNELS;
 use super::assembly::{Part, Take};
 use crate::dataset::readers::formats::react_emg::{MIRRORED_COLUMN, MUSCLE_COLUMN, TURN_COLUMN};
 
+/// Columns that only these recordings have, behind the channels.
+pub(super) const COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "bridged"];
+
 /// The text of one recording; of nobody's muscles if `synthetic`.
 pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
     let channels: String = (0..CHANNELS)
@@ -23,7 +26,8 @@ pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
         String::new()
     };
     let mut text = format!(
-        "gt{channels},sample,cue,trial,used,bridged,{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n"
+        "gt{channels},{},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
+        COLUMNS.join(",")
     );
     let class = |label: Option<Intent>| match label {
         Some(intent) => intent.class().to_string(),

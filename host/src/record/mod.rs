@@ -14,6 +14,9 @@ mod keep;
 mod layout;
 pub mod protocol;
 pub mod quality;
+mod recorded;
 pub mod session;
+pub(crate) mod told;
 
 pub use self::keep::{KeepError, Kept, keep, recover};
+pub use self::recorded::{Recorded, recorded};

@@ -36,6 +36,18 @@ pub enum Severity {
     Serious,
 }
 
+impl Severity {
+    /// Name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Serious => "serious",
+        }
+    }
+}
+
 /// Something that is wrong with a session.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Finding {

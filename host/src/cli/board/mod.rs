@@ -3,6 +3,7 @@
 mod words;
 
 use std::io::Write as _;
+use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -183,7 +184,11 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
             return Ok(());
         }
     };
-    let accepted = |answer: &Answer<'_>| matches!(answer, Answer::Align(_)).then_some(());
+    // Of a dialogue that was cut short, an answer to another command may still come. This one does not say which alignment is set.
+    let kind = discriminant(&command);
+    let accepted = |answer: &Answer<'_>| {
+        matches!(answer, Answer::Align(own) if discriminant(own) == kind).then_some(())
+    };
     board.ask(Command::Align(command), accepted)?;
     let mut out = std::io::stdout();
     if command != AlignCommand::Begin {

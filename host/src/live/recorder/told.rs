@@ -3,17 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::Recorder;
-use crate::live::outcome::{Kept, Told};
+use crate::live::outcome::Kept;
 use crate::record;
-use crate::record::quality::Finding;
+use crate::record::told::Told;
 
 /// What was kept, with the commands that come next.
 pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
-    let told = |finding: &Finding| Told {
-        severity: finding.severity(),
-        text: finding.to_string(),
-        advice: finding.advice(),
-    };
     let name = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
@@ -29,7 +24,7 @@ pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
         files: kept.files.iter().map(name).collect(),
         counts: counts.map(|(&class, &count)| (class, count)).collect(),
         bad: kept.bad,
-        findings: kept.quality.findings.iter().map(told).collect(),
+        findings: kept.quality.findings.iter().map(Told::from).collect(),
         inspect: format!("myointent data inspect {data}"),
         personalize: format!(
             "myointent personalize --model {} --data {data} --out {}",

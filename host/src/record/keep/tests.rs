@@ -6,6 +6,7 @@ use crate::dataset::synthetic::Follower;
 use crate::record::journal::{Entry, Header, Journal, read};
 use crate::record::protocol::Protocol;
 use crate::record::session::{Action, Input, Output, Session};
+use crate::record::{Recorded, recorded};
 
 const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";
@@ -98,6 +99,41 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
         }
     }
     assert_eq!(kept.quality.counts["open"], 2);
+}
+
+#[test]
+fn sessions_are_judged_again_from_their_files_all_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().join("anna");
+    fs::create_dir(&person).unwrap();
+    let session = |name: &str| {
+        let journal = person.join(format!("anna_{name}_short.journal"));
+        record(&journal, false, 60);
+        keep(&journal).unwrap().quality
+    };
+    let judged = || {
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let [judged] = <[Recorded; 1]>::try_from(recorded(&library)).unwrap();
+        judged
+    };
+    let at_its_end = session("1");
+    let once = judged();
+    assert_eq!((once.person.as_str(), once.files), ("react-emg/anna", 2));
+    assert_eq!(once.quality, at_its_end);
+    assert!(!once.quality.is_good_enough());
+    // Two openings a session: six of each gesture are needed.
+    for (name, good) in [("2", false), ("3", true)] {
+        session(name);
+        assert_eq!(judged().quality.is_good_enough(), good, "{name}");
+    }
+    assert_eq!(judged().quality.counts["open"], 6);
+    // A file that is no guided recording is not judged.
+    fs::write(
+        person.join("anna_4.csv"),
+        "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n0,1,1,1,1,1,1,1,1\n",
+    )
+    .unwrap();
+    assert_eq!(judged().files, 6);
 }
 
 #[test]

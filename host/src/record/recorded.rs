@@ -1,0 +1,92 @@
+//! Recordings of guided sessions, judged again from their files: all that a person has recorded counts together.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use shared::intent::Intent;
+use shared::units::{CHANNELS, Sample};
+
+use super::assembly::{Part, Take};
+use super::layout;
+use super::quality::{Quality, judge};
+use crate::dataset::Library;
+use crate::dataset::labels::cued::follow;
+
+/// A person's guided recordings.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Recorded {
+    /// Data set and person.
+    pub person: String,
+    /// Number of files.
+    pub files: usize,
+    /// Whether they are good enough together.
+    pub quality: Quality,
+}
+
+/// The guided recordings in a library, person by person in alphabetical order; other recordings are passed over.
+///
+/// What only a session's end knows, whether it ended early, is not said, and of lost samples only those that were bridged.
+#[must_use]
+pub fn recorded(library: &Library) -> Vec<Recorded> {
+    let mut people: BTreeMap<&str, Take> = BTreeMap::new();
+    for recording in &library.recordings {
+        let Some(part) = part(&recording.path, &recording.labels) else {
+            continue;
+        };
+        let take = people.entry(&recording.subject).or_default();
+        take.lost += part.bridged.iter().filter(|&&bridged| bridged).count() as u64;
+        take.parts.push(part);
+        take.complete = true;
+    }
+    let judged = people.into_iter().map(|(person, take)| {
+        let cues = take.parts.iter().flat_map(|part| &part.cues);
+        let asked: BTreeSet<usize> = cues.flatten().map(|intent| intent.class()).collect();
+        let classes = asked.into_iter().filter_map(Intent::from_class);
+        Recorded {
+            person: person.to_owned(),
+            files: take.parts.len(),
+            quality: judge(&take, &classes.collect::<Vec<_>>(), false, false),
+        }
+    });
+    judged.collect()
+}
+
+/// What a file of the layout holds; none of another layout, or if it cannot be read any more.
+fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
+    let mut rows = csv::Reader::from_path(path).ok()?;
+    let header = rows.headers().ok()?.clone();
+    let position = |name: &str| header.iter().position(|own| own == name);
+    let columns = layout::COLUMNS.map(position);
+    let [index, cue, trial, used, bridged] = columns.into_iter().collect::<Option<Vec<_>>>()?[..]
+    else {
+        return None;
+    };
+    let mut channels = [0; CHANNELS];
+    for (channel, column) in channels.iter_mut().enumerate() {
+        *column = position(&format!("emg_{channel}"))?;
+    }
+    let mut part = Part {
+        labels: labels.to_vec(),
+        ..Part::default()
+    };
+    let mut is_used = Vec::new();
+    for row in rows.records() {
+        let row = row.ok()?;
+        let number = |column: usize| row.get(column)?.trim().parse::<i64>().ok();
+        let mut sample: Sample = [0; CHANNELS];
+        for (value, &column) in sample.iter_mut().zip(&channels) {
+            *value = i8::try_from(number(column)?).ok()?;
+        }
+        let class = usize::try_from(number(cue)?).ok();
+        part.samples.push(sample);
+        part.index.push(u32::try_from(number(index)?).ok()?);
+        part.bridged.push(number(bridged)? != 0);
+        part.cues.push(class.and_then(Intent::from_class));
+        part.trials.push(u32::try_from(number(trial)?).ok()?);
+        is_used.push(number(used)? != 0);
+    }
+    let mut holds = follow(&part.samples, &part.cues).holds;
+    holds.retain(|hold| is_used.get(hold.samples.start) == Some(&true));
+    part.holds = holds;
+    Some(part)
+}
