@@ -1,12 +1,16 @@
-//! Coverage-guided fuzzing: builds the program of tests/fuzz and runs its targets one after another.
+//! Coverage-guided fuzzing: builds the program of tests/fuzz and runs its targets.
 //!
 //! Stable Rust suffices: the coverage counters are LLVM's, and any C++ compiler compiles libFuzzer from the sources in
 //! its crate. No sanitizer: there is no unsafe code to watch.
 
 use std::{
     env, fmt, fs,
+    num::NonZero,
+    panic,
     path::{Path, PathBuf},
     process::Command,
+    sync::{Mutex, MutexGuard, PoisonError},
+    thread,
     time::Instant,
 };
 
@@ -44,7 +48,7 @@ pub struct Arguments {
     seeds: bool,
 }
 
-/// Runs the targets and prints a table: executions, executions a second, branches reached, result.
+/// Runs the targets, one on each core, and prints a table: executions, executions a second, branches reached, result.
 ///
 /// # Errors
 /// When a target found an input that fails, or cannot be built.
@@ -69,19 +73,42 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let wanted =
         |target: &&Target| arguments.target.is_empty() || arguments.target.contains(&target.name);
     println!("target             executions  a second  branches  inputs  result");
-    let mut findings = Vec::new();
-    for target in known.iter().filter(wanted) {
-        let outcome = fuzz(&program, target, arguments)?;
-        let name = &target.name;
-        println!("{name:<16} {outcome}");
-        if let Some(finding) = outcome.finding {
-            findings.push(format!("{name}: {finding}"));
+    let waiting = Mutex::new(known.iter().filter(wanted));
+    let findings = Mutex::new(Vec::new());
+    // A target is a process of one thread: one on each core.
+    let worker = || -> Result<()> {
+        loop {
+            let next = lock(&waiting).next();
+            let Some(target) = next else {
+                return Ok(());
+            };
+            let outcome = fuzz(&program, target, arguments)?;
+            let name = &target.name;
+            println!("{name:<16} {outcome}");
+            if let Some(finding) = outcome.finding {
+                lock(&findings).push(format!("{name}: {finding}"));
+            }
         }
-    }
+    };
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
+        let done = workers.into_iter().map(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(panic) => panic::resume_unwind(panic),
+        });
+        done.collect::<Result<()>>()
+    })?;
+    let findings = lock(&findings);
     if !findings.is_empty() {
         bail!("{}", findings.join("\n"));
     }
     Ok(())
+}
+
+/// What a worker that has panicked left is whole: nothing is held over more than a line.
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Where the targets are.
