@@ -899,7 +899,7 @@ fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option
                 .enumerate()
                 .filter(|(number, _)| number % 4 != quarter);
             let others: Vec<_> = others.map(|(_, profiles)| profiles.clone()).collect();
-            template(&others, &vec![Alignment::NONE; others.len()]).expect("enough people")
+            template(&others).expect("enough people")
         })
         .collect();
     let found = people

@@ -207,7 +207,28 @@ fn sample_to_screen_with_four_more_viewers() {
     let Some(mut browser) = Browser::start("sample_to_screen_with_four_more_viewers") else {
         return;
     };
-    let live = serve(Source::Demo);
+    measure(&mut browser, "demo", Source::Demo);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "a measurement: the same of a board whose raw stream comes four times as fast as an armband's"]
+fn sample_to_screen_of_a_board_with_four_more_viewers() {
+    use super::board::{Board, Damage};
+
+    let name = "sample_to_screen_of_a_board_with_four_more_viewers";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let board = Board::start(&link, Damage::None);
+    measure(&mut browser, "board", Source::Port(link));
+    drop(board);
+}
+
+fn measure(browser: &mut Browser, what: &str, source: Source) {
+    let live = serve(source);
     for _ in 0..4 {
         let mut viewer = Viewer::connect(live.url());
         std::thread::spawn(move || while viewer.next().is_some() {});
@@ -217,7 +238,7 @@ fn sample_to_screen_with_four_more_viewers() {
     browser.wait_for(VALID);
     let frames = browser.value(FRAMES);
     let latency = browser.text("latency");
-    println!("sample to screen {latency}; frames a second, longest gap, 95 %: {frames} ms");
+    println!("{what}: sample to screen {latency}; frames a second, longest gap, 95 %: {frames} ms");
     assert_eq!(browser.text("skipped"), "0");
     live.stop().unwrap();
 }

@@ -15,7 +15,7 @@ use crate::run::template::model_with_template;
 #[command(
     after_help = "The template says what an open hand looks like over the electrodes; the device aligns the armband by it\n\
     (docs/alignment.md). `quantize` writes one of the training people into every model file. This command is for files without\n\
-    one, of models trained without data.align_people, and changes nothing else in them.\n\n\
+    one, and changes nothing else in them.\n\n\
     Example:\n  myointent template models/three-class.intent --data DIR"
 )]
 pub struct Arguments {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use shared::stream::alignment::{Alignment, Template};
+use shared::stream::alignment::Template;
 use shared::units::Sample;
 
 use super::preset::Preset;
@@ -40,10 +40,6 @@ pub struct ResolvedConfig {
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Places by which people are turned in training and validation, with `data.align_people`; those who are not are left
-    /// out.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub turns: BTreeMap<String, u8>,
     /// The alignment template of the training subjects, as [`Template::to_bytes`] has its numbers; none if too few of them
     /// open the hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -109,8 +105,7 @@ impl ResolvedConfig {
         Template::from_bytes(&bytes).ok()
     }
 
-    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common orientation, and
-    /// the person turned as in [`ResolvedConfig::turns`].
+    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common orientation.
     #[must_use]
     pub(crate) fn samples(&self, recording: &Recording) -> Vec<Sample> {
         let mut samples = if self.preset.data.normalize {
@@ -126,11 +121,6 @@ impl ResolvedConfig {
     pub(super) fn align(&self, recording: &Recording, samples: &mut [Sample]) {
         if self.preset.data.align_electrodes {
             recording.data_set.align(samples);
-        }
-        if let Some(&turn) = self.turns.get(&recording.subject) {
-            for sample in samples {
-                *sample = Alignment::new(turn, false).apply(*sample);
-            }
         }
     }
 

@@ -144,10 +144,6 @@ pub struct DataSelection {
     /// students are trained with it, and the model file says so.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub normalize: bool,
-    /// Turn training and validation people, by one place at most, so that their gestures agree; for a model that is used
-    /// after alignment alone.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub align_people: bool,
     /// Seconds of spliced recordings per subject and data set: gestures in random order, of random duration.
     pub spliced_seconds: f64,
     /// Balance between data sets: the seconds are multiplied by the ratio of the largest set's number of subjects to

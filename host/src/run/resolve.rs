@@ -115,12 +115,11 @@ impl ResolvedConfig {
             recordings: lineage::recordings(library, &split),
             split,
             lags,
-            turns: BTreeMap::new(),
             template: None,
             start_weights: None,
             git_revision: revision().map(str::to_owned),
         };
-        template::align_people(&mut config, &labelled);
+        config.template = template::of_training_people(&config, &labelled);
         Ok(config)
     }
 

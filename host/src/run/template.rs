@@ -4,60 +4,35 @@ use std::collections::BTreeMap;
 
 use shared::intent::Intent;
 use shared::model::file::Model;
-use shared::stream::alignment::{Alignment, Template};
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
 use super::error::StepError;
 use super::model_evaluation::lags;
-use crate::dataset::alignment::{FEWEST_PEOPLE, Profiles, common_turns, profiles, template};
+use crate::dataset::alignment::{FEWEST_PEOPLE, Profiles, profiles, template};
 use crate::dataset::labels::lag;
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Recording};
 
-/// Turns training and validation people to agree with one another, if the preset asks for it, and makes the template of the
-/// training people as they are then.
-pub(super) fn align_people(config: &mut ResolvedConfig, labelled: &[&Recording]) {
+/// The numbers of the template of a run's training people; none if too few of them open the hand.
+pub(super) fn of_training_people(
+    config: &ResolvedConfig,
+    labelled: &[&Recording],
+) -> Option<Vec<i16>> {
     let read = |recording: &Recording| (config.samples(recording), config.lag(recording.data_set));
-    let role = |subject: &str| config.split.role(subject);
-    let seen = |recording: &&Recording| {
-        matches!(
-            role(&recording.subject),
-            Some(Role::Training | Role::Validation)
-        )
-    };
-    let (subjects, people): (Vec<String>, Vec<Profiles>) =
-        people(labelled.iter().copied().filter(seen), read)
-            .into_iter()
-            .unzip();
-    let mut turns = vec![Alignment::NONE; people.len()];
-    if config.preset.data.align_people {
-        turns = common_turns(&people);
-    }
-    let (own, own_turns): (Vec<Profiles>, Vec<Alignment>) = subjects
-        .iter()
-        .zip(people.into_iter().zip(&turns))
-        .filter(|(subject, _)| role(subject) == Some(Role::Training))
-        .map(|(_, (profiles, &turn))| (profiles, turn))
-        .unzip();
-    let numbers = template(&own, &own_turns).map(|template| {
-        let bytes = template.to_bytes();
-        let numbers = bytes.as_chunks::<2>().0.iter();
-        numbers.map(|&two| i16::from_le_bytes(two)).collect()
-    });
-    config.template = numbers;
-    config.turns = subjects
-        .into_iter()
-        .zip(turns)
-        .filter(|(_, turn)| *turn != Alignment::NONE)
-        .map(|(subject, turn)| (subject, turn.turn()))
-        .collect();
+    let is_seen =
+        |recording: &&Recording| config.split.role(&recording.subject) == Some(Role::Training);
+    let seen = labelled.iter().copied().filter(is_seen);
+    let people: Vec<Profiles> = people(seen, read).into_values().collect();
+    let bytes = template(&people)?.to_bytes();
+    let numbers = bytes.as_chunks::<2>().0.iter();
+    Some(numbers.map(|&two| i16::from_le_bytes(two)).collect())
 }
 
 /// A model file with a template of the people whom the model has seen, of whom a library holds recordings; and how many of
 /// them there are. Everything else in the file stays as it is.
 ///
-/// Electrodes are in the common frame of all data sets, as in the training without `data.align_people`. The label lag of a set is estimated on the people seen.
+/// Electrodes are in the common frame of all data sets, as in training. The label lag of a set is estimated on the people seen.
 ///
 /// # Errors
 /// When the model is refused, or fewer than three of its people open the hand in the library.
@@ -79,11 +54,10 @@ pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, u
         .iter()
         .filter(|profiles| profiles.contains_key(&Intent::Open))
         .count();
-    let template: Template =
-        template(&people, &vec![Alignment::NONE; people.len()]).ok_or(StepError::NoTemplate {
-            expected: FEWEST_PEOPLE,
-            found: opens,
-        })?;
+    let template = template(&people).ok_or(StepError::NoTemplate {
+        expected: FEWEST_PEOPLE,
+        found: opens,
+    })?;
     Ok((Model::with_template(file, Some(&template))?, opens))
 }
 

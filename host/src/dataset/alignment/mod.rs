@@ -9,4 +9,4 @@ mod template;
 
 pub use openings::{Openings, openings};
 pub use profiles::{Profiles, profiles};
-pub use template::{FEWEST_PEOPLE, common_turns, template};
+pub use template::{FEWEST_PEOPLE, template};

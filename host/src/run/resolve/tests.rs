@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use shared::intent::Intent;
+use shared::stream::alignment::{Alignment, Profile};
 
 use super::*;
 
@@ -145,15 +146,12 @@ fn a_set_that_is_not_trained_on_by_default_is_used_where_it_is_named() {
     assert!(resolved(named)[0] > 0);
 }
 
-/// As [`library`], with opens between rest; person 2 of the first set wears the armband one place further.
+/// As [`library`], with opens between rest.
 fn openers() -> Library {
     let mut library = library();
     for (number, recording) in library.recordings.iter_mut().enumerate() {
         let own = number as i8;
-        let mut open = [70, 50 + own, 35, 25, 18 - own, 12, 8, 6];
-        if recording.subject == "react-emg/p2" {
-            open.rotate_right(1);
-        }
+        let open = [70, 50 + own, 35, 25, 18 - own, 12, 8, 6];
         for label in [Intent::Open, Intent::Relax, Intent::Open] {
             let sample = if label == Intent::Open { open } else { [2; 8] };
             recording.samples.extend([sample; 100]);
@@ -164,27 +162,15 @@ fn openers() -> Library {
 }
 
 #[test]
-fn people_are_turned_to_agree_only_if_the_preset_says_so() {
-    let with = |align_people| {
-        let mut preset = preset(
-            &["synthetic/p1", "react-emg/p4"],
-            &["synthetic/p2", "react-emg/p5"],
-        );
-        preset.data.align_people = align_people;
-        ResolvedConfig::new(preset, &openers(), None, false, None).unwrap()
-    };
-    let (as_they_sit, turned) = (with(false), with(true));
-    assert_eq!(as_they_sit.turns, BTreeMap::new());
-    let expected = BTreeMap::from([("react-emg/p2".to_owned(), 1)]);
-    assert_eq!(turned.turns, expected);
-    let first = |config: &ResolvedConfig, at: usize| config.samples(&openers().recordings[at])[25];
-    assert_eq!(first(&turned, 1)[0], 70);
-    assert_eq!(first(&as_they_sit, 1)[1], 70);
-    assert_eq!(first(&turned, 0), first(&as_they_sit, 0));
-    // The same people turned make a narrower density.
-    let spread = |config: &ResolvedConfig| config.template.as_ref().unwrap()[8];
-    assert!(spread(&turned) > spread(&as_they_sit));
-    assert!(turned.alignment_template().is_some());
+fn people_who_open_the_hand_make_a_template_and_others_none() {
+    let preset = preset(
+        &["synthetic/p1", "react-emg/p4"],
+        &["synthetic/p2", "react-emg/p5"],
+    );
+    let config = ResolvedConfig::new(preset, &openers(), None, false, None).unwrap();
+    let template = config.alignment_template().unwrap();
+    let open = [70, 54, 35, 25, 14, 12, 8, 6].map(|mean| 64 * mean);
+    assert_eq!(template.fit(Profile::new(open)).alignment, Alignment::NONE);
     // Nobody of the plain library opens the hand.
     let without = resolve(&["synthetic/p1"], &["synthetic/p2"]).unwrap();
     assert_eq!(without.alignment_template(), None);

@@ -69,7 +69,6 @@ impl Fixture {
                     test: Vec::new(),
                 },
                 lags: BTreeMap::new(),
-                turns: BTreeMap::new(),
                 template: None,
                 recordings: Fingerprint::of_bytes(b"recordings"),
                 start_weights: None,
