@@ -3,6 +3,8 @@
 //! Stable Rust suffices: the coverage counters are LLVM's, and any C++ compiler compiles libFuzzer from the sources in
 //! its crate. No sanitizer: there is no unsafe code to watch.
 
+mod figures;
+
 use std::{
     env, fmt, fs,
     num::NonZero,
@@ -15,6 +17,8 @@ use std::{
 };
 
 use anyhow::{Context as _, Result, bail, ensure};
+
+use self::figures::Figures;
 
 /// What counts branches and shows libFuzzer the operands of comparisons; the flags of `cargo fuzz`.
 const COVERAGE: [&str; 5] = [
@@ -276,60 +280,9 @@ fn reason(log: &str, file: &Path) -> String {
     )
 }
 
-/// Numbers of libFuzzer's log.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-struct Figures {
-    executions: u64,
-    branches: u64,
-    inputs: u64,
-}
-
-impl Figures {
-    /// Of the last line `#N KIND cov: N ft: N corp: N/...` with each; the final count counts all.
-    fn of(log: &str) -> Self {
-        let mut figures = Self::default();
-        for line in log.lines() {
-            let mut words = line.split_whitespace().peekable();
-            if let Some(number) = line.strip_prefix("stat::number_of_executed_units:") {
-                figures.executions = number.trim().parse().unwrap_or(figures.executions);
-            }
-            let first = words.peek().and_then(|word| word.strip_prefix('#'));
-            let Some(executions) = first.and_then(|word| word.parse().ok()) else {
-                continue;
-            };
-            figures.executions = figures.executions.max(executions);
-            while let Some(word) = words.next() {
-                let number = words
-                    .peek()
-                    .and_then(|next| next.split('/').next()?.parse().ok());
-                match (word, number) {
-                    ("cov:", Some(number)) => figures.branches = number,
-                    ("corp:", Some(number)) => figures.inputs = number,
-                    _ => {}
-                }
-            }
-        }
-        figures
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn figures_are_those_of_the_last_line() {
-        let log = "INFO: Seed: 1\n#2\tINITED cov: 14 ft: 15 corp: 1/1b exec/s: 0 rss: 28Mb\n\
-                   #4798095\tDONE   cov: 44 ft: 116 corp: 50/14998b lim: 4096 exec/s: 533121 rss: 28Mb\n\
-                   stat::number_of_executed_units: 4798096\n";
-        let expected = Figures {
-            executions: 4_798_096,
-            branches: 44,
-            inputs: 50,
-        };
-        assert_eq!(Figures::of(log), expected);
-        assert_eq!(Figures::of("nothing\n"), Figures::default());
-    }
 
     #[test]
     fn a_target_is_a_name_and_the_length_of_its_longest_input() {
