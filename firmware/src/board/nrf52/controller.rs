@@ -12,7 +12,7 @@ use nrf_mpsl::{MultiprotocolServiceLayer, SessionMem};
 use nrf_sdc::{Builder, Mem, SoftdeviceController};
 use static_cell::StaticCell;
 
-use crate::flash::{Flash, FlashFailed, PAGE_BYTES};
+use super::chip_flash::ChipFlash;
 use crate::installation;
 use crate::radio::{driver::SessionDriver, trouble};
 
@@ -76,26 +76,12 @@ pub async fn run_radio(spawner: Spawner, parts: RadioParts, driver: &SessionDriv
         Ok(controller) => controller,
         Err(error) => defmt::panic!("the Bluetooth controller did not start: {}", error),
     };
+    // In time slots that the radio's scheduler grants.
     let flash = ChipFlash(nrf_mpsl::Flash::take(mpsl, parts.flash));
     installation::beside(flash, async |flash| {
         trouble::run(controller, own_address(), driver, flash).await;
     })
     .await;
-}
-
-/// Writes flash in time slots that the radio's scheduler grants.
-struct ChipFlash(nrf_mpsl::Flash<'static>);
-
-impl Flash for ChipFlash {
-    async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
-        let erased = self.0.erase(page, page + PAGE_BYTES).await;
-        erased.map_err(|_| FlashFailed)
-    }
-
-    async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
-        let written = self.0.write(address, words).await;
-        written.map_err(|_| FlashFailed)
-    }
 }
 
 fn build(

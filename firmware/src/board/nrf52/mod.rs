@@ -1,5 +1,6 @@
 //! The nRF52840 and the nRF52832, on Nordic's development kits.
 
+mod chip_flash;
 #[cfg(feature = "radio-trouble")]
 mod controller;
 mod dead_man;

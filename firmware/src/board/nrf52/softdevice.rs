@@ -1,10 +1,9 @@
 //! Bluetooth with Nordic's SoftDevice, which is flashed once, at the addresses below the program.
 
 use embassy_executor::Spawner;
-use embedded_storage_async::nor_flash::NorFlash;
 use nrf_softdevice::{Config, Softdevice, raw};
 
-use crate::flash::{Flash, FlashFailed, PAGE_BYTES};
+use super::chip_flash::ChipFlash;
 use crate::installation;
 use crate::radio::{self, driver::SessionDriver};
 
@@ -48,26 +47,12 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the SoftDevice's task runs already"),
     }
+    // Between radio events.
     let flash = ChipFlash(nrf_softdevice::Flash::take(softdevice));
     installation::beside(flash, async |flash| {
         radio::softdevice::run(softdevice, driver, flash).await;
     })
     .await;
-}
-
-/// Writes flash through the SoftDevice, which does so between radio events.
-struct ChipFlash(nrf_softdevice::Flash);
-
-impl Flash for ChipFlash {
-    async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
-        let erased = self.0.erase(page, page + PAGE_BYTES).await;
-        erased.map_err(|_| FlashFailed)
-    }
-
-    async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
-        let written = self.0.write(address, words).await;
-        written.map_err(|_| FlashFailed)
-    }
 }
 
 #[embassy_executor::task]

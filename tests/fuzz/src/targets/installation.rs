@@ -1,5 +1,7 @@
 //! The receiver of a model: any commands in any order, flash that fails, losses of power.
 
+use std::sync::LazyLock;
+
 use shared::installation::journal::{self, JOURNAL_BYTES};
 use shared::installation::{
     BLOCK_BYTES, Block, Installation, PAGE_BYTES, Progress, Refused, Step, Transfer,
@@ -7,9 +9,13 @@ use shared::installation::{
 
 use crate::input::Input;
 
-/// Three pages and some blocks.
-const LENGTH: usize = 3 * PAGE_BYTES + 3 * BLOCK_BYTES + 5;
-const CAPACITY: usize = 5 * PAGE_BYTES;
+/// Two pages and some blocks.
+const LENGTH: usize = 2 * PAGE_BYTES + 3 * BLOCK_BYTES + 5;
+const CAPACITY: usize = 4 * PAGE_BYTES;
+
+/// What is installed; the same each time.
+static FILE: LazyLock<Vec<u8>> =
+    LazyLock::new(|| (0..LENGTH).map(|place| (place % 251) as u8).collect());
 
 struct Flash {
     region: Vec<u8>,
@@ -19,7 +25,7 @@ struct Flash {
 /// What happens: a byte for the kind, what belongs to it.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
-    let file: Vec<u8> = (0..LENGTH).map(|place| (place % 251) as u8).collect();
+    let file = FILE.as_slice();
     let whole = Transfer {
         length: LENGTH as u32,
         checksum: 7,
@@ -36,7 +42,7 @@ pub fn run(data: &[u8]) {
             // Power fails.
             installation = Installation::new(CAPACITY as u32);
             in_use =
-                flash.region.starts_with(&file) || flash.region.iter().all(|byte| *byte == 0x55);
+                flash.region.starts_with(file) || flash.region.iter().all(|byte| *byte == 0x55);
             continue;
         }
         if kind < 0x30 {
@@ -66,7 +72,7 @@ pub fn run(data: &[u8]) {
         } else {
             usize::MAX
         };
-        let block = Block::of(&file, number);
+        let block = Block::of(file, number);
         if installation.take(number, &block, |_| true).is_err() {
             continue;
         }
@@ -79,13 +85,13 @@ pub fn run(data: &[u8]) {
                 _ if !success => {}
                 Step::Suspend => in_use = false,
                 Step::Resume => {
-                    assert!(flash.region.starts_with(&file), "in use, and not whole");
+                    assert!(flash.region.starts_with(file), "in use, and not whole");
                     in_use = true;
                 }
                 Step::Verify => {}
                 _ => assert!(!in_use, "{step:?} while a model is in use"),
             }
-            let success = success && (step != Step::Verify || flash.region.starts_with(&file));
+            let success = success && (step != Step::Verify || flash.region.starts_with(file));
             if success {
                 write(&mut flash, &installation, step);
             }
