@@ -77,7 +77,7 @@ impl fmt::Display for Guided {
             .collect();
         writeln!(
             f,
-            "{}: {:.0} s in {} guided recordings, {}: {verdict}",
+            "{}: {:.0} s, guided recordings: {}; {}: {verdict}",
             printable(&self.person),
             self.seconds,
             self.files,

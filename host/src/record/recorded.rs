@@ -40,7 +40,10 @@ pub fn recorded(library: &Library) -> Vec<Recorded> {
     }
     let judged = people.into_iter().map(|(person, take)| {
         let cues = take.parts.iter().flat_map(|part| &part.cues);
-        let asked: BTreeSet<usize> = cues.flatten().map(|intent| intent.class()).collect();
+        // A session may have ended before each was asked for, and every model has these.
+        let always = [Intent::Relax, Intent::Open, Intent::Close];
+        let asked = always.iter().chain(cues.flatten());
+        let asked: BTreeSet<usize> = asked.map(|intent| intent.class()).collect();
         let classes = asked.into_iter().filter_map(Intent::from_class);
         Recorded {
             person: person.to_owned(),

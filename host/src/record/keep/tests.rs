@@ -127,6 +127,15 @@ fn sessions_are_judged_again_from_their_files_all_together() {
         assert_eq!(judged().quality.is_good_enough(), good, "{name}");
     }
     assert_eq!(judged().quality.counts["open"], 6);
+    // A session that was ended before the first gesture.
+    let ended = folder.path().join("eva");
+    fs::create_dir(&ended).unwrap();
+    let journal = ended.join("eva_1_short.journal");
+    record(&journal, false, 2);
+    keep(&journal).unwrap();
+    let library = load(&ended, &LoadOptions::default()).unwrap();
+    assert!(!recorded(&library)[0].quality.is_good_enough());
+    fs::remove_dir_all(&ended).unwrap();
     // A file that is no guided recording is not judged.
     fs::write(
         person.join("anna_4.csv"),
