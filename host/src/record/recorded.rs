@@ -9,8 +9,8 @@ use shared::units::{CHANNELS, Sample};
 use super::assembly::{Part, Take};
 use super::layout;
 use super::quality::{Quality, judge};
-use crate::dataset::Library;
 use crate::dataset::labels::cued::follow;
+use crate::dataset::{DataSet, Library, Recording};
 
 /// A person's guided recordings.
 #[derive(Clone, PartialEq, Debug)]
@@ -29,7 +29,11 @@ pub struct Recorded {
 #[must_use]
 pub fn recorded(library: &Library) -> Vec<Recorded> {
     let mut people: BTreeMap<&str, Take> = BTreeMap::new();
-    for recording in &library.recordings {
+    // The sets that files of this layout are read as: no other file is opened again.
+    let is_own = |recording: &&Recording| {
+        matches!(recording.data_set, DataSet::ReactEmg | DataSet::Synthetic)
+    };
+    for recording in library.recordings.iter().filter(is_own) {
         let Some(part) = part(&recording.path, &recording.labels) else {
             continue;
         };
