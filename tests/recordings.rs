@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use myointent::dataset::alignment::{openings, profiles, template};
+use myointent::dataset::alignment::{open_hand, openings, template};
 use myointent::dataset::labels::lag;
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::split::circles::{Circles, is_test};
@@ -891,14 +891,17 @@ fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option
             .map(|(samples, labels)| (samples.as_slice(), labels.as_slice()))
             .collect()
     }
-    let profiles: Vec<_> = people.values().map(|own| profiles(borrowed(own))).collect();
+    let profiles: Vec<_> = people
+        .values()
+        .map(|own| open_hand(borrowed(own)))
+        .collect();
     let templates: Vec<_> = (0..4)
         .map(|quarter| {
             let others = profiles
                 .iter()
                 .enumerate()
                 .filter(|(number, _)| number % 4 != quarter);
-            let others: Vec<_> = others.map(|(_, profiles)| profiles.clone()).collect();
+            let others: Vec<_> = others.filter_map(|(_, &profile)| profile).collect();
             template(&others).expect("enough people")
         })
         .collect();

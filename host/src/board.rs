@@ -60,6 +60,9 @@ pub enum BoardError {
         /// Its own words.
         reason: String,
     },
+    /// The installation was stopped from here.
+    #[error("stopped before the board had all of it")]
+    Stopped,
 }
 
 /// A board.

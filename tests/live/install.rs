@@ -203,7 +203,7 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     let mut seen = 0;
     // The same command again, as a person gives it, where it has given up.
     let installed =
-        (0..200).any(|_| install(&link, file, |blocks| seen = seen.max(blocks)).is_ok());
+        (0..200).any(|_| install(&link, file, || false, |blocks| seen = seen.max(blocks)).is_ok());
     assert!(installed);
     assert_eq!(board.off(), 100);
     assert_eq!(seen, file.blocks());
@@ -237,8 +237,8 @@ fn a_model_that_is_in_use_is_not_sent_and_a_missing_port_is_named() {
     let (_board, _) = Board::on(&link, flash_of(&new), Vec::new());
     let file = ModelFile::new(&new).unwrap();
     let mut reports = Vec::new();
-    install(&link, file, |blocks| reports.push(blocks)).unwrap();
+    install(&link, file, || false, |blocks| reports.push(blocks)).unwrap();
     assert_eq!(reports, [file.blocks()]);
-    let missing = install("/no/such/port".as_ref(), file, |_| {});
+    let missing = install("/no/such/port".as_ref(), file, || false, |_| {});
     assert!(matches!(missing, Err(BoardError::Open { .. })));
 }

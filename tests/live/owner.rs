@@ -3,14 +3,12 @@
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bytemuck::cast_slice;
-use myointent::board::{ModelFile, install};
 use myointent::cli::arguments::BackendArguments;
 use myointent::dataset::synthetic::Follower;
 use myointent::live::{self, Live, Options, RecordOptions, Source};
@@ -148,16 +146,6 @@ fn bridge(mut run: Run, line: SerialPort) -> Working<Run> {
     })
 }
 
-fn start(port: &Path, model: &[u8], record: Option<RecordOptions>) -> Live {
-    live::start(Options {
-        source: Source::Port(port.to_owned()),
-        model: Some(model.to_vec()),
-        listen: "127.0.0.1:0".parse().unwrap(),
-        record,
-    })
-    .unwrap()
-}
-
 /// Waits for an expression of the page, for a long time.
 fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut Browser)) {
     let end = Instant::now() + PATIENCE;
@@ -202,10 +190,11 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
 
     // See it, and align it.
     let protocol = Protocol::parse("short.toml", SHORT)?;
-    let live = start(
-        &port,
-        &shipped(),
-        Some(RecordOptions {
+    let live = live::start(Options {
+        source: Source::Port(port),
+        model: Some(shipped()),
+        listen: "127.0.0.1:0".parse()?,
+        record: Some(RecordOptions {
             folder: folder.path().to_owned(),
             person: "anna".to_owned(),
             protocol,
@@ -213,7 +202,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             device: BackendArguments { backend: None }.device()?,
             speed: 1,
         }),
-    );
+    })?;
     browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());
     let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
@@ -265,20 +254,20 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     assert_eq!(browser.value(state), "better", "{}", browser.text("tuned"));
     assert!(browser.text("commands").contains("myointent board --port"));
     browser.screenshot(&pictures().join("owner-tuned.png"));
-    assert_eq!(browser.complaints, [""; 0]);
-    live.stop()?;
-    follows.join().unwrap();
 
     // On the board, without a restart.
-    let tuned = std::fs::read(folder.path().join("anna/anna.intent"))?;
-    let file = ModelFile::new(&tuned)?;
-    install(&port, file, |_| {})?;
+    browser.press("i");
+    let state = "document.getElementById('installed').dataset.state";
+    browser.wait_for(&format!("{state} === 'running'"));
+    reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
+    assert_eq!(
+        browser.value(state),
+        "done",
+        "{}",
+        browser.text("installed")
+    );
 
     // And right, on an armband that is aligned as before.
-    let live = start(&port, &tuned, None);
-    browser.open(live.url());
-    // While no program ran, the page looked for it.
-    browser.complaints.clear();
     reach(&mut browser, valid, |_| {});
     let text = browser.value(placed);
     assert!(
@@ -301,6 +290,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     browser.screenshot(&pictures().join("owner-own-model.png"));
     assert_eq!(browser.complaints, [""; 0]);
     live.stop()?;
+    follows.join().unwrap();
     worn.stop();
     let run = line.stop();
     assert_eq!(run.lines_by_start()?.len(), 1, "the board restarted");

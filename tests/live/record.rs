@@ -242,6 +242,11 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     assert_ne!(state, "failed", "{}", browser.text("tuned"));
     assert_eq!(written, state == "better", "{}", browser.text("tuned"));
     assert_eq!(browser.text("commands").contains("install"), written);
+    // There is no board.
+    assert_eq!(
+        browser.value("document.getElementById('install').hidden"),
+        true
+    );
     assert!(browser.text("scores").contains("balanced accuracy"));
     browser.screenshot(&pictures().join("record-result.png"));
     browser.press("n");

@@ -79,20 +79,21 @@ impl<'f> ModelFile<'f> {
 }
 
 /// Installs a model on the board at a port; `report` is told how many blocks the board has. A board that is lost is looked
-/// for, and the installation gone on with, until there was none for 30 s.
+/// for, and the installation gone on with, until there was none for 30 s. It ends early once `stopped`.
 ///
 /// # Errors
-/// There is no board, it refuses, or it is lost: the same call goes on where this one ended.
+/// There is no board, it refuses, it is lost or this was stopped: the same call goes on where this one ended.
 pub fn install(
     path: &Path,
     file: ModelFile<'_>,
+    stopped: impl Fn() -> bool,
     mut report: impl FnMut(u32),
 ) -> Result<(), BoardError> {
     let mut board = Board::open(path)?;
     let mut furthest = None;
     let mut since = Instant::now();
     loop {
-        let sent = board.send_model(file, &mut |before| {
+        let sent = board.send_model(file, &stopped, &mut |before| {
             if furthest
                 .replace(before)
                 .is_none_or(|furthest| furthest != before)
@@ -107,6 +108,9 @@ pub fn install(
                 board = loop {
                     if since.elapsed() > PATIENCE || furthest.is_none() {
                         return Err(error);
+                    }
+                    if stopped() {
+                        return Err(BoardError::Stopped);
                     }
                     std::thread::sleep(AGAIN);
                     if let Ok(board) = Board::open(path) {
@@ -124,12 +128,16 @@ impl Board {
     fn send_model(
         &mut self,
         file: ModelFile<'_>,
+        stopped: &impl Fn() -> bool,
         report: &mut impl FnMut(u32),
     ) -> Result<(), BoardError> {
         let begin = Command::Install(file.transfer);
         let mut progress = self.ask(begin, missing)?;
         let mut may_begin_again = true;
         while let Progress::Next(number) = progress {
+            if stopped() {
+                return Err(BoardError::Stopped);
+            }
             // A board asks for no other one; if it does, it is told so.
             report(file.transfer.before(number.min(file.blocks())));
             let block = Command::Block(number, Block::of(file.bytes, number));

@@ -11,7 +11,7 @@ use shared::uart_line::answer::{Counts, Identity};
 use shared::units::Sample;
 
 use super::lead::ViewerId;
-use super::outcome::{Kept, Tuning};
+use super::outcome::{Installing, Kept, Tuning};
 use crate::record::session::View;
 
 /// One message. Times `at` are milliseconds of the server's clock, samples are numbered as on the UART.
@@ -120,6 +120,8 @@ pub(crate) enum Event {
     Kept(Kept),
     /// What comes of tuning a model on it.
     Tuning(Tuning),
+    /// What comes of putting the tuned model on the board.
+    Installing(Installing),
     /// The program ends.
     End,
 }
@@ -138,6 +140,7 @@ pub(crate) enum Topic {
     Lead,
     Kept,
     Tuning,
+    Installing,
 }
 
 impl Event {
@@ -155,6 +158,7 @@ impl Event {
             Self::Lead { .. } => Topic::Lead,
             Self::Kept(_) => Topic::Kept,
             Self::Tuning(_) => Topic::Tuning,
+            Self::Installing(_) => Topic::Installing,
             _ => return None,
         })
     }

@@ -108,7 +108,7 @@ impl Hub {
     /// Another session begins: what came of the one before is not told any more.
     pub(crate) fn forget_session(&self) {
         let mut state = self.lock();
-        for topic in [Topic::Kept, Topic::Tuning] {
+        for topic in [Topic::Kept, Topic::Tuning, Topic::Installing] {
             state.newest.remove(&topic);
         }
     }

@@ -24,13 +24,12 @@ mod tui;
 
 use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::sync::Arc;
-use std::sync::mpsc::{self, SyncSender};
+use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::JoinHandle;
 
 use anyhow::Context as _;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::myo::Address;
 
 use self::event::Event;
 use self::hub::Hub;
@@ -39,14 +38,13 @@ use self::recorder::{Recorder, Wish};
 use self::server::Server;
 use self::server::access::Access;
 pub use self::source::Source;
-use self::source::board::Board;
-use self::source::{Asked, Context, Played, Recorded, Request, Stop};
-use crate::dataset::Recording;
-use crate::dataset::synthetic::{self, Follower, SynthOptions};
+use self::source::{Asked, Context, Request, Stop};
 
 /// The shipped model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
+/// That wait for the source.
+const REQUESTS: usize = 16;
 /// Of the source's thread: a state of the largest model that is accepted, and what is called with it.
 const STACK: usize = 16 << 20;
 
@@ -78,13 +76,13 @@ impl Stream {
         source: Source,
         model: Option<Vec<u8>>,
         played: Option<(Asked, u32)>,
+        (requests, received): (SyncSender<Request>, Receiver<Request>),
     ) -> anyhow::Result<Self> {
         if let Some(bytes) = &model {
             let model = Model::parse(bytes).context("the model is refused")?;
             HostEncoder::new(&model).context("the model is refused")?;
         }
         let stop = Stop::default();
-        let (requests, received) = mpsc::sync_channel(16);
         let context = Context {
             hub: hub.clone(),
             requests: received,
@@ -93,7 +91,7 @@ impl Stream {
         let source = std::thread::Builder::new()
             .name("source".to_owned())
             .stack_size(STACK)
-            .spawn(move || run(source, model, played, &context))?;
+            .spawn(move || source.run(model, played, &context))?;
         Ok(Self {
             hub,
             stop,
@@ -131,6 +129,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let access = Access::new(listener.local_addr()?);
     let url = access.url();
     let hub = Arc::new(Hub::new());
+    let requests = mpsc::sync_channel(REQUESTS);
     let (mut recording, mut wishes, mut played) = (None, None, None);
     if let Some(record) = options.record {
         let asked = Asked::default();
@@ -141,6 +140,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
                 Source::Port(path) => Some(path.clone()),
                 _ => None,
             },
+            requests: requests.0.clone(),
             option: options.source.option(),
             model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
             options: record,
@@ -151,7 +151,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         recording = Some((stop, thread));
         wishes = Some(sender);
     }
-    let stream = Stream::start(hub.clone(), options.source, options.model, played)?;
+    let stream = Stream::start(hub.clone(), options.source, options.model, played, requests)?;
     let server = Server::start(listener, access, hub, stream.requests.clone(), wishes)?;
     Ok(Live {
         stream,
@@ -182,7 +182,13 @@ fn record_beside(
 /// # Errors
 /// When the model is refused, or standard output is no terminal.
 pub fn show(source: Source, model: Option<Vec<u8>>, over: impl Fn() -> bool) -> anyhow::Result<()> {
-    let stream = Stream::start(Arc::new(Hub::new()), source, model, None)?;
+    let stream = Stream::start(
+        Arc::new(Hub::new()),
+        source,
+        model,
+        None,
+        mpsc::sync_channel(REQUESTS),
+    )?;
     let ended = || over() || stream.source.is_finished();
     let shown = tui::show(&stream.hub, &stream.requests, ended);
     stream.stop()?;
@@ -225,69 +231,4 @@ impl Live {
 #[must_use]
 pub const fn is_local(address: IpAddr) -> bool {
     address.is_loopback()
-}
-
-fn run(
-    source: Source,
-    model: Option<Vec<u8>>,
-    played: Option<(Asked, u32)>,
-    context: &Context,
-) -> anyhow::Result<()> {
-    let speed = played.as_ref().map_or(1, |(_, speed)| *speed);
-    let recorded = |kind, name, played, model: Option<Vec<u8>>| Recorded {
-        kind,
-        name,
-        model: model.unwrap_or_else(|| SHIPPED.to_vec()),
-        played,
-        speed,
-    };
-    let of = |recording: Recording| Played::Recording {
-        samples: recording.samples,
-        labels: recording.labels,
-    };
-    match source {
-        Source::Port(path) => Board { path, model }.run(context),
-        Source::Bluetooth(address) => follow(address, model, context),
-        Source::Replay(recording) => {
-            let name = recording.full_name();
-            recorded("replay", name, of(*recording), model).run(context)
-        }
-        Source::Demo => {
-            let name = "synthetic, of nobody".to_owned();
-            let emg = match played {
-                Some((asked, _)) => Played::Person(Box::new(Follower::new("demo")), asked),
-                None => of(demo()),
-            };
-            recorded("demo", name, emg, model).run(context)
-        }
-    }
-}
-
-/// An armband over Bluetooth.
-#[cfg(feature = "bluetooth")]
-fn follow(
-    address: Option<Address>,
-    model: Option<Vec<u8>>,
-    context: &Context,
-) -> anyhow::Result<()> {
-    let model = model.unwrap_or_else(|| SHIPPED.to_vec());
-    self::source::bluetooth::Armband { address, model }.run(context)
-}
-
-/// Says what is missing.
-#[cfg(not(feature = "bluetooth"))]
-fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result<()> {
-    anyhow::bail!(
-        "this program was built without Bluetooth: cargo run --release --features bluetooth -- live --bluetooth any"
-    )
-}
-
-/// A minute of a simulated forearm.
-fn demo() -> Recording {
-    let options = SynthOptions {
-        subjects: 1,
-        recordings: 1,
-        ..SynthOptions::default()
-    };
-    synthetic::generate(&options).remove(0)
 }

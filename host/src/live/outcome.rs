@@ -39,4 +39,30 @@ pub(crate) struct Tuning {
     pub(crate) rows: Vec<Row>,
     /// Commands that come next.
     pub(crate) commands: Vec<String>,
+    /// Whether there is a port, on which [`Installing`] can follow.
+    pub(crate) installs: bool,
+}
+
+/// What an installation of the tuned model on the board does.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub(crate) struct Installing {
+    /// `running`, `done` or `failed`.
+    pub(crate) state: &'static str,
+    /// What to know and to do.
+    pub(crate) text: String,
+    /// How many blocks the board has, of how many; 0 of 0 before it was asked.
+    pub(crate) blocks: u32,
+    pub(crate) of: u32,
+}
+
+impl Installing {
+    /// Before the board has said anything.
+    pub(crate) fn running(text: &str) -> Self {
+        Self {
+            state: "running",
+            text: text.to_owned(),
+            blocks: 0,
+            of: 0,
+        }
+    }
 }

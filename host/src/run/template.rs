@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use shared::intent::Intent;
 use shared::model::file::Model;
-use shared::units::Sample;
+use shared::units::{CHANNELS, Sample};
 
 use super::config::ResolvedConfig;
 use super::error::StepError;
 use super::model_evaluation::lags;
-use crate::dataset::alignment::{FEWEST_PEOPLE, Profiles, profiles, template};
+use crate::dataset::alignment::{FEWEST_PEOPLE, open_hand, template};
 use crate::dataset::labels::lag;
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Recording};
@@ -23,8 +23,7 @@ pub(super) fn of_training_people(
     let is_seen =
         |recording: &&Recording| config.split.role(&recording.subject) == Some(Role::Training);
     let seen = labelled.iter().copied().filter(is_seen);
-    let people: Vec<Profiles> = people(seen, read).into_values().collect();
-    let bytes = template(&people)?.to_bytes();
+    let bytes = template(&opens(seen, read))?.to_bytes();
     let numbers = bytes.as_chunks::<2>().0.iter();
     Some(numbers.map(|&two| i16::from_le_bytes(two)).collect())
 }
@@ -45,35 +44,29 @@ pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, u
         .filter(|recording| seen.contains(&recording.subject.as_str()))
         .collect();
     let lags = lags(&own);
-    let people: Vec<Profiles> = people(own.iter().copied(), |recording| {
+    let opens = opens(own.iter().copied(), |recording| {
         (recording.aligned_samples(), lags[&recording.data_set])
-    })
-    .into_values()
-    .collect();
-    let opens = people
-        .iter()
-        .filter(|profiles| profiles.contains_key(&Intent::Open))
-        .count();
-    let template = template(&people).ok_or(StepError::NoTemplate {
+    });
+    let template = template(&opens).ok_or(StepError::NoTemplate {
         expected: FEWEST_PEOPLE,
-        found: opens,
+        found: opens.len(),
     })?;
-    Ok((Model::with_template(file, Some(&template))?, opens))
+    Ok((Model::with_template(file, Some(&template))?, opens.len()))
 }
 
-/// The profiles of each person; `read` gives a recording's samples and its label lag.
-fn people<'r>(
+/// The open hand of each person who opens it; `read` gives a recording's samples and its label lag.
+fn opens<'r>(
     recordings: impl Iterator<Item = &'r Recording>,
     read: impl Fn(&Recording) -> (Vec<Sample>, usize),
-) -> BTreeMap<String, Profiles> {
+) -> Vec<[f64; CHANNELS]> {
     let mut by_person: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
     for recording in recordings {
         let own = by_person.entry(&recording.subject).or_default();
         own.push(recording);
     }
     by_person
-        .into_iter()
-        .map(|(subject, own)| {
+        .into_values()
+        .filter_map(|own| {
             let streams: Vec<(Vec<Sample>, Vec<Option<Intent>>)> = own
                 .iter()
                 .map(|recording| {
@@ -84,7 +77,7 @@ fn people<'r>(
             let borrowed = streams
                 .iter()
                 .map(|(samples, labels)| (samples.as_slice(), labels.as_slice()));
-            (subject.to_owned(), profiles(borrowed))
+            open_hand(borrowed)
         })
         .collect()
 }

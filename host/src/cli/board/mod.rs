@@ -158,7 +158,12 @@ fn run_install(port: &Path, path: &Path) -> anyhow::Result<()> {
     let bytes = read_model(path)?;
     let file = ModelFile::new(&bytes).with_context(|| path.display().to_string())?;
     let bar = progress::bar(file.blocks() as usize, "install");
-    let installed = board::install(port, file, |blocks| bar.set_position(blocks.into()));
+    let installed = board::install(
+        port,
+        file,
+        || false,
+        |blocks| bar.set_position(blocks.into()),
+    );
     bar.finish_and_clear();
     installed.context("not installed: the same command goes on where this one ended")?;
     let checksum = file.checksum();

@@ -3,10 +3,10 @@
 //! The device's side is [`shared::stream::alignment`]; what was measured is in docs/alignment.md.
 
 mod matrix;
+mod open_hand;
 mod openings;
-mod profiles;
 mod template;
 
+pub use open_hand::open_hand;
 pub use openings::{Openings, openings};
-pub use profiles::{Profiles, profiles};
 pub use template::{FEWEST_PEOPLE, template};

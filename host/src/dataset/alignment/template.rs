@@ -1,11 +1,9 @@
 //! The template of a model: mean and covariance of people's profiles of an open hand.
 
-use shared::intent::Intent;
 use shared::stream::alignment::{OCTAVE, PRECISION_ONE, Template};
 use shared::units::CHANNELS;
 
 use super::matrix::{Matrix, inverse};
-use super::profiles::Profiles;
 
 /// Fewest people who open the hand; fewer make no template.
 pub const FEWEST_PEOPLE: usize = 3;
@@ -21,16 +19,14 @@ struct Density {
     precision: Matrix,
 }
 
-/// The template of people as they sat in training. None with fewer than [`FEWEST_PEOPLE`] who open the hand.
+/// The template of people as they sat in training, by the [profile](super::open_hand) of each; none of fewer than
+/// [`FEWEST_PEOPLE`].
 ///
 /// The covariance is shrunk to a multiple of the identity. Turning people so that they agree would make a template that is sharper
 /// and a model that sees them where it was not trained: measured in docs/alignment.md.
 #[must_use]
-pub fn template(people: &[Profiles]) -> Option<Template> {
-    let opens = people
-        .iter()
-        .filter_map(|profiles| profiles.get(&Intent::Open).copied());
-    quantized(&density(&opens.collect::<Vec<_>>())?)
+pub fn template(people: &[[f64; CHANNELS]]) -> Option<Template> {
+    quantized(&density(people)?)
 }
 
 /// The density of profiles; none of fewer than [`FEWEST_PEOPLE`].
@@ -89,24 +85,17 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use shared::stream::alignment::{Alignment, Profile};
 
-    /// Mean activity of an open hand and of a fist, in 1/64 counts.
+    /// Mean activity of an open hand, in 1/64 counts.
     const OPEN: [f64; CHANNELS] = [2400.0, 1900.0, 1500.0, 1000.0, 700.0, 400.0, 300.0, 200.0];
-    const CLOSE: [f64; CHANNELS] = [300.0, 700.0, 2400.0, 1500.0, 600.0, 500.0, 900.0, 400.0];
 
-    fn person(random: &mut ChaCha8Rng, worn: Alignment) -> Profiles {
-        let mut profile = |mean: [f64; CHANNELS]| {
-            let varied = mean.map(|mean| (mean * random.random_range(0.75..1.33)) as u32);
-            let values = Profile::new(varied).values();
-            worn.inverse()
-                .apply(values.map(|value| f64::from(value) / 256.0))
-        };
-        Profiles::from([
-            (Intent::Open, profile(OPEN)),
-            (Intent::Close, profile(CLOSE)),
-        ])
+    fn person(random: &mut ChaCha8Rng, worn: Alignment) -> [f64; CHANNELS] {
+        let varied = OPEN.map(|mean| (mean * random.random_range(0.75..1.33)) as u32);
+        let values = Profile::new(varied).values();
+        worn.inverse()
+            .apply(values.map(|value| f64::from(value) / 256.0))
     }
 
-    fn people() -> Vec<Profiles> {
+    fn people() -> Vec<[f64; CHANNELS]> {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         (0..40)
             .map(|_| person(&mut random, Alignment::NONE))
@@ -122,7 +111,7 @@ mod tests {
         let template = template(&people()).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(11);
         for worn in Alignment::all() {
-            let open = person(&mut random, worn)[&Intent::Open];
+            let open = person(&mut random, worn);
             let counts = open.map(|octaves| 640.0 * octaves.exp2());
             assert_eq!(fit(&template, counts).alignment, worn);
         }
@@ -131,15 +120,6 @@ mod tests {
     #[test]
     fn too_few_people_make_none_and_equal_ones_have_a_width() {
         assert_eq!(template(&people()[..2]), None);
-        let same = vec![people()[1].clone(); 5];
-        assert!(template(&same).is_some());
-        let closed: Vec<Profiles> = people()
-            .into_iter()
-            .map(|mut profiles| {
-                profiles.remove(&Intent::Open);
-                profiles
-            })
-            .collect();
-        assert_eq!(template(&closed), None);
+        assert!(template(&[people()[1]; 5]).is_some());
     }
 }

@@ -89,6 +89,7 @@ const TAKE = {
   lead: (message) => session.lead(message),
   kept: (message) => session.kept(message),
   tuning: (message) => session.tuning(message),
+  installing: (message) => session.installing(message),
   comment: (message) => panel.number("comment", message.text),
   skipped(message) {
     skipped += message.messages;

@@ -20,6 +20,7 @@ const number = (value, digits) => (value === null ? "–" : value.toFixed(digits
 
 export class Result {
   isTuning = false;
+  isInstalling = false;
   #kept = null;
 
   kept(message) {
@@ -38,24 +39,49 @@ export class Result {
     }));
     this.#scores([]);
     find("tuned").textContent = "";
+    this.#install(false);
     this.#commands([]);
   }
 
-  tuning({ state, text, rows, commands }) {
+  tuning({ state, text, rows, commands, installs }) {
     this.isTuning = state === "running";
     const words = { running: "Tuning:", better: "The tuned model is kept:", worse: "The old model stays:", failed: "Not tuned:" };
     find("tuned").dataset.state = state;
     find("tuned").replaceChildren(made("b", words[state]), ` ${text}`);
     this.#scores(rows);
+    this.#install(installs);
     if (state !== "running") {
-      this.#commands(commands);
+      this.#commands(commands, installs);
     }
+  }
+
+  installing({ state, text, blocks, of }) {
+    this.isInstalling = state === "running";
+    const words = { running: "Installing:", done: "Installed:", failed: "Not installed:" };
+    const told = find("installed");
+    // As it goes on, the bar alone changes: the sentence is read out once.
+    if (told.textContent !== `${words[state]} ${text}`) {
+      told.dataset.state = state;
+      told.replaceChildren(made("b", words[state]), ` ${text}`);
+    }
+    find("sent").hidden = !this.isInstalling;
+    find("sent").max = of || 1;
+    find("sent").value = blocks;
   }
 
   clear() {
     this.#kept = null;
     this.isTuning = false;
+    this.#install(false);
     find("result").hidden = true;
+  }
+
+  /** Whether there is something to put on a board; nothing is known of it yet. */
+  #install(offered) {
+    this.isInstalling = false;
+    find("install").hidden = !offered;
+    find("sent").hidden = true;
+    find("installed").textContent = "";
   }
 
   #scores(rows) {
@@ -70,10 +96,10 @@ export class Result {
     }));
   }
 
-  #commands(next) {
+  #commands(next, installs = false) {
     const { inspect, personalize } = this.#kept ?? {};
     const all = next.length
-      ? [[next[0], "put it on the board"], [next[1], "or look at it first"]]
+      ? [[next[0], installs ? "the same as the button, in a terminal" : "put it on the board"], [next[1], "or look at it first"]]
       : [[inspect, "look at all recordings of this person"], [personalize, "the same as the button, in a terminal"]];
     find("commands").replaceChildren(...all.filter(([text]) => text).map(([text, what]) => command(text, what)));
   }

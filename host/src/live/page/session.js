@@ -22,7 +22,7 @@ const HINTS = {
   disk: "What was recorded is kept. Free some space, then go on.",
 };
 
-const KEYS = { Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", n: "again" };
+const KEYS = { Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
 const BUTTONS = ["begin", "repeat", "hold", "finish"];
 const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 
@@ -50,7 +50,7 @@ export class Session {
 
   constructor(say) {
     this.#say = say;
-    for (const id of [...BUTTONS, "tune", "again"]) {
+    for (const id of [...BUTTONS, "tune", "install", "again"]) {
       find(id).addEventListener("click", () => say({ do: "session", wish: id }));
     }
   }
@@ -95,6 +95,11 @@ export class Session {
 
   tuning(message) {
     this.#result.tuning(message);
+    this.#buttons();
+  }
+
+  installing(message) {
+    this.#result.installing(message);
     this.#buttons();
   }
 
@@ -247,8 +252,9 @@ export class Session {
       find(id).hidden = !shown[id];
       find(id).disabled = watches || id === "repeat" && !view.can_repeat;
     }
-    find("again").disabled = watches || view.phase !== "over";
-    find("tune").disabled = watches || this.#result.isTuning;
+    find("again").disabled = watches || this.#result.isInstalling || view.phase !== "over";
+    find("tune").disabled = watches || this.#result.isTuning || this.#result.isInstalling;
+    find("install").disabled = watches || this.#result.isInstalling;
     write(find("watching"), watches ? "another page leads; this one watches" : "");
     for (const button of find("marks").children) {
       button.disabled = view.phase !== "cued" || watches;

@@ -6,17 +6,18 @@ mod tuning;
 mod writing;
 
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
 use burn::tensor::Device;
 use shared::stream::alignment::Alignment;
 use shared::units::{Millis, Sample, SampleIndex};
 
+use self::tuning::Outcome;
 use super::event::Event;
 use super::hub::Hub;
-use super::outcome::Tuning;
-use super::source::{Asked, Stop};
+use super::outcome::{Installing, Tuning};
+use super::source::{Asked, Request, Stop};
 use crate::record::journal::{Entry, Journal};
 use crate::record::protocol::Protocol;
 use crate::record::session::{Action, Held, Input, Session, View};
@@ -52,6 +53,8 @@ pub(crate) enum Wish {
     Again,
     /// Tune the model on all of the person's recordings.
     Tune,
+    /// Put the tuned model on the board.
+    Install,
 }
 
 /// What a recorder works with.
@@ -60,8 +63,10 @@ pub(super) struct Recorder {
     pub(super) options: RecordOptions,
     /// What `source` is, for the journal, and whether it is of nobody.
     pub(super) source: (String, bool),
-    /// The serial port, for the command that comes last.
+    /// The serial port of the board that the tuned model is for.
     pub(super) port: Option<PathBuf>,
+    /// What the source is asked through.
+    pub(super) requests: SyncSender<Request>,
     /// The option of the same source, for another command.
     pub(super) option: String,
     /// The model file's bytes.
@@ -80,7 +85,9 @@ struct Running {
     /// How the armband sits, as the board is aligned.
     placement: Alignment,
     trouble: String,
-    tuning: Option<Receiver<Tuning>>,
+    tuning: Option<Receiver<Outcome>>,
+    /// The model file that was tuned last.
+    tuned: Option<Vec<u8>>,
 }
 
 impl Recorder {
@@ -95,6 +102,7 @@ impl Recorder {
             placement: Alignment::NONE,
             trouble: String::new(),
             tuning: None,
+            tuned: None,
         };
         loop {
             running.tell();
@@ -197,7 +205,8 @@ impl Running {
                 self.recorder.hub.forget_session();
             }
             Wish::Tune if self.tuning.is_none() && self.journal.is_none() => self.tune(),
-            Wish::Again | Wish::Tune => {}
+            Wish::Install if self.journal.is_none() => self.install(),
+            Wish::Again | Wish::Tune | Wish::Install => {}
         }
     }
 
@@ -211,14 +220,29 @@ impl Running {
             });
             self.told = Some(view);
         }
-        if let Some(tuned) = self
+        if let Some((told, tuned)) = self
             .tuning
             .as_ref()
             .and_then(|tuning| tuning.try_recv().ok())
         {
             self.tuning = None;
-            self.recorder.hub.publish(&Event::Tuning(tuned));
+            self.tuned = tuned;
+            self.recorder.hub.publish(&Event::Tuning(told));
         }
+    }
+
+    /// Asks the board's thread for it; that one tells what comes of it.
+    fn install(&self) {
+        let (Some(tuned), Some(_)) = (&self.tuned, &self.recorder.port) else {
+            return;
+        };
+        let begun = Installing::running("waiting for the board");
+        self.recorder.hub.publish(&Event::Installing(begun));
+        // A source that takes no requests is ending.
+        let _ = self
+            .recorder
+            .requests
+            .try_send(Request::Install(tuned.clone()));
     }
 }
 

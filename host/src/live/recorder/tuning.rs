@@ -21,6 +21,9 @@ const SHOWN: [(Measure, &str); 4] = [
     (Measure::FalseActivations, "false activations a minute"),
 ];
 
+/// What viewers are told, and the model file, if it is kept.
+pub(super) type Outcome = (Tuning, Option<Vec<u8>>);
+
 impl Running {
     /// Begins; what comes of it is told later.
     pub(super) fn tune(&mut self) {
@@ -28,6 +31,8 @@ impl Running {
         let model = self.recorder.model.clone();
         let device = self.recorder.options.device.clone();
         let (sender, receiver) = mpsc::channel();
+        let installs = self.recorder.port.is_some();
+        self.tuned = None;
         let out = free(&folder, &self.recorder.options.person);
         let next = vec![
             install(&self.recorder, &out),
@@ -39,8 +44,8 @@ impl Running {
         ];
         let work = move || {
             let tuned = match tuned(&model, &folder, &device) {
-                Ok(done) => told(&done, &out, next),
-                Err(error) => failed(error),
+                Ok(done) => told(done, &out, next, installs),
+                Err(error) => (failed(error), None),
             };
             // A recorder that has ended wants no answer.
             let _ = sender.send(tuned);
@@ -54,6 +59,7 @@ impl Running {
                     text: "on all of this person's recordings; some seconds".to_owned(),
                     rows: Vec::new(),
                     commands: Vec::new(),
+                    installs: false,
                 }
             }
             Err(error) => failed(error.to_string()),
@@ -86,10 +92,11 @@ fn failed(text: String) -> Tuning {
         text,
         rows: Vec::new(),
         commands: Vec::new(),
+        installs: false,
     }
 }
 
-fn told(done: &Personalized, out: &Path, next: Vec<String>) -> Tuning {
+fn told(done: Personalized, out: &Path, next: Vec<String>, installs: bool) -> Outcome {
     let [old, new, _] = &done.scores;
     let mean = |measure: Measure, score| measure.mean(score).map(|own| own.mean);
     let rows = SHOWN.map(|(measure, name)| Row {
@@ -108,17 +115,22 @@ fn told(done: &Personalized, out: &Path, next: Vec<String>) -> Tuning {
         ),
         rows: rows.to_vec(),
         commands: Vec::new(),
+        installs: false,
     };
     if !done.is_not_worse() {
-        return worse;
+        return (worse, None);
     }
     match write_whole(out, &done.bytes) {
-        Ok(()) => Tuning {
-            state: "better",
-            text: format!("not worse {held}. It is in {}", out.display()),
-            commands: next,
-            ..worse
-        },
-        Err(error) => failed(error.to_string()),
+        Ok(()) => {
+            let better = Tuning {
+                state: "better",
+                text: format!("not worse {held}. It is in {}", out.display()),
+                commands: next,
+                installs,
+                ..worse
+            };
+            (better, Some(done.bytes))
+        }
+        Err(error) => (failed(error.to_string()), None),
     }
 }

@@ -72,6 +72,7 @@ enum SessionWish {
     Finish,
     Again,
     Tune,
+    Install,
 }
 
 impl SessionWish {
@@ -83,6 +84,7 @@ impl SessionWish {
             Self::Finish => Wish::Action(Action::Finish),
             Self::Again => Wish::Again,
             Self::Tune => Wish::Tune,
+            Self::Install => Wish::Install,
         }
     }
 }

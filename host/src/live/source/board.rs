@@ -1,5 +1,7 @@
 //! A board on a serial port, or a pseudo-terminal that stands for one. It is looked for until it is there, and again after
-//! it was lost.
+//! it was lost, or given over for an installation.
+
+mod installation;
 
 use std::cell::RefCell;
 use std::io::ErrorKind;
@@ -23,7 +25,7 @@ use crate::live::event::Event;
 /// How long a read waits for bytes: the longest delay that a page sees.
 const WAIT: Duration = Duration::from_millis(10);
 /// Between two attempts to open the port.
-const AGAIN: Duration = Duration::from_millis(500);
+const AGAIN: Duration = Duration::from_millis(100);
 /// A board that does not take a command for so long is not there.
 const WRITE: Duration = Duration::from_secs(1);
 
@@ -38,14 +40,26 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Reads the board until it is stopped.
+    /// Reads the board until it is stopped. A model that is installed meanwhile is the one whose scores are shown from then
+    /// on.
     ///
     /// # Errors
     /// When the model is refused.
-    pub(crate) fn run(&self, context: &Context) -> anyhow::Result<()> {
+    pub(crate) fn run(mut self, context: &Context) -> anyhow::Result<()> {
+        let mut losses = Losses::default();
+        while let Some(model) = self.show(context, &mut losses)? {
+            self.tell(context, false, "a model is being installed");
+            if installation::install(&self.path, &model, context) {
+                self.model = Some(model);
+            }
+        }
+        Ok(())
+    }
+
+    /// Until it is stopped, or has to install a model.
+    fn show(&self, context: &Context, losses: &mut Losses) -> anyhow::Result<Option<Vec<u8>>> {
         let Some(bytes) = &self.model else {
-            self.read::<HostEncoder<'_>>(context, None);
-            return Ok(());
+            return Ok(self.read::<HostEncoder<'_>>(context, losses, None));
         };
         let model = Model::parse(bytes).context("the model is refused")?;
         let encoder = HostEncoder::new(&model)?;
@@ -53,41 +67,55 @@ impl Board {
         let mut state = encoder.fresh();
         let scored = Scored::new(&model, encoder, &mut state, &outputs)?;
         context.hub.publish(&Event::of_model(&model));
-        self.read(context, Some(scored));
-        Ok(())
+        Ok(self.read(context, losses, Some(scored)))
     }
 
-    fn read<E: Encode>(&self, context: &Context, mut scored: Option<Scored<'_, E>>) {
-        let mut losses = Losses::default();
+    fn read<E: Encode>(
+        &self,
+        context: &Context,
+        losses: &mut Losses,
+        mut scored: Option<Scored<'_, E>>,
+    ) -> Option<Vec<u8>> {
+        let mut missing = String::new();
         while !context.stop.requested() {
-            let lost = match self.open() {
+            let ended = match self.open() {
                 Ok(port) => {
+                    missing.clear();
                     self.tell(context, false, NOTHING_YET);
                     let session = Session {
                         context,
                         port,
-                        dialogue: Dialogue::new(now(context), losses),
+                        dialogue: Dialogue::new(now(context), *losses),
                         told: NOTHING_YET,
                         scored: scored.as_mut(),
                     };
-                    let (lost, counted) = session.run(self);
-                    losses = counted;
-                    lost
+                    let (ended, counted) = session.run(self);
+                    *losses = counted;
+                    ended
                 }
-                Err(error) => error,
+                Err(error) => Ended::Lost(error),
             };
             if context.stop.requested() {
                 break;
             }
             context.hub.forget_stream();
+            let lost = match ended {
+                Ended::Lost(error) => error,
+                Ended::Installs(model) => return Some(model),
+            };
             let lost = match lost.kind() {
                 ErrorKind::UnexpectedEof => "the port was closed".to_owned(),
                 _ => lost.to_string(),
             };
+            // As long as it stays so, it is said once.
             let detail = format!("{lost}; looking for it again");
-            self.tell(context, false, &detail);
+            if detail != missing {
+                self.tell(context, false, &detail);
+                missing = detail;
+            }
             wait(context, AGAIN);
         }
+        None
     }
 
     fn open(&self) -> std::io::Result<SerialPort> {
@@ -109,6 +137,20 @@ impl Board {
     }
 }
 
+/// What ends a connection.
+enum Ended {
+    /// The port is lost, or the program stopped.
+    Lost(std::io::Error),
+    /// This model is to be installed; the port is free for it.
+    Installs(Vec<u8>),
+}
+
+impl From<std::io::Error> for Ended {
+    fn from(error: std::io::Error) -> Self {
+        Self::Lost(error)
+    }
+}
+
 /// One connection.
 struct Session<'c, 'r, E: Encode> {
     context: &'c Context,
@@ -120,33 +162,32 @@ struct Session<'c, 'r, E: Encode> {
 }
 
 impl<E: Encode> Session<'_, '_, E> {
-    /// Until the port is lost, with the reason, or the program stopped; also what was lost on the line.
-    fn run(mut self, board: &Board) -> (std::io::Error, Losses) {
+    /// Until the port is lost or given over, or the program stopped; also what was lost on the line.
+    fn run(mut self, board: &Board) -> (Ended, Losses) {
         let mut buffer = [0; 4096];
-        let error = loop {
+        let ended = loop {
             if self.context.stop.requested() {
-                // As it was found.
-                let _ = self.send(Command::Raw(false));
-                break ErrorKind::Interrupted.into();
+                self.leave();
+                break Ended::Lost(ErrorKind::Interrupted.into());
             }
-            if let Err(error) = self.commands() {
-                break error;
+            if let Err(ended) = self.commands() {
+                break ended;
             }
             match self.port.read(&mut buffer) {
-                Ok(0) => break ErrorKind::UnexpectedEof.into(),
+                Ok(0) => break Ended::Lost(ErrorKind::UnexpectedEof.into()),
                 Ok(length) => self.bytes(&buffer[..length]),
                 Err(error) if is_patient(&error) => {}
-                Err(error) => break error,
+                Err(error) => break Ended::Lost(error),
             }
             self.watch(board);
         };
         if let Some(scored) = &mut self.scored {
             scored.disconnected(now(self.context));
         }
-        (error, self.dialogue.losses())
+        (ended, self.dialogue.losses())
     }
 
-    fn commands(&mut self) -> std::io::Result<()> {
+    fn commands(&mut self) -> Result<(), Ended> {
         while let Some(command) = self.dialogue.command(now(self.context)) {
             self.send(command)?;
         }
@@ -154,9 +195,19 @@ impl<E: Encode> Session<'_, '_, E> {
             self.send(Command::Align(match request {
                 Request::Align => AlignCommand::Begin,
                 Request::CancelAlignment => AlignCommand::Cancel,
+                Request::Install(model) => {
+                    self.leave();
+                    return Err(Ended::Installs(model));
+                }
             }))?;
         }
         Ok(())
+    }
+
+    /// Leaves the line as it was found.
+    fn leave(&self) {
+        // A line that is lost has no stream either.
+        let _ = self.send(Command::Raw(false));
     }
 
     fn send(&self, command: Command) -> std::io::Result<()> {
@@ -233,3 +284,6 @@ fn wait(context: &Context, duration: Duration) {
         std::thread::sleep(WAIT);
     }
 }
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -2,7 +2,7 @@
 
 #[cfg(any(feature = "bluetooth", test))]
 pub(crate) mod bluetooth;
-pub(crate) mod board;
+mod board;
 mod dialogue;
 mod recorded;
 mod scored;
@@ -15,8 +15,11 @@ use std::sync::mpsc::Receiver;
 use shared::intent::Intent;
 use shared::myo::Address;
 
-pub(crate) use self::recorded::{Played, Recorded};
+use self::board::Board;
+use self::recorded::{Played, Recorded};
+use super::SHIPPED;
 use super::hub::Hub;
+use crate::dataset::synthetic::{self, Follower, SynthOptions};
 use crate::dataset::{DataSet, Recording};
 
 /// Where the stream comes from.
@@ -56,15 +59,57 @@ impl Source {
             Self::Demo | Self::Replay(_) => "--demo".to_owned(),
         }
     }
+
+    /// Streams until it is stopped.
+    ///
+    /// # Errors
+    /// When the model is refused, or the source cannot be used.
+    pub(super) fn run(
+        self,
+        model: Option<Vec<u8>>,
+        played: Option<(Asked, u32)>,
+        context: &Context,
+    ) -> anyhow::Result<()> {
+        let speed = played.as_ref().map_or(1, |(_, speed)| *speed);
+        let recorded = |kind, name, played, model: Option<Vec<u8>>| Recorded {
+            kind,
+            name,
+            model: model.unwrap_or_else(|| SHIPPED.to_vec()),
+            played,
+            speed,
+        };
+        let of = |recording: Recording| Played::Recording {
+            samples: recording.samples,
+            labels: recording.labels,
+        };
+        match self {
+            Self::Port(path) => Board { path, model }.run(context),
+            Self::Bluetooth(address) => follow(address, model, context),
+            Self::Replay(recording) => {
+                let name = recording.full_name();
+                recorded("replay", name, of(*recording), model).run(context)
+            }
+            Self::Demo => {
+                let name = "synthetic, of nobody".to_owned();
+                let emg = match played {
+                    Some((asked, _)) => Played::Person(Box::new(Follower::new("demo")), asked),
+                    None => of(demo()),
+                };
+                recorded("demo", name, emg, model).run(context)
+            }
+        }
+    }
 }
 
-/// What a viewer may ask of a source.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+/// What a source may be asked for.
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Request {
     /// Begin an alignment.
     Align,
     /// End the alignment in progress.
     CancelAlignment,
+    /// Put this model on the board; of a board alone.
+    Install(Vec<u8>),
 }
 
 /// What a source works with.
@@ -101,4 +146,33 @@ impl Stop {
     pub(crate) fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+}
+
+/// An armband over Bluetooth.
+#[cfg(feature = "bluetooth")]
+fn follow(
+    address: Option<Address>,
+    model: Option<Vec<u8>>,
+    context: &Context,
+) -> anyhow::Result<()> {
+    let model = model.unwrap_or_else(|| SHIPPED.to_vec());
+    self::bluetooth::Armband { address, model }.run(context)
+}
+
+/// Says what is missing.
+#[cfg(not(feature = "bluetooth"))]
+fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result<()> {
+    anyhow::bail!(
+        "this program was built without Bluetooth: cargo run --release --features bluetooth -- live --bluetooth any"
+    )
+}
+
+/// A minute of a simulated forearm.
+fn demo() -> Recording {
+    let options = SynthOptions {
+        subjects: 1,
+        recordings: 1,
+        ..SynthOptions::default()
+    };
+    synthetic::generate(&options).remove(0)
 }

@@ -1,6 +1,4 @@
-//! How active each electrode is in each gesture of a person.
-
-use std::collections::BTreeMap;
+//! How active each electrode is while a person opens the hand.
 
 use shared::intent::Intent;
 use shared::stream::alignment::{OCTAVE, Profile};
@@ -12,28 +10,23 @@ use crate::dataset::labels::runs::runs;
 /// Shortest run of a label that counts as a gesture, in samples: 0.3 s.
 const SHORTEST: usize = 60;
 
-/// The profile of each intent of one person, in octaves; relax has none.
-pub type Profiles = BTreeMap<Intent, [f64; CHANNELS]>;
-
-/// The profiles of one person's recordings: samples with their lag-compensated labels.
+/// The profile of one person's open hand, in octaves, of samples with their lag-compensated labels; none if they never open
+/// it.
 ///
-/// Of each run of a label the patches count whose activity is at least half of the run's own 80 % quantile: labels of cues
+/// Of each run of the label the patches count whose activity is at least half of the run's own 80 % quantile: labels of cues
 /// reach beyond the muscle. Every run has the same weight. The profile is the device's ([`Profile`]).
 #[must_use]
-pub fn profiles<'r>(
+pub fn open_hand<'r>(
     recordings: impl IntoIterator<Item = (&'r [Sample], &'r [Option<Intent>])>,
-) -> Profiles {
-    let mut sums: BTreeMap<Intent, ([f64; CHANNELS], f64)> = BTreeMap::new();
+) -> Option<[f64; CHANNELS]> {
+    let (mut sum, mut count) = ([0.0; CHANNELS], 0.0);
     for (samples, labels) in recordings {
         let emg: Vec<_> = clean(samples.iter().copied()).collect();
-        for run in runs(labels) {
-            let Some(intent) = run.label.filter(|&intent| intent != Intent::Relax) else {
-                continue;
-            };
+        let is_open = |label| label == Some(Intent::Open);
+        for run in runs(labels).into_iter().filter(|run| is_open(run.label)) {
             if run.samples() < SHORTEST {
                 continue;
             }
-            let (sum, count) = sums.entry(intent).or_default();
             let patches: Vec<[f64; CHANNELS]> = emg[run.start..run.end]
                 .chunks_exact(PATCH)
                 .map(|patch| {
@@ -50,24 +43,17 @@ pub fn profiles<'r>(
             for (sum, mean) in sum.iter_mut().zip(mean) {
                 *sum += mean;
             }
-            *count += 1.0;
+            count += 1.0;
         }
     }
-    sums.into_iter()
-        .map(|(intent, (sum, count))| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "means of |x|, 0 to 128"
-            )]
-            let means = sum.map(|sum| (64.0 * sum / count).round() as u32);
-            let values = Profile::new(means).values();
-            (
-                intent,
-                values.map(|value| f64::from(value) / f64::from(OCTAVE)),
-            )
-        })
-        .collect()
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "means of |x|, 0 to 128"
+    )]
+    let means = || sum.map(|sum| (64.0 * sum / count).round() as u32);
+    let octaves = |value| f64::from(value) / f64::from(OCTAVE);
+    (count > 0.0).then(|| Profile::new(means()).values().map(octaves))
 }
 
 /// Mean over the patches that are at least half as active as the most active fifth begins.
@@ -92,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quiet_ends_of_a_run_do_not_count_and_rest_has_no_profile() {
+    fn quiet_ends_of_a_run_do_not_count() {
         let loud: Sample = [80, 40, 20, 10, 10, 10, 20, 40];
         let quiet: Sample = [2; 8];
         let mut samples = vec![quiet; 100];
@@ -102,11 +88,19 @@ mod tests {
         let mut labels = vec![Some(Intent::Relax); 110];
         labels.extend([Some(Intent::Open); 120]);
         labels.extend([Some(Intent::Relax); 30]);
-        let found = profiles([(samples.as_slice(), labels.as_slice())]);
+        let found = open_hand([(samples.as_slice(), labels.as_slice())]);
         let means = [80, 40, 20, 10, 10, 10, 20, 40].map(|counts| counts * 64);
         let expected = Profile::new(means)
             .values()
             .map(|value| f64::from(value) / 256.0);
-        assert_eq!(found, BTreeMap::from([(Intent::Open, expected)]));
+        assert_eq!(found, Some(expected));
+    }
+
+    #[test]
+    fn who_never_opens_the_hand_has_no_profile() {
+        let samples = [[40; 8]; 200];
+        for label in [None, Some(Intent::Relax), Some(Intent::Close)] {
+            assert_eq!(open_hand([(&samples[..], &[label; 200][..])]), None);
+        }
     }
 }

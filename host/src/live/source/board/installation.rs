@@ -1,0 +1,49 @@
+//! A model for the board, installed from the page.
+
+use std::path::Path;
+
+use super::Context;
+use crate::board::{ModelFile, install as send};
+use crate::live::event::Event;
+use crate::live::outcome::Installing;
+
+/// Installs a model, and tells viewers how far it is and what came of it; whether it is in use now.
+pub(super) fn install(path: &Path, model: &[u8], context: &Context) -> bool {
+    let tell = |told| context.hub.publish(&Event::Installing(told));
+    let running = Installing::running("outputs are safe until the board has all of it");
+    tell(running.clone());
+    let sent = ModelFile::new(model)
+        .map_err(anyhow::Error::from)
+        .and_then(|file| {
+            let stopped = || context.stop.requested();
+            let of = file.blocks();
+            let mut told = None;
+            send(path, file, stopped, |blocks| {
+                // Viewers need no more than each hundredth.
+                let hundredths = 100 * blocks / of.max(1);
+                if told.replace(hundredths) != Some(hundredths) {
+                    let running = running.clone();
+                    tell(Installing {
+                        blocks,
+                        of,
+                        ..running
+                    });
+                }
+            })?;
+            Ok(file.checksum())
+        });
+    let is_installed = sent.is_ok();
+    tell(match sent {
+        Ok(checksum) => Installing {
+            state: "done",
+            text: format!("model {checksum:08x} is on the board and in use"),
+            ..running
+        },
+        Err(error) => Installing {
+            state: "failed",
+            text: format!("{error:#}. Install again: it goes on where this one ended"),
+            ..running
+        },
+    });
+    is_installed
+}

@@ -1,0 +1,124 @@
+use std::os::fd::AsRawFd as _;
+use std::sync::{Arc, mpsc};
+
+use serde_json::Value;
+use shared::installation::Progress;
+use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::command::CommandReader;
+use tokio::sync::broadcast::error::TryRecvError;
+
+use super::*;
+use crate::board::ModelFile;
+use crate::live::SHIPPED;
+use crate::live::hub::Hub;
+use crate::live::source::Stop;
+
+/// A terminal whose other end answers every command, and every installation in one way; until it is stopped.
+fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::JoinHandle<()>) {
+    let (mut master, slave) = SerialPort::pair().unwrap();
+    master.set_read_timeout(WAIT).unwrap();
+    master.set_write_timeout(WRITE).unwrap();
+    let stop = stop.clone();
+    let thread = std::thread::spawn(move || {
+        let mut reader = CommandReader::new();
+        let mut buffer = [0; 256];
+        while !stop.requested() {
+            let length = master.read(&mut buffer).unwrap_or(0);
+            for command in buffer[..length]
+                .iter()
+                .filter_map(|&byte| reader.push(byte))
+            {
+                let answer = match command {
+                    Ok(Command::Install(_)) => answer,
+                    Ok(Command::Raw(on)) => Answer::Raw(on),
+                    Ok(Command::Align(command)) => Answer::Align(command),
+                    _ => Answer::Refused(Refusal::Busy),
+                };
+                master.write_all(answer.to_string().as_bytes()).unwrap();
+            }
+        }
+    });
+    (slave, thread)
+}
+
+/// What viewers are told, from a request for an installation until the board is heard again and something else has come.
+fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
+    let (hub, stop) = (Arc::new(Hub::new()), Stop::default());
+    let (slave, thread) = board(answer, &stop);
+    let path = std::fs::read_link(format!("/proc/self/fd/{}", slave.as_raw_fd())).unwrap();
+    let mut following = hub.subscribe().following;
+    let (requests, received) = mpsc::channel();
+    let context = Context {
+        hub,
+        requests: received,
+        stop: stop.clone(),
+    };
+    let source = std::thread::Builder::new()
+        .stack_size(crate::live::STACK)
+        .spawn(move || Board { path, model: None }.run(&context))
+        .unwrap();
+    let mut told = Vec::new();
+    let mut connections = 0;
+    let end = Instant::now() + Duration::from_secs(60);
+    while connections < 2 {
+        assert!(Instant::now() < end, "{told:?}");
+        match following.try_recv() {
+            Ok(message) => {
+                let message: Value = serde_json::from_str(&message).unwrap();
+                if message["type"] == "source" && message["connected"] == true {
+                    connections += 1;
+                    if connections == 1 {
+                        requests.send(Request::Install(wanted.to_vec())).unwrap();
+                    }
+                }
+                told.push(message);
+            }
+            Err(TryRecvError::Empty) => std::thread::sleep(WAIT),
+            Err(error) => panic!("{error}"),
+        }
+    }
+    stop.request();
+    source.join().unwrap().unwrap();
+    thread.join().unwrap();
+    told
+}
+
+/// The last message of a kind.
+fn last<'t>(told: &'t [Value], kind: &str) -> Option<&'t Value> {
+    told.iter().rfind(|message| message["type"] == kind)
+}
+
+#[test]
+fn a_model_that_a_board_takes_is_the_one_whose_scores_are_shown() {
+    let told = installed(Answer::Install(Progress::Installed), SHIPPED);
+    let installing = last(&told, "installing").unwrap();
+    assert_eq!(installing["state"], "done", "{installing}");
+    // On the heap: aligned as a model has to be.
+    let file = SHIPPED.to_vec();
+    let blocks = ModelFile::new(&file).unwrap().blocks();
+    let whole = |message: &&Value| message["blocks"] == blocks && message["of"] == blocks;
+    assert_eq!(told.iter().filter(whole).count(), 1, "{told:?}");
+    assert_eq!(
+        last(&told, "model").unwrap()["classes"],
+        serde_json::json!(["relax", "open", "close"])
+    );
+}
+
+#[test]
+fn a_model_that_a_board_refuses_is_said_so_and_the_board_is_read_again() {
+    let told = installed(Answer::Refused(Refusal::BuiltIn), SHIPPED);
+    let installing = last(&told, "installing").unwrap();
+    assert_eq!(installing["state"], "failed", "{installing}");
+    let text = installing["text"].as_str().unwrap();
+    assert!(text.starts_with("the board refuses: "), "{text}");
+    assert_eq!(last(&told, "model"), None);
+}
+
+#[test]
+fn a_file_that_no_board_can_run_is_not_sent() {
+    let told = installed(Answer::Install(Progress::Installed), &SHIPPED[..999]);
+    let installing = last(&told, "installing").unwrap();
+    assert_eq!(installing["state"], "failed", "{installing}");
+    let text = installing["text"].as_str().unwrap();
+    assert!(text.starts_with("no board can run this file"), "{text}");
+}
