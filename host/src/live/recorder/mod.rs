@@ -16,7 +16,7 @@ use shared::units::{Millis, Sample, SampleIndex};
 use self::tuning::Outcome;
 use super::event::Event;
 use super::hub::Hub;
-use super::outcome::{Installing, Tuning};
+use super::outcome::Installing;
 use super::source::{Asked, Request, Stop};
 use crate::record::journal::{Entry, Journal};
 use crate::record::protocol::Protocol;
