@@ -12,6 +12,7 @@ use shared::units::{Sample, SampleIndex};
 use super::journal::Entry;
 use super::session::{Bad, Continuity, Continuous};
 use crate::dataset::labels::cued::{Hold, follow};
+use crate::dataset::labels::motion::motions;
 
 /// A recording, one entry a sample in each list.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -188,8 +189,12 @@ const fn has_come(at: u32, index: u32) -> bool {
 
 impl Part {
     fn label(&mut self, bad: &BTreeMap<u32, Bad>) {
-        let followed = follow(&self.samples, &self.cues);
-        self.labels = followed.labels;
+        let followed = follow(&self.samples, &motions(&self.cues));
+        self.labels = followed
+            .motions
+            .iter()
+            .map(|motion| motion.label())
+            .collect();
         for (label, trial) in self.labels.iter_mut().zip(&self.trials) {
             if bad.contains_key(trial) {
                 *label = None;

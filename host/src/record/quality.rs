@@ -232,7 +232,7 @@ fn gestures(take: &Take, classes: &[Intent], free: bool, findings: &mut Vec<Find
         let (mut of, mut unfollowed, mut contrasts) = (0, 0, Vec::new());
         for hold in take.parts.iter().flat_map(|part| &part.holds) {
             let cued = hold.gestures.iter().zip(&hold.contrasts);
-            for (_, &contrast) in cued.filter(|((_, own), _)| *own == intent) {
+            for (_, &contrast) in cued.filter(|((_, own), _)| own.label() == Some(intent)) {
                 of += 1;
                 contrasts.push(contrast);
                 match hold.follow {

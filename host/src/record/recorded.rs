@@ -10,6 +10,7 @@ use super::assembly::{Part, Take};
 use super::layout;
 use super::quality::{Quality, judge};
 use crate::dataset::labels::cued::follow;
+use crate::dataset::labels::motion::motions;
 use crate::dataset::{DataSet, Library, Recording};
 
 /// A person's guided recordings.
@@ -92,7 +93,7 @@ fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
         part.trials.push(u32::try_from(number(trial)?).ok()?);
         is_used.push(number(used)? != 0);
     }
-    let mut holds = follow(&part.samples, &part.cues).holds;
+    let mut holds = follow(&part.samples, &motions(&part.cues)).holds;
     holds.retain(|hold| is_used.get(hold.samples.start) == Some(&true));
     part.holds = holds;
     Some(part)

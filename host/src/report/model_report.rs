@@ -225,10 +225,9 @@ pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
         );
     }
     for (data_set, lag) in &results.lags {
-        let milliseconds = lag * SAMPLE_PERIOD_MS as usize;
         fact(
             &format!("label lag of {}", data_set.name()),
-            format!("{milliseconds} ms"),
+            lag.to_string(),
         );
     }
     facts

@@ -150,7 +150,7 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
     for (data_set, lag) in &config.lags {
         facts.push((
             format!("label lag of {}", data_set.name()),
-            format!("{} ms", lag.samples * SAMPLE_PERIOD_MS as usize),
+            lag.compensation.to_string(),
         ));
     }
     facts

@@ -9,6 +9,7 @@ use shared::stream::alignment::Template;
 use shared::units::Sample;
 
 use super::preset::Preset;
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::labels::lag::LagEstimate;
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Recording};
@@ -64,8 +65,8 @@ pub struct Fold {
 /// Delay of muscle activity after a data set's labels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lag {
-    /// Samples that labels are shifted by.
-    pub samples: usize,
+    /// How labels are compensated for it.
+    pub compensation: Compensation,
     /// The measurement on training subjects, if there is one.
     pub estimate: Option<LagEstimate>,
 }
@@ -88,10 +89,11 @@ impl ResolvedConfig {
         run.load_json(CONFIG)
     }
 
-    /// Samples that labels of a data set are shifted by.
+    /// How labels of a data set are compensated for their lag.
     #[must_use]
-    pub(crate) fn lag(&self, data_set: DataSet) -> usize {
-        self.lags.get(&data_set).map_or(0, |lag| lag.samples)
+    pub(crate) fn compensation(&self, data_set: DataSet) -> Compensation {
+        let lag = self.lags.get(&data_set);
+        lag.map_or(Compensation::NONE, |lag| lag.compensation)
     }
 
     /// The alignment template of the run's models.

@@ -30,7 +30,7 @@ struct Streams<'a> {
     classes: usize,
     data: &'a DataSelection,
     split: &'a Split,
-    lags: BTreeMap<DataSet, usize>,
+    lags: BTreeMap<DataSet, Compensation>,
     recordings: Fingerprint,
 }
 
@@ -166,7 +166,7 @@ impl ResolvedConfig {
             lags: self
                 .lags
                 .iter()
-                .map(|(&data_set, lag)| (data_set, lag.samples))
+                .map(|(&data_set, lag)| (data_set, lag.compensation))
                 .collect(),
             recordings: self.recordings,
         }

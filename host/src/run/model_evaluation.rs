@@ -22,6 +22,7 @@ use self::subjects::subjects;
 use super::candidates::integer_candidate;
 use super::error::StepError;
 use super::trials::trial;
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::labels::lag;
 use crate::dataset::losses::bridge_lost_notifications;
 use crate::dataset::{DataSet, Library, Recording, by_data_set};
@@ -82,8 +83,8 @@ pub struct ModelResults {
     pub alignments: Vec<AlignedSubject>,
     /// Percent of the notifications that were lost and bridged.
     pub lost_percent: u8,
-    /// Samples that labels were shifted by, from the recordings of the set at hand.
-    pub lags: BTreeMap<DataSet, usize>,
+    /// How labels were compensated for their lag; a constant is from the recordings of the set at hand.
+    pub lags: BTreeMap<DataSet, Compensation>,
     /// A row for each model and floor, for each data set and over all of them.
     pub scores: Vec<Score>,
 }
@@ -227,7 +228,7 @@ fn trials(
     labelled: &[&Recording],
     worn: &BTreeMap<String, Alignment>,
     vocabulary: Vocabulary,
-    lags: &BTreeMap<DataSet, usize>,
+    lags: &BTreeMap<DataSet, Compensation>,
     lost_percent: u8,
 ) -> Vec<Trial> {
     labelled
@@ -263,13 +264,17 @@ fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Voca
     }
 }
 
-/// Samples that the labels of each data set are shifted by.
-pub(super) fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, usize> {
+/// How the labels of each data set are compensated for their lag: by each cue's own where that can be seen.
+pub(super) fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, Compensation> {
     by_data_set(recordings.iter().copied())
         .into_iter()
         .map(|(data_set, own)| {
+            if data_set.rests_around_cues() {
+                return (data_set, Compensation::EachCue);
+            }
             let estimated = lag::estimate(&own).map(|estimate| estimate.lag_samples);
-            (data_set, estimated.unwrap_or(data_set.label_lag()))
+            let samples = estimated.unwrap_or(data_set.label_lag());
+            (data_set, Compensation::Constant(samples))
         })
         .collect()
 }

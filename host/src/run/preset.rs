@@ -165,6 +165,8 @@ pub struct DataSelection {
 pub enum LabelLag {
     /// By each data set's median lag, estimated on its training subjects.
     Estimated,
+    /// By each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
+    EachCue,
     /// None, as in the paper.
     None,
 }

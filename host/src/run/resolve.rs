@@ -13,6 +13,7 @@ use super::lineage;
 use super::preset::{LabelLag, Preset};
 use super::template;
 use crate::dataset::folds::{self, Protocol};
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::labels::lag;
 use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
 use crate::dataset::{DataSet, Library, Recording, by_data_set};
@@ -272,13 +273,18 @@ fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<D
             let documented = data_set.label_lag();
             let lag = match preset.data.label_lag {
                 LabelLag::None => Lag {
-                    samples: 0,
+                    compensation: Compensation::NONE,
                     estimate: None,
                 },
-                LabelLag::Estimated => {
+                LabelLag::EachCue if data_set.rests_around_cues() => Lag {
+                    compensation: Compensation::EachCue,
+                    estimate: None,
+                },
+                LabelLag::EachCue | LabelLag::Estimated => {
                     let estimate = lag::estimate(&training);
+                    let samples = estimate.map_or(documented, |found| found.lag_samples);
                     Lag {
-                        samples: estimate.map_or(documented, |found| found.lag_samples),
+                        compensation: Compensation::Constant(samples),
                         estimate,
                     }
                 }

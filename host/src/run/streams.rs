@@ -8,7 +8,6 @@ use shared::units::SAMPLE_RATE_HZ;
 use super::config::ResolvedConfig;
 use crate::dataset::corpus::{Corpus, Stream};
 use crate::dataset::folds;
-use crate::dataset::labels::lag;
 use crate::dataset::splice::{self, SpliceOptions};
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Recording, by_data_set};
@@ -60,16 +59,16 @@ impl ResolvedConfig {
         other: bool,
     ) -> Vec<Recording> {
         let vocabulary = self.preset.vocabulary();
-        let Some(first) = recordings.first() else {
-            return Vec::new();
-        };
         let own: Vec<Recording> = recordings
             .iter()
-            .map(|&recording| Recording {
-                labels: recording.labels_in(vocabulary),
-                other_movement: recording.movement_outside(vocabulary),
-                samples: self.samples(recording),
-                ..recording.clone()
+            .map(|&recording| {
+                let compensated = recording.compensated(self.compensation(recording.data_set));
+                Recording {
+                    labels: compensated.labels_in(vocabulary),
+                    other_movement: compensated.movement_outside(vocabulary),
+                    samples: self.samples(recording),
+                    ..compensated
+                }
             })
             .collect();
         #[expect(
@@ -80,7 +79,6 @@ impl ResolvedConfig {
         let options = SpliceOptions {
             samples: (seconds * f64::from(SAMPLE_RATE_HZ)) as usize,
             count: 1,
-            lag_samples: self.lag(first.data_set),
             other,
             seed: self.preset.seed,
         };
@@ -91,16 +89,13 @@ impl ResolvedConfig {
     /// outside it has a target.
     fn training_labels(&self, recording: &Recording) -> (Vec<Option<Intent>>, Vec<Range<usize>>) {
         let vocabulary = self.preset.vocabulary();
-        let lag = self.lag(recording.data_set);
-        let labels = lag::compensated(&recording.labels_in(vocabulary), lag);
+        let compensated = recording.compensated(self.compensation(recording.data_set));
         let mut other_movement = Vec::new();
         if self.preset.other() {
-            for movement in recording.movement_outside(vocabulary) {
-                let range = lag::compensated_range(&movement.samples, lag, labels.len());
-                other_movement.push(range);
-            }
+            let movements = compensated.movement_outside(vocabulary).into_iter();
+            other_movement.extend(movements.map(|movement| movement.samples));
         }
-        (labels, other_movement)
+        (compensated.labels_in(vocabulary), other_movement)
     }
 
     fn corpus(&self, library: &Library, role: Role) -> Corpus {

@@ -10,7 +10,7 @@ use super::config::ResolvedConfig;
 use super::error::StepError;
 use super::model_evaluation::lags;
 use crate::dataset::alignment::{FEWEST_PEOPLE, open_hand, template};
-use crate::dataset::labels::lag;
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::split::Role;
 use crate::dataset::{Library, Recording};
 
@@ -19,7 +19,10 @@ pub(super) fn of_training_people(
     config: &ResolvedConfig,
     labelled: &[&Recording],
 ) -> Option<Vec<i16>> {
-    let read = |recording: &Recording| (config.samples(recording), config.lag(recording.data_set));
+    let read = |recording: &Recording| {
+        let compensation = config.compensation(recording.data_set);
+        (config.samples(recording), compensation)
+    };
     let is_seen =
         |recording: &&Recording| config.split.role(&recording.subject) == Some(Role::Training);
     let seen = labelled.iter().copied().filter(is_seen);
@@ -54,10 +57,10 @@ pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, u
     Ok((Model::with_template(file, Some(&template))?, opens.len()))
 }
 
-/// The open hand of each person who opens it; `read` gives a recording's samples and its label lag.
+/// The open hand of each person who opens it; `read` gives a recording's samples and how its labels are compensated.
 fn opens<'r>(
     recordings: impl Iterator<Item = &'r Recording>,
-    read: impl Fn(&Recording) -> (Vec<Sample>, usize),
+    read: impl Fn(&Recording) -> (Vec<Sample>, Compensation),
 ) -> Vec<[f64; CHANNELS]> {
     let mut by_person: BTreeMap<&str, Vec<&Recording>> = BTreeMap::new();
     for recording in recordings {
@@ -70,8 +73,8 @@ fn opens<'r>(
             let streams: Vec<(Vec<Sample>, Vec<Option<Intent>>)> = own
                 .iter()
                 .map(|recording| {
-                    let (samples, lag) = read(recording);
-                    (samples, lag::compensated(&recording.labels, lag))
+                    let (samples, compensation) = read(recording);
+                    (samples, recording.compensated(compensation).labels)
                 })
                 .collect();
             let borrowed = streams

@@ -5,9 +5,9 @@ use shared::stream::preprocess::clean;
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
-use crate::dataset::labels::lag;
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::split::Role;
-use crate::dataset::{Library, Movement, Recording, by_data_set};
+use crate::dataset::{Library, Recording, by_data_set};
 use crate::evaluation::Trial;
 
 /// Held-out recordings as published.
@@ -53,38 +53,29 @@ fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> 
         .evaluated_recordings(library, role)
         .into_iter()
         .map(|recording| {
-            let lag = config.lag(recording.data_set);
+            let compensation = config.compensation(recording.data_set);
             let align = |samples: &mut Vec<Sample>| config.align(recording, samples);
-            trial(recording, align, vocabulary, lag)
+            trial(recording, align, vocabulary, compensation)
         })
         .collect()
 }
 
-/// A recording as it is evaluated: what `arrange` makes of its samples, labels in a vocabulary, shifted by `lag` samples.
+/// A recording as it is evaluated: what `arrange` makes of its samples, labels in a vocabulary, compensated for their lag.
 ///
 /// Intents outside the vocabulary count as movement outside it.
 pub(super) fn trial(
     recording: &Recording,
     arrange: impl Fn(&mut Vec<Sample>),
     vocabulary: Vocabulary,
-    lag: usize,
+    compensation: Compensation,
 ) -> Trial {
-    let published = recording.labels_in(vocabulary);
+    let compensated = recording.compensated(compensation);
     let arranged = |mut samples: Vec<Sample>| {
         arrange(&mut samples);
         samples
     };
     let raw = arranged(recording.samples.clone());
     let normalized = arranged(recording.normalized_samples());
-    let length = raw.len();
-    let compensated = |movement: Movement| Movement {
-        samples: lag::compensated_range(&movement.samples, lag, length),
-        ..movement
-    };
-    let movements = recording.movement_outside(vocabulary);
-    let mut other_movement: Vec<Movement> = movements.into_iter().map(compensated).collect();
-    // One that ends before the recording begins, by the lag.
-    other_movement.retain(|movement| !movement.samples.is_empty());
     Trial {
         data_set: recording.data_set,
         subject: recording.subject.clone(),
@@ -92,8 +83,8 @@ pub(super) fn trial(
         emg: clean(raw.iter().copied()).collect(),
         normalized: clean(normalized).collect(),
         raw,
-        lag_compensated: lag::compensated(&published, lag),
-        published: Some(published),
-        other_movement,
+        lag_compensated: compensated.labels_in(vocabulary),
+        published: Some(recording.labels_in(vocabulary)),
+        other_movement: compensated.movement_outside(vocabulary),
     }
 }

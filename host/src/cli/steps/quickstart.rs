@@ -165,9 +165,9 @@ fn log_start(context: &RunContext) {
     progress::log(&format!("held out: {}", config.split.held_out.join(", ")));
     for (data_set, lag) in &config.lags {
         progress::log(&format!(
-            "label lag of {}: {} ms",
+            "label lag of {}: {}",
             data_set.name(),
-            lag.samples * SAMPLE_PERIOD_MS as usize
+            lag.compensation
         ));
     }
 }

@@ -10,15 +10,15 @@
 //! 3. Gesture to gesture no rest lies between, so activity does not tell when: the label changes as late after the cue as
 //!    the muscle has followed the hold.
 //!
-//! Rests without a hold beside them are relax as cued.
+//! Rests without a hold beside them are relax as cued. A gesture is any movement that is asked for, one of the intents or not.
 
 use std::ops::Range;
 
-use shared::intent::Intent;
 use shared::units::Sample;
 
 use super::activity::{Activity, activity};
 use super::envelope::Envelope;
+use super::motion::Motion;
 use super::runs::{Run, runs};
 use crate::statistics::median;
 
@@ -44,26 +44,31 @@ pub(crate) struct Hold {
     /// Samples for which it was cued.
     pub samples: Range<usize>,
     /// The gestures, with the first sample of each.
-    pub gestures: Vec<(usize, Intent)>,
+    pub gestures: Vec<(usize, Motion)>,
     /// Whether the muscle followed.
     pub follow: Follow,
+    /// From where to where it was active because of the cue, if it followed.
+    pub active: Option<Range<usize>>,
     /// How far the muscle rose above rest, natural logarithm of the amplitude, by gesture.
     pub contrasts: Vec<f64>,
 }
 
-/// Labels of the muscle, and what came of each hold.
+/// What the muscle did, and what came of each hold.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Followed {
     /// One a sample.
-    pub labels: Vec<Option<Intent>>,
+    pub motions: Vec<Motion>,
     /// In order.
     pub holds: Vec<Hold>,
 }
 
-/// Labels samples that have cues, one a sample each; none where nothing was asked for.
-pub(crate) fn follow(samples: &[Sample], cues: &[Option<Intent>]) -> Followed {
-    let rest = |cue: &Option<Intent>| cue.filter(|&intent| intent == Intent::Relax);
-    let mut labels: Vec<Option<Intent>> = cues.iter().map(rest).collect();
+/// What is done at samples that have cues, one a sample each; unknown where nothing was asked for.
+pub(crate) fn follow(samples: &[Sample], cues: &[Motion]) -> Followed {
+    let rest = |&cue: &Motion| match cue {
+        Motion::RELAX => Motion::RELAX,
+        _ => Motion::Unknown,
+    };
+    let mut motions: Vec<Motion> = cues.iter().map(rest).collect();
     let mut holds = Vec::new();
     let envelope = Envelope::new(samples);
     let runs = runs(cues);
@@ -85,18 +90,18 @@ pub(crate) fn follow(samples: &[Sample], cues: &[Option<Intent>]) -> Followed {
             hold: hold[0].start..hold[count - 1].end,
             to: after.map_or(hold[count - 1].end, |rest| rest.end),
         };
-        holds.push(segment.label(samples, &envelope, hold, &mut labels));
+        holds.push(segment.label(samples, &envelope, hold, &mut motions));
         at += count;
     }
-    Followed { labels, holds }
+    Followed { motions, holds }
 }
 
-const fn is_rest(run: &Run) -> bool {
-    matches!(run.label, Some(Intent::Relax))
+const fn is_rest(run: &Run<Motion>) -> bool {
+    matches!(run.label, Motion::RELAX)
 }
 
-const fn is_gesture(run: &Run) -> bool {
-    !is_rest(run) && run.label.is_some()
+const fn is_gesture(run: &Run<Motion>) -> bool {
+    !matches!(run.label, Motion::RELAX | Motion::Unknown)
 }
 
 /// A hold and the rest around it.
@@ -111,8 +116,8 @@ impl Segment {
         &self,
         samples: &[Sample],
         envelope: &Envelope,
-        cued: &[Run],
-        labels: &mut [Option<Intent>],
+        cued: &[Run<Motion>],
+        motions: &mut [Motion],
     ) -> Hold {
         let activity = activity(&samples[self.from..self.to]);
         let (follow, active) = match &activity {
@@ -123,35 +128,34 @@ impl Segment {
             Follow::Followed(late) => usize::try_from(late).unwrap_or(0),
             _ => 0,
         };
-        let gestures: Vec<(usize, Intent)> = cued
-            .iter()
-            .filter_map(|run| Some((run.start, run.label?)))
-            .collect();
-        if let (Some(activity), Some(active)) = (&activity, active) {
+        let gestures: Vec<(usize, Motion)> =
+            cued.iter().map(|run| (run.start, run.label)).collect();
+        if let (Some(activity), Some(active)) = (&activity, &active) {
             let released = (self.hold.end + LATE).min(self.to);
             for (at, activity) in (self.from..self.to).zip(activity) {
                 let inside = active.contains(&at);
-                labels[at] = match activity {
+                motions[at] = match activity {
                     Activity::Active if inside && at < released => gestures
                         .iter()
                         .rev()
                         .find(|&&(start, _)| start + late <= at)
                         .or(gestures.first())
-                        .map(|&(_, intent)| intent),
-                    Activity::Quiet if !inside => Some(Intent::Relax),
-                    _ => None,
+                        .map_or(Motion::Unknown, |&(_, motion)| motion),
+                    Activity::Quiet if !inside => Motion::RELAX,
+                    _ => Motion::Unknown,
                 };
             }
         } else {
             let end = (self.hold.end + LATE).min(self.to);
-            labels[self.hold.start..end].fill(None);
+            motions[self.hold.start..end].fill(Motion::Unknown);
         }
-        let contrast = |run: &Run| self.contrast(envelope, run);
+        let contrast = |run: &Run<Motion>| self.contrast(envelope, run);
         Hold {
             samples: self.hold.clone(),
             contrasts: cued.iter().map(contrast).collect(),
             gestures,
             follow,
+            active,
         }
     }
 
@@ -180,7 +184,7 @@ impl Segment {
     }
 
     /// The median of a cue's later half over that of the rest before it.
-    fn contrast(&self, envelope: &Envelope, cue: &Run) -> f64 {
+    fn contrast(&self, envelope: &Envelope, cue: &Run<Motion>) -> f64 {
         const WIDTH: usize = 40;
         let level = |range: Range<usize>| {
             let all: Vec<f64> = range.step_by(4).map(|at| envelope.at(at, WIDTH)).collect();
@@ -196,14 +200,15 @@ impl Segment {
 mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
+    use shared::intent::Intent;
 
     use super::*;
 
-    const R: Option<Intent> = Some(Intent::Relax);
-    const O: Option<Intent> = Some(Intent::Open);
-    const C: Option<Intent> = Some(Intent::Close);
+    const R: Motion = Motion::RELAX;
+    const O: Motion = Motion::Intent(Intent::Open);
+    const C: Motion = Motion::Intent(Intent::Close);
 
-    fn cues(runs: &[(Option<Intent>, usize)]) -> Vec<Option<Intent>> {
+    fn cues(runs: &[(Motion, usize)]) -> Vec<Motion> {
         let runs = runs.iter();
         runs.flat_map(|&(label, count)| vec![label; count])
             .collect()
@@ -230,7 +235,7 @@ mod tests {
         let cues = cues(&[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)]);
         let samples = muscle(cues.len(), &[680..1420, 1950..2700]);
         let found = follow(&samples, &cues);
-        let labels = runs(&found.labels);
+        let labels = runs(&found.motions);
         let names: Vec<_> = labels.iter().map(|run| run.label).collect();
         assert_eq!(names, [R, O, R, C, R]);
         for (run, expected) in labels.iter().skip(1).zip([680, 1420, 1950, 2700]) {
@@ -241,7 +246,7 @@ mod tests {
         };
         assert!(matches!(first.follow, Follow::Followed(late @ 70..=90) if late > 0));
         assert!(matches!(second.follow, Follow::Followed(40..=60)));
-        assert!(first.contrasts[0] > 1.0 && first.gestures == [(600, Intent::Open)]);
+        assert!(first.contrasts[0] > 1.0 && first.gestures == [(600, O)]);
     }
 
     #[test]
@@ -251,7 +256,7 @@ mod tests {
             &muscle(cues.len(), std::slice::from_ref(&(660..1650))),
             &cues,
         );
-        let labels = runs(&found.labels);
+        let labels = runs(&found.motions);
         let names: Vec<_> = labels.iter().map(|run| run.label).collect();
         assert_eq!(names, [R, O, C, R]);
         assert!(near(labels[2].start, 1160), "{labels:?}");
@@ -266,9 +271,13 @@ mod tests {
             &cues,
         );
         assert_eq!(found.holds[0].follow, Follow::Weak);
-        assert!(found.labels[600..1300].iter().all(Option::is_none));
-        assert!(found.labels[..600].iter().all(|label| *label == R));
-        assert_eq!(found.labels[2300], C);
+        assert!(
+            found.motions[600..1300]
+                .iter()
+                .all(|&motion| motion == Motion::Unknown)
+        );
+        assert!(found.motions[..600].iter().all(|motion| *motion == R));
+        assert_eq!(found.motions[2300], C);
     }
 
     #[test]
@@ -277,7 +286,7 @@ mod tests {
         for loud in [1250..1700, 300..1000, 700..900] {
             let found = follow(&muscle(cues.len(), std::slice::from_ref(&loud)), &cues);
             assert_eq!(found.holds[0].follow, Follow::Elsewhere, "{loud:?}");
-            let gesture = found.labels.iter().filter(|label| **label == O).count();
+            let gesture = found.motions.iter().filter(|motion| **motion == O).count();
             assert_eq!(gesture, 0, "{loud:?}");
         }
     }
@@ -289,10 +298,14 @@ mod tests {
             &muscle(cues.len(), std::slice::from_ref(&(650..1800))),
             &cues,
         );
-        assert_eq!(found.labels[1000], O);
-        assert_eq!(found.labels[1450], O);
-        assert!(found.labels[1510..1780].iter().all(Option::is_none));
-        assert_eq!(found.labels[2500], R);
+        assert_eq!(found.motions[1000], O);
+        assert_eq!(found.motions[1450], O);
+        assert!(
+            found.motions[1510..1780]
+                .iter()
+                .all(|&motion| motion == Motion::Unknown)
+        );
+        assert_eq!(found.motions[2500], R);
     }
 
     proptest::proptest! {
@@ -306,13 +319,13 @@ mod tests {
                 pieces.iter().flat_map(|&(sample, _, count)| vec![sample; count]).collect();
             let cues: Vec<_> = pieces
                 .iter()
-                .flat_map(|&(_, class, count)| vec![Intent::from_class(class); count])
+                .flat_map(|&(_, class, count)| vec![Intent::from_class(class).map_or(Motion::Unknown, Motion::Intent); count])
                 .collect();
             let found = follow(&samples, &cues);
-            proptest::prop_assert_eq!(found.labels.len(), samples.len());
-            for (label, cue) in found.labels.iter().zip(&cues) {
+            proptest::prop_assert_eq!(found.motions.len(), samples.len());
+            for (label, cue) in found.motions.iter().zip(&cues) {
                 // Nothing is labelled where nothing was asked for.
-                proptest::prop_assert!(cue.is_some() || label.is_none());
+                proptest::prop_assert!(*cue != Motion::Unknown || *label == Motion::Unknown);
             }
         }
     }

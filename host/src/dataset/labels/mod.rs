@@ -2,6 +2,7 @@
 //! where the muscle is active in recordings that are published without labels.
 
 pub(crate) mod activity;
+pub mod compensation;
 pub(crate) mod cued;
 mod envelope;
 pub mod lag;

@@ -28,6 +28,13 @@ impl Motion {
     }
 }
 
+/// Cues as motions: no cue is unknown.
+pub(crate) fn motions(cues: &[Option<Intent>]) -> Vec<Motion> {
+    let cues = cues.iter();
+    cues.map(|cue| cue.map_or(Motion::Unknown, Motion::Intent))
+        .collect()
+}
+
 /// Labels and other movement of a recording, as [`Recording`](crate::dataset::Recording) holds them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Truth {

@@ -4,16 +4,16 @@ use shared::intent::Intent;
 
 /// A longest run of one label: samples `start..end`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Run {
+pub struct Run<L = Option<Intent>> {
     /// The label of every sample in it.
-    pub label: Option<Intent>,
+    pub label: L,
     /// First sample.
     pub start: usize,
     /// One after the last sample.
     pub end: usize,
 }
 
-impl Run {
+impl<L> Run<L> {
     /// Samples in it, at least 1.
     #[must_use]
     pub const fn samples(&self) -> usize {
@@ -29,7 +29,7 @@ impl Run {
 
 /// The runs of a label sequence, in order and without gaps.
 #[must_use]
-pub fn runs(labels: &[Option<Intent>]) -> Vec<Run> {
+pub fn runs<L: Copy + PartialEq>(labels: &[L]) -> Vec<Run<L>> {
     let mut start = 0;
     labels
         .chunk_by(|a, b| a == b)
@@ -60,6 +60,6 @@ mod tests {
             found,
             [(None, 0, 2), (Some(Intent::Open), 2, 3), (None, 3, 4)]
         );
-        assert!(runs(&[]).is_empty());
+        assert!(runs::<Option<Intent>>(&[]).is_empty());
     }
 }

@@ -32,15 +32,13 @@ pub struct SpliceOptions {
     pub samples: usize,
     /// Spliced recordings of every subject.
     pub count: usize,
-    /// Label lag in samples: labels are compensated for it before cutting.
-    pub lag_samples: usize,
     /// Whether movement outside the vocabulary is a class: it is marked, and steady holds of it are used.
     pub other: bool,
     /// Seed of every draw; a subject's draws do not depend on the other subjects.
     pub seed: u64,
 }
 
-/// Splices every subject's labelled recordings; pass recordings of one data set, whose [`Recording::other_movement`] is
+/// Splices every subject's labelled recordings; pass recordings of one data set with lag-compensated labels, whose [`Recording::other_movement`] is
 /// all movement outside the vocabulary.
 ///
 /// Returns `count` recordings, `spliced-0` and on, for each subject with at least one usable
@@ -62,7 +60,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
     for (subject, recordings) in by_subject {
         let sources: Vec<Source<'_>> = recordings
             .iter()
-            .map(|r| Source::new(r, options.lag_samples, options.other))
+            .map(|r| Source::new(r, options.other))
             .collect();
         let material = Material::of(&sources);
         for index in 0..options.count {

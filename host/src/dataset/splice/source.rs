@@ -7,7 +7,6 @@ use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
 use shared::units::Sample;
 
-use crate::dataset::labels::lag;
 use crate::dataset::movement::Movement;
 use crate::dataset::recording::Recording;
 
@@ -21,19 +20,15 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub fn new(recording: &'a Recording, lag_samples: usize, other_is_a_class: bool) -> Self {
-        let labels = lag::compensated(&recording.labels, lag_samples);
+    pub fn new(recording: &'a Recording, other_is_a_class: bool) -> Self {
         let other_movement = recording.other_movement.iter();
         Self {
             samples: &recording.samples,
+            labels: recording.labels.clone(),
             other: other_movement
                 .filter(|_| other_is_a_class)
-                .map(|movement| Movement {
-                    samples: lag::compensated_range(&movement.samples, lag_samples, labels.len()),
-                    ..movement.clone()
-                })
+                .cloned()
                 .collect(),
-            labels,
         }
     }
 

@@ -5,6 +5,7 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
 use crate::run::model_evaluation::lags;
@@ -108,7 +109,12 @@ impl Person {
 }
 
 /// A recording as the model sees it.
-fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag: usize) -> Own {
+fn as_seen(
+    recording: &Recording,
+    vocabulary: Vocabulary,
+    normalized: bool,
+    lag: Compensation,
+) -> Own {
     let align = |samples: &mut Vec<Sample>| recording.data_set.align(samples);
     let trial = trial(recording, align, vocabulary, lag);
     let mut samples = if normalized {

@@ -120,7 +120,6 @@ fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, Personaliz
     let options = SpliceOptions {
         samples: SPLICED_SECONDS * SAMPLE_RATE_HZ as usize,
         count: 1,
-        lag_samples: 0,
         other,
         seed,
     };

@@ -17,7 +17,7 @@ pub(crate) fn folds<'a>(variants: impl IntoIterator<Item = &'a VariantResults>) 
         "fold",
         "training subjects",
         "look-ahead",
-        "label lag ms",
+        "label lag",
         "revision",
         "validation subjects",
         "held-out subjects",
@@ -26,10 +26,10 @@ pub(crate) fn folds<'a>(variants: impl IntoIterator<Item = &'a VariantResults>) 
     for variant in variants {
         for run in &variant.runs {
             let (config, fold) = (&run.config, run.fold());
-            let lags = config.lags.iter().map(|(data_set, lag)| {
-                let milliseconds = lag.samples * SAMPLE_PERIOD_MS as usize;
-                format!("{} {milliseconds}", data_set.name())
-            });
+            let lags = config
+                .lags
+                .iter()
+                .map(|(data_set, lag)| format!("{} {}", data_set.name(), lag.compensation));
             let cells = [
                 variant.name.clone(),
                 format!("{} of {}", fold.number, fold.of),
