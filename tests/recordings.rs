@@ -23,7 +23,7 @@ use myointent_tests::{data, skip};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::model::file::Model;
 use shared::stream::alignment::{Alignment, Outcome};
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Median, clean};
 use shared::units::{CleanSample, PATCH, Sample, WINDOW};
 
 /// The folder of one set; without it, prints the skip of the test.
@@ -672,11 +672,11 @@ fn trials(library: &Library) -> Vec<Trial> {
             subject: recording.subject.clone(),
             name: recording.name.clone(),
             raw: recording.samples.clone(),
-            emg: clean(recording.aligned_samples()).collect(),
+            emg: clean(recording.aligned_samples(), Median::Three).collect(),
             normalized: {
                 let mut samples = recording.normalized_samples();
                 recording.data_set.align(&mut samples);
-                clean(samples).collect()
+                samples
             },
             published: None,
             lag_compensated: late.chain(labels).take(recording.samples.len()).collect(),
@@ -709,7 +709,7 @@ fn the_shipped_model_is_above_the_floors_and_no_gesture_is_seen_before_it_is_mad
     assert!(!training.is_empty());
     let logits = trials
         .iter()
-        .map(|trial| integer_logits(&model, trial.input(model.header.normalized)).unwrap());
+        .map(|trial| integer_logits(&model, &trial.input(model.header.preprocessing)).unwrap());
     let own = Candidate {
         name: "model".to_owned(),
         looks_back: true,

@@ -57,7 +57,7 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
         smoother: Smoother::new(settings, encoder.classes())?,
         encoder,
         input: Input {
-            normalized: model.header.normalized,
+            preprocessing: model.header.preprocessing,
             template: model.header.template,
         },
         checksum: checksum.map_or(0, |bytes| u32::from_le_bytes(*bytes)),

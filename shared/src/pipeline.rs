@@ -26,7 +26,7 @@ pub use self::reports::Reports;
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
-use crate::stream::preprocess::Preprocessor;
+use crate::stream::preprocess::{Preprocessing, Preprocessor};
 use crate::stream::ring::{Origin, SampleRing};
 use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Settings, SettingsError};
@@ -42,6 +42,8 @@ const MAX_BRIDGED_OF_WINDOW: u32 = 60;
 /// From samples to reports.
 #[derive(Debug)]
 pub struct Pipeline<'s, E: Encode> {
+    /// What the model asks for.
+    preprocessing: Preprocessing,
     /// Of a model that was trained with it. What it knows about the wearer outlasts gaps and disconnections.
     normalizer: Option<Normalizer>,
     placement: Placement,
@@ -93,9 +95,10 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// in place.
     pub fn without_model(state: &'s mut E::State, start: Start) -> Self {
         Self {
+            preprocessing: Preprocessing::default(),
             normalizer: None,
             placement: Placement::default(),
-            preprocessor: Preprocessor::new(),
+            preprocessor: Preprocessor::default(),
             ring: SampleRing::new(),
             behind: 0,
             model: None,
@@ -109,10 +112,12 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
     }
 
-    /// Whether samples are normalized to the wearer, as the model was trained; not before the first call. Forgets the
-    /// wearer.
-    pub fn normalize(&mut self, on: bool) {
-        self.normalizer = on.then(Normalizer::new);
+    /// How samples are preprocessed, as the model was trained; before the first call not normalized, with the paper's
+    /// median. Forgets the wearer.
+    pub fn preprocess(&mut self, preprocessing: Preprocessing) {
+        self.preprocessing = preprocessing;
+        self.normalizer = preprocessing.normalized.then(Normalizer::new);
+        self.preprocessor = Preprocessor::new(preprocessing.median);
     }
 
     /// Takes the next sample.
@@ -212,7 +217,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         let Some(clean) = self.preprocessor.push(sample) else {
             return;
         };
-        // The median lags one sample.
+        // The preprocessor lags one sample.
         let window_end = SampleIndex(emitted.0.wrapping_sub(1));
         if self.ring.push(clean, origin).is_some() {
             self.newest_end = window_end;
@@ -258,7 +263,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             return;
         }
         self.counters.resets = self.counters.resets.saturating_add(1);
-        self.preprocessor = Preprocessor::new();
+        self.preprocessor = Preprocessor::new(self.preprocessing.median);
         self.ring.reset();
         self.behind = 0;
         self.interrupt_alignment();

@@ -42,7 +42,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     let mut state = encoder.fresh();
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot)?;
-    pipeline.normalize(model.header.normalized);
+    pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
     let mut lines = vec![pipeline.state_report().to_string()];
     let mut now = Millis(0);
@@ -77,7 +77,7 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 let settings = model.header.smoother.in_patches();
                 let smoother = Smoother::new(settings, encoder.classes())?;
                 let input = pipeline::Input {
-                    normalized: model.header.normalized,
+                    preprocessing: model.header.preprocessing,
                     template: model.header.template,
                 };
                 pipeline.resume(now, encoder, smoother, input);

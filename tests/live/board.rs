@@ -135,7 +135,7 @@ fn run(mut wire: Wire, stop: &AtomicBool, raw: &AtomicBool) {
     let mut state = shared::model::Encode::fresh(&encoder);
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot).unwrap();
-    pipeline.normalize(model.header.normalized);
+    pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
     let samples = synthetic(60).samples;
     let mut reader = CommandReader::new();

@@ -88,7 +88,7 @@ pub fn with_device(model: &[u8], run: impl FnOnce(&mut Device<'_, '_>)) {
     let settings = model.header.smoother.in_patches();
     let mut pipeline =
         Pipeline::new(encoder, &mut state, settings, Start::Boot).expect("its settings");
-    pipeline.normalize(model.header.normalized);
+    pipeline.preprocess(model.header.preprocessing);
     let settings = Settings {
         pinned: Some(ARMBAND),
         ..Settings::default()

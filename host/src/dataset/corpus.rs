@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use shared::intent::{Intent, Vocabulary};
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Median, clean};
 use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample};
 
 use super::recording::Recording;
@@ -22,14 +22,23 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Cleans samples; one label each, none of them for movement outside the vocabulary.
+    /// Cleans samples with the paper's median; one label each, none of them for movement outside the vocabulary.
     #[must_use]
     pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
         Self {
-            emg: clean(raw.iter().copied()).collect(),
+            emg: clean(raw.iter().copied(), Median::Three).collect(),
             raw,
             labels,
             other_movement: Vec::new(),
+        }
+    }
+
+    /// The same, cleaned with this filter.
+    #[must_use]
+    pub fn with_median(self, median: Median) -> Self {
+        Self {
+            emg: clean(self.raw.iter().copied(), median).collect(),
+            ..self
         }
     }
 

@@ -1,6 +1,7 @@
 //! A recording that models are evaluated on.
 
 use shared::intent::Intent;
+use shared::stream::preprocess::{Preprocessing, clean};
 use shared::units::{CleanSample, Sample};
 
 use crate::dataset::{DataSet, Movement};
@@ -16,10 +17,10 @@ pub struct Trial {
     pub name: String,
     /// Samples as the armband sends them.
     pub raw: Vec<Sample>,
-    /// Preprocessed samples.
+    /// The same, preprocessed as in the paper.
     pub emg: Vec<CleanSample>,
-    /// Preprocessed samples, normalized to the wearer before all else.
-    pub normalized: Vec<CleanSample>,
+    /// The same, normalized to the wearer.
+    pub normalized: Vec<Sample>,
     /// Labels as published; none for spliced recordings.
     pub published: Option<Vec<Option<Intent>>>,
     /// Lag-compensated labels.
@@ -31,11 +32,12 @@ pub struct Trial {
 impl Trial {
     /// The input of a model.
     #[must_use]
-    pub fn input(&self, normalized: bool) -> &[CleanSample] {
-        if normalized {
+    pub fn input(&self, preprocessing: Preprocessing) -> Vec<CleanSample> {
+        let samples = if preprocessing.normalized {
             &self.normalized
         } else {
-            &self.emg
-        }
+            &self.raw
+        };
+        clean(samples.iter().copied(), preprocessing.median).collect()
     }
 }

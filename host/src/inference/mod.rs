@@ -5,7 +5,7 @@
 //! first, unused classes 0). The code that smooths and scores them is the same for all models.
 
 use shared::stream::normalizer::Normalizer;
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Preprocessing, clean};
 use shared::units::{CleanSample, Sample};
 
 mod device;
@@ -17,16 +17,16 @@ pub use device::{integer_logits, outputs};
 pub(crate) use student::student_logits;
 pub(crate) use teacher::teacher_logits;
 
-/// The input of a model from the samples of a stream, from its beginning: normalized to the wearer, if the model was
-/// trained so, then preprocessed. What a board makes of the same samples.
+/// The input of a model from the samples of a stream, from its beginning, preprocessed as the model was trained. What a
+/// board makes of the same samples.
 #[must_use]
-pub fn input(samples: &[Sample], normalized: bool) -> Vec<CleanSample> {
-    let mut wearer = normalized.then(Normalizer::new);
+pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSample> {
+    let mut wearer = preprocessing.normalized.then(Normalizer::new);
     let samples = samples.iter().map(|&sample| match &mut wearer {
         Some(wearer) => wearer.push(sample),
         None => sample,
     });
-    clean(samples).collect()
+    clean(samples, preprocessing.median).collect()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub(crate) fn pipeline<'s, E: Encode>(
 ) -> Result<Pipeline<'s, E>, SettingsError> {
     let settings = model.header.smoother.in_patches();
     let mut pipeline = Pipeline::new(encoder, state, settings, Start::Boot)?;
-    pipeline.normalize(model.header.normalized);
+    pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
     Ok(pipeline)
 }

@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use shared::units::SAMPLE_PERIOD_MS;
-
 use super::alignment::{self, placement};
 use super::cell::difference;
 use super::entry::{Entry, pictures};

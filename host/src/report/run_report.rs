@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use shared::units::SAMPLE_PERIOD_MS;
-
 use super::curves::{Curve, Panel};
 use super::entry::{Entry, onsets, pictures, timeline};
 use super::people_table::people_table;

@@ -48,7 +48,7 @@ pub(super) fn integer_candidate(
 ) -> Result<Candidate, StepError> {
     let logits = trials
         .par_iter()
-        .map(|trial| integer_logits(model, trial.input(model.header.normalized)))
+        .map(|trial| integer_logits(model, &trial.input(model.header.preprocessing)))
         .collect::<Result<_, _>>()?;
     Ok(Candidate {
         name: name.to_owned(),
@@ -66,9 +66,9 @@ fn candidate(
     trials: &[Trial],
     logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits> + Sync,
 ) -> Result<Candidate, RunError> {
-    let normalized = context.config.preset.data.normalize;
+    let preprocessing = context.config.preset.preprocessing();
     let logits = parallel::map(name, trials, &context.folder, &context.interrupt, |trial| {
-        logits(trial.input(normalized))
+        logits(&trial.input(preprocessing))
     })?;
     Ok(Candidate {
         name: name.to_owned(),

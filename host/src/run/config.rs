@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use shared::stream::alignment::Template;
+use shared::stream::preprocess::Median;
 use shared::units::Sample;
 
 use super::preset::Preset;
@@ -126,11 +127,12 @@ impl ResolvedConfig {
         }
     }
 
-    /// The same without normalization to the wearer, which the baselines do not have.
+    /// The same without normalization to the wearer, which the baselines do not have, and with the paper's median.
     #[must_use]
     pub fn without_normalization(&self) -> Self {
         let mut config = self.clone();
         config.preset.data.normalize = false;
+        config.preset.data.median = Median::Three;
         config
     }
 }

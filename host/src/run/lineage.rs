@@ -11,6 +11,7 @@ use serde::Serialize;
 use shared::intent::Intent;
 
 use super::config::{CONFIG, Fold, ResolvedConfig};
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::execution::bounded_read;

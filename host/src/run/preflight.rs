@@ -30,7 +30,7 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
         &student,
         config,
         vocabulary,
-        (smoother, preset.data.normalize),
+        (smoother, preset.preprocessing()),
         None,
         provenance,
     )

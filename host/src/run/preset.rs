@@ -8,6 +8,7 @@ mod source;
 
 use serde::{Deserialize, Serialize};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
+use shared::stream::preprocess::{Median, Preprocessing};
 
 use crate::dataset::DataSet;
 use crate::dataset::movement::OtherMovement;
@@ -144,6 +145,9 @@ pub struct DataSelection {
     /// students are trained with it, and the model file says so.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub normalize: bool,
+    /// The filter over time before rectification, of teacher and students; the model file says which.
+    #[serde(default, skip_serializing_if = "is_paper")]
+    pub median: Median,
     /// Seconds of spliced recordings per subject and data set: gestures in random order, of random duration.
     pub spliced_seconds: f64,
     /// Balance between data sets: the seconds are multiplied by the ratio of the largest set's number of subjects to
@@ -157,6 +161,10 @@ pub struct DataSelection {
     pub as_published: bool,
     /// Maximum number of training subjects per data set; 0: all.
     pub most_subjects: usize,
+}
+
+fn is_paper(median: &Median) -> bool {
+    *median == Median::Three
 }
 
 /// Lag compensation of labels, which are cues: muscle activity follows them.
@@ -188,6 +196,15 @@ impl Preset {
             ..self.teacher_training
         };
         self
+    }
+
+    /// What comes between the armband and a model's input.
+    #[must_use]
+    pub const fn preprocessing(&self) -> Preprocessing {
+        Preprocessing {
+            normalized: self.data.normalize,
+            median: self.data.median,
+        }
     }
 
     /// Whether movement outside the vocabulary is a class of its own for the student.

@@ -169,7 +169,7 @@ pub(super) fn model_bytes(
         student,
         &preset.student,
         preset.vocabulary(),
-        (smoother, preset.data.normalize),
+        (smoother, preset.preprocessing()),
         context.config.alignment_template(),
         provenance,
     )

@@ -1,7 +1,7 @@
 //! The recordings that a run's models are evaluated on, or that settings are chosen on.
 
 use shared::intent::Vocabulary;
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Median, clean};
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
@@ -36,9 +36,9 @@ pub(super) fn spliced(config: &ResolvedConfig, library: &Library) -> Vec<Trial> 
             data_set: recording.data_set,
             subject: recording.subject,
             name: recording.name,
-            emg: clean(recording.samples.iter().copied()).collect(),
+            emg: clean(recording.samples.iter().copied(), Median::Three).collect(),
             // Spliced from what the preset asks for, normalized or not.
-            normalized: clean(recording.samples.iter().copied()).collect(),
+            normalized: recording.samples.clone(),
             raw: recording.samples,
             published: None,
             lag_compensated: recording.labels,
@@ -80,8 +80,8 @@ pub(super) fn trial(
         data_set: recording.data_set,
         subject: recording.subject.clone(),
         name: recording.name.clone(),
-        emg: clean(raw.iter().copied()).collect(),
-        normalized: clean(normalized).collect(),
+        emg: clean(raw.iter().copied(), Median::Three).collect(),
+        normalized,
         raw,
         lag_compensated: compensated.labels_in(vocabulary),
         published: Some(recording.labels_in(vocabulary)),

@@ -86,7 +86,7 @@ mod tests {
 
     /// Quantizes a student into a file that is otherwise `parts`.
     fn quantized(student: &Student, config: &StudentConfig, parts: &ModelParts) -> Vec<u8> {
-        let smoother = (parts.smoother, parts.normalized);
+        let smoother = (parts.smoother, parts.preprocessing);
         let vocabulary = parts.dimensions.vocabulary;
         let (template, provenance) = (parts.template, parts.provenance.clone());
         quantize(student, config, vocabulary, smoother, template, provenance).unwrap()

@@ -10,6 +10,7 @@ use shared::model::file::{
 };
 
 use shared::stream::alignment::Template;
+use shared::stream::preprocess::Preprocessing;
 
 use super::model::{Student, StudentConfig};
 use crate::training::tensor::read_back;
@@ -22,7 +23,7 @@ pub(crate) fn quantize(
     student: &Student,
     config: &StudentConfig,
     vocabulary: Vocabulary,
-    (smoother, normalized): (SmootherDefaults, bool),
+    (smoother, preprocessing): (SmootherDefaults, Preprocessing),
     template: Option<Template>,
     provenance: ProvenanceParts,
 ) -> Result<Vec<u8>, ModelError> {
@@ -42,7 +43,7 @@ pub(crate) fn quantize(
             other: student.other,
         },
         companding,
-        normalized,
+        preprocessing,
         smoother,
         template,
         provenance,

@@ -4,6 +4,7 @@ use super::{Pipeline, Reports};
 use crate::intent::MAX_LOGITS;
 use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Template};
+use crate::stream::preprocess::Preprocessing;
 use crate::stream::safe_state::Event;
 use crate::stream::smoother;
 use crate::units::{LOOK_BACK, Millis};
@@ -21,8 +22,8 @@ pub(super) struct InUse<E> {
 /// What a model asks of the samples before it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Input {
-    /// Whether they are normalized to the wearer.
-    pub normalized: bool,
+    /// What comes between them and the encoder.
+    pub preprocessing: Preprocessing,
     /// What an open hand looks like.
     pub template: Option<Template>,
 }
@@ -50,13 +51,13 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Puts a model in use, with a smoother for its number of classes and the model's confidence gate. It takes all samples
     /// so far, a patch with each new one: labels go on after at most 0.35 s.
     ///
-    /// What is known about the wearer is kept if both models are normalized by it, or neither is; otherwise the samples so
+    /// What is known about the wearer is kept if both models ask for the same preprocessing; otherwise the samples so
     /// far cannot be used, and a new window begins. The alignment is kept if it was found by the template of this model, and
     /// otherwise dropped: what is in its place depends on how each template was measured.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
-        if self.normalizer.is_some() != input.normalized {
+        if self.preprocessing != input.preprocessing {
             self.reset_window();
-            self.normalize(input.normalized);
+            self.preprocess(input.preprocessing);
         }
         if self.placement.template() != input.template {
             if self.alignment() != Alignment::NONE {

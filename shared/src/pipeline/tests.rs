@@ -3,7 +3,7 @@
 use super::*;
 use crate::intent::MAX_LOGITS;
 use crate::model::LookBackLogits;
-use crate::stream::preprocess::clean;
+use crate::stream::preprocess::{Median, Preprocessing, clean};
 use crate::stream::safe_state::Cause;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH, Patch};
 use alloc::{boxed::Box, vec, vec::Vec};
@@ -105,7 +105,10 @@ fn labels_begin_after_600_samples_the_look_ahead_and_the_median() {
 fn a_normalizing_pipeline_gives_the_labels_of_normalized_samples_and_knows_the_wearer_after_a_gap()
 {
     let [mut normalizing, mut plain] = [(); 2].map(|()| pipeline());
-    normalizing.normalize(true);
+    normalizing.preprocess(Preprocessing {
+        normalized: true,
+        ..Preprocessing::default()
+    });
     let mut wearer = Normalizer::new();
     let mut labels = 0;
     for index in 0..6000 {
@@ -308,7 +311,7 @@ fn a_model_of_too_many_classes_is_refused() {
 /// The labels of a recording without gaps, each step over the whole recording.
 fn expected_labels(recording: &[Sample]) -> Vec<(u32, Intent)> {
     // The last sample's median needs a sample that has not arrived.
-    let mut samples: Vec<_> = clean(recording.iter().copied()).collect();
+    let mut samples: Vec<_> = clean(recording.iter().copied(), Median::Three).collect();
     samples.pop();
     let sums: Vec<usize> = samples
         .as_chunks::<PATCH>()

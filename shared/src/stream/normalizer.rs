@@ -14,7 +14,7 @@
 mod packed;
 
 use self::packed::{Magnitudes, Size, Sums};
-use crate::units::{CHANNELS, Sample, sample_of, words};
+use crate::units::{CHANNELS, CleanSample, Sample, sample_of, words};
 
 /// Samples of which a level is the mean: 0.2 s.
 const BLOCK: u8 = 40;
@@ -48,6 +48,13 @@ const SCALE_FRACTION: u32 = 12;
 const PRODUCT_FRACTION: u32 = SAMPLE_FRACTION + SCALE_FRACTION;
 /// Half a count as such a product.
 const HALF: i32 = 1 << (PRODUCT_FRACTION - 1);
+
+/// |x| of each electrode.
+#[inline]
+pub(super) fn rectified(sample: Sample) -> CleanSample {
+    let [[a, b, c, d], [e, f, g, h]] = words(sample).map(|word| Magnitudes::of(word).bytes());
+    [a, b, c, d, e, f, g, h]
+}
 
 /// What is known about a wearer, and the normalization by it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

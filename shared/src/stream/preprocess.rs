@@ -1,22 +1,66 @@
-//! From raw EMG to the model's input: median of three over time, then rectification.
+//! From raw EMG to the model's input: a median of three over time, if the model was trained with it, then rectification.
 //!
 //! The median is taken of signed values, before rectification; a neighbour beyond either end of the
 //! stream counts as 0. It needs the following sample, so the streaming form lags one sample and then
-//! equals the form for whole recordings. Source: ReactEMG's public code; `tests/golden` compares with
-//! its numbers.
+//! equals the form for whole recordings; without a median it lags as much, so that times do not depend on the model.
+//! Source: ReactEMG's public code; `tests/golden` compares with its numbers. Why there are models without:
+//! docs/decisions.md.
 
 use super::alignment::Alignment;
+use super::normalizer::rectified;
 use crate::kernels::{Active, Kernels};
 use crate::units::{CHANNELS, CleanSample, Sample};
 
-/// Samples under the median.
-pub(crate) const MEDIAN_WIDTH: u8 = 3;
 /// Divisor from a preprocessed value to the model's input, 0 to 1.
 pub const DIVISOR: u8 = 128;
+
+/// The filter over time before rectification.
+#[derive(
+    Clone, Copy, PartialEq, Eq, Hash, Debug, Default, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Median {
+    /// The median of a sample and its two neighbours, as in the paper.
+    #[default]
+    Three,
+    /// None: the sample itself.
+    Off,
+}
+
+impl Median {
+    /// Samples that it is taken of.
+    #[must_use]
+    pub const fn width(self) -> u8 {
+        match self {
+            Self::Three => 3,
+            Self::Off => 1,
+        }
+    }
+
+    /// The filter of that width, if there is one.
+    #[must_use]
+    pub const fn of_width(width: u8) -> Option<Self> {
+        match width {
+            3 => Some(Self::Three),
+            1 => Some(Self::Off),
+            _ => None,
+        }
+    }
+}
+
+/// What a model asks for between the armband and its input.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Preprocessing {
+    /// Whether samples are normalized to the wearer before all else ([`Normalizer`](super::normalizer::Normalizer)).
+    pub normalized: bool,
+    /// The filter over time.
+    pub median: Median,
+}
 
 /// Median and rectification, sample by sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Preprocessor {
+    median: Median,
     before: Sample,
     pending: Option<Sample>,
 }
@@ -24,8 +68,9 @@ pub struct Preprocessor {
 impl Preprocessor {
     /// Before the first sample.
     #[must_use]
-    pub const fn new() -> Self {
+    pub const fn new(median: Median) -> Self {
         Self {
+            median,
             before: [0; CHANNELS],
             pending: None,
         }
@@ -35,7 +80,7 @@ impl Preprocessor {
     #[inline]
     pub fn push(&mut self, sample: Sample) -> Option<CleanSample> {
         let pending = self.pending.replace(sample)?;
-        let clean = Active::rectified_median(self.before, pending, sample);
+        let clean = self.rectified(pending, sample);
         self.before = pending;
         Some(clean)
     }
@@ -48,19 +93,26 @@ impl Preprocessor {
 
     /// Ends the stream: returns its last sample, if there is one, and starts a new stream.
     pub fn finish(&mut self) -> Option<CleanSample> {
-        let ended = core::mem::take(self);
-        let pending = ended.pending?;
-        Some(Active::rectified_median(
-            ended.before,
-            pending,
-            [0; CHANNELS],
-        ))
+        let ended = core::mem::replace(self, Self::new(self.median));
+        Some(ended.rectified(ended.pending?, [0; CHANNELS]))
+    }
+
+    /// The sample after `before`, preprocessed.
+    #[inline]
+    fn rectified(&self, sample: Sample, after: Sample) -> CleanSample {
+        match self.median {
+            Median::Three => Active::rectified_median(self.before, sample, after),
+            Median::Off => rectified(sample),
+        }
     }
 }
 
 /// Preprocesses a whole recording, sample for sample.
-pub fn clean<I: IntoIterator<Item = Sample>>(recording: I) -> impl Iterator<Item = CleanSample> {
-    let mut preprocessor = Preprocessor::new();
+pub fn clean<I: IntoIterator<Item = Sample>>(
+    recording: I,
+    median: Median,
+) -> impl Iterator<Item = CleanSample> {
+    let mut preprocessor = Preprocessor::new(median);
     recording
         .into_iter()
         .map(Some)
@@ -91,40 +143,59 @@ mod tests {
             .collect()
     }
 
+    /// The same without a median.
+    fn sizes(values: &[i8]) -> Vec<u8> {
+        values.iter().map(|value| value.unsigned_abs()).collect()
+    }
+
+    #[test]
+    fn a_width_is_that_of_one_filter() {
+        for median in [Median::Three, Median::Off] {
+            assert_eq!(Median::of_width(median.width()), Some(median));
+        }
+        assert_eq!([0, 2, 4, 255].map(Median::of_width), [None; 4]);
+    }
+
     fn every_channel(values: &[i8]) -> impl Iterator<Item = Sample> {
         values.iter().map(|value| [*value; CHANNELS])
     }
 
     #[test]
     fn the_most_negative_value_becomes_128() {
-        let output: Vec<_> = clean(every_channel(&[-128, -128, -128])).collect();
+        let output: Vec<_> = clean(every_channel(&[-128, -128, -128]), Median::Three).collect();
         assert_eq!(output, [[128; CHANNELS]; 3]);
+        let output: Vec<_> = clean(every_channel(&[-128, 127, 0]), Median::Off).collect();
+        assert_eq!(output, [128, 127, 0].map(|value| [value; CHANNELS]));
     }
 
     #[test]
     fn neighbours_beyond_either_end_are_zero() {
-        let output: Vec<_> = clean(every_channel(&[-5, 7, -9, 9])).collect();
+        let output: Vec<_> = clean(every_channel(&[-5, 7, -9, 9]), Median::Three).collect();
         assert_eq!(output, [0, 5, 7, 0].map(|value| [value; CHANNELS]));
     }
 
     #[test]
     fn after_finish_a_new_stream_starts() {
-        let mut preprocessor = Preprocessor::new();
-        assert_eq!(preprocessor.finish(), None);
-        assert_eq!(preprocessor.push([9; CHANNELS]), None);
-        assert_eq!(preprocessor.finish(), Some([0; CHANNELS]));
-        assert_eq!(preprocessor, Preprocessor::new());
+        for (median, last) in [(Median::Three, 0), (Median::Off, 9)] {
+            let mut preprocessor = Preprocessor::new(median);
+            assert_eq!(preprocessor.finish(), None);
+            assert_eq!(preprocessor.push([9; CHANNELS]), None);
+            assert_eq!(preprocessor.finish(), Some([last; CHANNELS]));
+            assert_eq!(preprocessor, Preprocessor::new(median));
+        }
     }
 
     proptest! {
         #[test]
         fn the_stream_gives_what_the_whole_recording_gives(samples: Vec<Sample>) {
-            let output: Vec<_> = clean(samples.iter().copied()).collect();
-            prop_assert_eq!(output.len(), samples.len());
-            for channel in 0..CHANNELS {
-                let values: Vec<_> = samples.iter().map(|sample| sample[channel]).collect();
-                let found: Vec<_> = output.iter().map(|sample| sample[channel]).collect();
-                prop_assert_eq!(found, naive(&values));
+            for (median, naive) in [(Median::Three, naive as fn(&[i8]) -> Vec<u8>), (Median::Off, sizes)] {
+                let output: Vec<_> = clean(samples.iter().copied(), median).collect();
+                prop_assert_eq!(output.len(), samples.len());
+                for channel in 0..CHANNELS {
+                    let values: Vec<_> = samples.iter().map(|sample| sample[channel]).collect();
+                    let found: Vec<_> = output.iter().map(|sample| sample[channel]).collect();
+                    prop_assert_eq!(found, naive(&values));
+                }
             }
         }
     }

@@ -105,7 +105,7 @@ fn logits(
             Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
         let classes = model.header.dimensions.vocabulary.classes();
         return Ok((
-            integer_logits(&model, &input(samples, model.header.normalized))?,
+            integer_logits(&model, &input(samples, model.header.preprocessing))?,
             classes,
             model.header.smoother.in_patches(),
         ));
@@ -113,7 +113,7 @@ fn logits(
     let (folder, config) = run_of(arguments)?;
     let device = arguments.backend.device()?.inner();
     let classes = config.preset.classes;
-    let emg = &input(samples, config.preset.data.normalize);
+    let emg = &input(samples, config.preset.preprocessing());
     let rows = match arguments.which {
         Which::Teacher => {
             let model = load_teacher(&folder, &config, &device)?;
@@ -163,7 +163,7 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
         let classes = config.preset.classes;
         let model = load_teacher(&folder, &config, &device)?;
         let shape = config.preset.teacher.window_shape();
-        let emg = input(samples, config.preset.data.normalize);
+        let emg = input(samples, config.preset.preprocessing());
         let mut values = Vec::with_capacity(shape.window * CHANNELS);
         // A model of a shorter window sees the newest samples of this one.
         Variation::NONE.write(&emg[WINDOW - shape.window..], &mut values);

@@ -5,7 +5,6 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::cli::arguments::{BackendArguments, DataArguments, resume_run};
 use crate::execution::interrupt::Interrupt;

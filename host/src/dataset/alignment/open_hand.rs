@@ -2,7 +2,7 @@
 
 use shared::intent::Intent;
 use shared::stream::alignment::{OCTAVE, Profile};
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Median, clean};
 use shared::units::{CHANNELS, PATCH, Sample};
 
 use crate::dataset::labels::runs::runs;
@@ -21,7 +21,7 @@ pub fn open_hand<'r>(
 ) -> Option<[f64; CHANNELS]> {
     let (mut sum, mut count) = ([0.0; CHANNELS], 0.0);
     for (samples, labels) in recordings {
-        let emg: Vec<_> = clean(samples.iter().copied()).collect();
+        let emg: Vec<_> = clean(samples.iter().copied(), Median::Three).collect();
         let is_open = |label| label == Some(Intent::Open);
         for run in runs(labels).into_iter().filter(|run| is_open(run.label)) {
             if run.samples() < SHORTEST {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use shared::intent::Intent;
 use shared::stream::alignment::{Aligner, Outcome, Progress, Template};
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Median, clean};
 use shared::units::{PATCH, Sample};
 
 use crate::dataset::labels::runs::{Run, runs};
@@ -76,7 +76,7 @@ impl Openings {
             stream.extend(&self.rest);
             ends.push(stream.len());
         }
-        let emg: Vec<_> = clean(stream).collect();
+        let emg: Vec<_> = clean(stream, Median::Three).collect();
         let mut aligner = Aligner::new();
         for (at, patch) in emg.as_chunks::<PATCH>().0.iter().enumerate() {
             if let Progress::Done(outcome) = aligner.push(patch, template) {

@@ -182,7 +182,7 @@ pub(super) fn aligned_candidate(
         .map(|trial| {
             let alignment = alignments.get(&trial.subject).copied().unwrap_or_default();
             let emg: Vec<_> = trial
-                .input(model.header.normalized)
+                .input(model.header.preprocessing)
                 .iter()
                 .map(|&sample| alignment.apply(sample))
                 .collect();

@@ -83,7 +83,7 @@ impl Person {
         let lag = lags(&used)[&data_set];
         let recordings = used
             .into_iter()
-            .map(|recording| as_seen(recording, vocabulary, model.normalized, lag))
+            .map(|recording| as_seen(recording, vocabulary, model.preprocessing.normalized, lag))
             .collect();
         let outside = names(&|intent| !vocabulary.contains(intent));
         Ok(Self {

@@ -204,8 +204,8 @@ fn a_tuned_file_keeps_all_but_the_weights_and_says_whom_it_saw() {
     assert_eq!(new.template, old.template);
     assert!(new.template.is_some());
     assert_eq!(
-        (new.dimensions, new.normalized),
-        (old.dimensions, old.normalized)
+        (new.dimensions, new.preprocessing),
+        (old.dimensions, old.preprocessing)
     );
     let provenance = &new.provenance;
     assert_eq!(provenance.subjects_seen, ["roshambo/01", "synthetic/s1"]);

@@ -68,7 +68,9 @@ pub fn tune(
 ) -> Result<Vec<u8>, PersonalizeError> {
     let parts = Model::parse(file)?.to_parts();
     let (student, config) = dequantize(&parts, device);
-    let corpus = spliced(part, parts.dimensions.other, settings.seed)?;
+    let mut corpus = spliced(part, parts.dimensions.other, settings.seed)?;
+    let cleaned = |stream: Stream| stream.with_median(parts.preprocessing.median);
+    corpus.streams = corpus.streams.into_iter().map(cleaned).collect();
     let plain = device.clone().inner();
     let targets = (settings.keep > 0.0).then(|| {
         let old = student.valid();
@@ -106,7 +108,7 @@ pub fn tune(
         &tuned.valid(),
         &config,
         parts.dimensions.vocabulary,
-        (parts.smoother, parts.normalized),
+        (parts.smoother, parts.preprocessing),
         parts.template,
         provenance(parts.provenance, part, settings),
     )

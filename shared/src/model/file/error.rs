@@ -147,7 +147,7 @@ pub enum ModelError {
         found: u32,
     },
     /// Unsupported width of the median.
-    #[error("median of {found} samples, the line takes 3: train with that preprocessing")]
+    #[error("median of {found} samples, expected 3, or 1 for none: train with either")]
     MedianWidth {
         /// The file's width.
         found: u8,

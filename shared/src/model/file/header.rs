@@ -8,6 +8,7 @@ use super::error::ModelError;
 use crate::intent::MAX_CLASSES;
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
+use crate::stream::preprocess::Preprocessing;
 use crate::stream::smoother::{AggregationMode, Settings};
 use crate::units::PATCH;
 
@@ -68,8 +69,8 @@ pub struct Header<'m> {
     pub dimensions: Dimensions,
     /// Companding of the input.
     pub companding: Companding,
-    /// Whether samples are normalized to the wearer before all else ([`Normalizer`](crate::stream::normalizer::Normalizer)).
-    pub normalized: bool,
+    /// What comes between the armband and the input.
+    pub preprocessing: Preprocessing,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
     /// What an open hand looks like, for alignment; none if the model was trained on nobody who opens it.

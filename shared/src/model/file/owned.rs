@@ -20,7 +20,7 @@ impl Model<'_> {
         ModelParts {
             dimensions: header.dimensions,
             companding: header.companding,
-            normalized: header.normalized,
+            preprocessing: header.preprocessing,
             smoother: header.smoother,
             template: header.template,
             provenance: ProvenanceParts {
@@ -110,7 +110,7 @@ mod tests {
             other: true,
         };
         let mut parts = random_model(dimensions, 11);
-        parts.normalized = true;
+        parts.preprocessing.normalized = true;
         parts.provenance.subjects_seen = ["a/1", "b/2"].map(ToOwned::to_owned).to_vec();
         parts.provenance.metrics = [("a raw accuracy".to_owned(), 0.5)].to_vec();
         parts

@@ -7,6 +7,7 @@ use crate::arithmetic::inverse_square_root;
 use crate::model::dimensions::{Companding, Dimensions, HEADS};
 use crate::model::noise::Noise;
 use crate::stream::alignment::{PRECISION_ONE, TEMPLATE_BYTES, Template};
+use crate::stream::preprocess::{Median, Preprocessing};
 use crate::stream::smoother::AggregationMode;
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
@@ -65,7 +66,14 @@ pub fn random_model(dimensions: Dimensions, seed: u64) -> ModelParts {
     ModelParts {
         dimensions,
         companding: Companding::SquareRoot,
-        normalized: seed.is_multiple_of(2),
+        preprocessing: Preprocessing {
+            normalized: seed.is_multiple_of(2),
+            median: if seed.is_multiple_of(3) {
+                Median::Off
+            } else {
+                Median::Three
+            },
+        },
         smoother: SmootherDefaults {
             aggregation: AggregationMode::AllRowsFrom,
             look_ahead: 50,

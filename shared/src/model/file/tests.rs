@@ -69,17 +69,17 @@ fn everything_written_is_read_back() {
     let Header {
         dimensions,
         companding,
-        normalized,
+        preprocessing,
         smoother,
         template,
         provenance,
     } = model.header;
     assert_eq!(
-        (dimensions, companding, normalized, smoother, template),
+        (dimensions, companding, preprocessing, smoother, template),
         (
             parts.dimensions,
             parts.companding,
-            parts.normalized,
+            parts.preprocessing,
             parts.smoother,
             parts.template
         )
@@ -376,10 +376,12 @@ fn every_other_header_field_has_its_refusal() {
         header_refusal(|header| header.sample_rate_hz = 2000),
         ModelError::SampleRate { found: 2000 }
     );
-    assert_eq!(
-        header_refusal(|header| header.median_width = 5),
-        ModelError::MedianWidth { found: 5 }
-    );
+    for found in [0, 2, 5] {
+        assert_eq!(
+            header_refusal(|header| header.median_width = found),
+            ModelError::MedianWidth { found }
+        );
+    }
     assert_eq!(
         header_refusal(|header| header.divisor = 127),
         ModelError::Divisor { found: 127 }

@@ -10,7 +10,7 @@ use crate::model::dimensions::{
     Companding, Dimensions, HEADS, MAX_LAYERS, MAX_SPAN, MAX_WIDTH, MIN_WIDTH, patches_needed,
 };
 use crate::stream::alignment::Template;
-use crate::stream::preprocess::{DIVISOR, MEDIAN_WIDTH};
+use crate::stream::preprocess::{DIVISOR, Median, Preprocessing};
 use crate::stream::smoother::AggregationMode;
 use crate::units::{
     LOOK_AHEAD, LOOK_BACK, MAX_ENTRY_MARGIN, MAX_HOLD, PATCH, SAMPLE_RATE_HZ, WINDOW_PATCHES,
@@ -52,7 +52,7 @@ impl<'m> WireHeader<'m> {
     /// The header of a model; its lists are encoded already.
     pub fn new(
         dimensions: &Dimensions,
-        (companding, normalized): (Companding, bool),
+        (companding, preprocessing): (Companding, Preprocessing),
         smoother: &SmootherDefaults,
         template: &'m [u8],
         class_names: &'m [u8],
@@ -76,9 +76,9 @@ impl<'m> WireHeader<'m> {
             },
             class_names,
             sample_rate_hz: SAMPLE_RATE_HZ,
-            median_width: MEDIAN_WIDTH,
+            median_width: preprocessing.median.width(),
             divisor: DIVISOR,
-            normalized,
+            normalized: preprocessing.normalized,
             aggregation: match smoother.aggregation {
                 AggregationMode::AllRowsFrom => 0,
                 AggregationMode::SameInstant => 1,
@@ -113,11 +113,9 @@ impl<'m> WireHeader<'m> {
                 found: self.sample_rate_hz,
             });
         }
-        if self.median_width != MEDIAN_WIDTH {
-            return Err(ModelError::MedianWidth {
-                found: self.median_width,
-            });
-        }
+        let median = Median::of_width(self.median_width).ok_or(ModelError::MedianWidth {
+            found: self.median_width,
+        })?;
         if self.divisor != DIVISOR {
             return Err(ModelError::Divisor {
                 found: self.divisor,
@@ -126,7 +124,10 @@ impl<'m> WireHeader<'m> {
         Ok(Header {
             dimensions,
             companding,
-            normalized: self.normalized,
+            preprocessing: Preprocessing {
+                normalized: self.normalized,
+                median,
+            },
             smoother: self.smoother()?,
             template: self.template()?,
             provenance: Provenance {

@@ -11,6 +11,7 @@ use super::{
 use crate::kernels::packing::{bytes_of_row, packed};
 use crate::model::dimensions::{Companding, Dimensions};
 use crate::stream::alignment::Template;
+use crate::stream::preprocess::Preprocessing;
 
 /// A linear map with quantized rows.
 #[derive(Clone, PartialEq, Debug)]
@@ -90,8 +91,8 @@ pub struct ModelParts {
     pub dimensions: Dimensions,
     /// Companding of the input.
     pub companding: Companding,
-    /// Whether samples are normalized to the wearer.
-    pub normalized: bool,
+    /// What comes between the armband and the input.
+    pub preprocessing: Preprocessing,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
     /// What an open hand looks like, for alignment.
@@ -137,7 +138,7 @@ impl ModelParts {
         let template = bytes_of(self.template);
         let header = WireHeader::new(
             &self.dimensions,
-            (self.companding, self.normalized),
+            (self.companding, self.preprocessing),
             &self.smoother,
             &template,
             &names,

@@ -7,6 +7,7 @@ use crate::model::encoder::{Encoder, EncoderState};
 use crate::model::file::{Model, random::random_model};
 use crate::model::noise::Noise;
 use crate::stream::alignment::Alignment;
+use crate::stream::preprocess::{Median, Preprocessing};
 use crate::stream::safe_state::Cause;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
 use crate::units::LOOK_BACK;
@@ -301,7 +302,7 @@ fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
     let model = Model::parse(bytes).unwrap();
     let smoother = Smoother::new(SETTINGS, 3).unwrap();
     let input = Input {
-        normalized: false,
+        preprocessing: Preprocessing::default(),
         template: model.header.template,
     };
     (SmallEncoder::new(&model).unwrap(), smoother, input)
@@ -398,12 +399,19 @@ fn another_template_drops_the_alignment_and_another_normalization_the_window() {
 
     let (encoder, smoother, input) = model_of(4);
     let _ = pipeline.suspend(Millis(7500));
-    let other = Input {
-        normalized: true,
-        ..input
-    };
+    let mut other = input;
+    other.preprocessing.normalized = true;
     pipeline.resume(Millis(7500), encoder, smoother, other);
     assert!(!pipeline.ring.is_full(), "samples that were not normalized");
     let report = pipeline.state_report();
     assert_eq!(report.counters.resets, 1);
+
+    for index in 1500..2200 {
+        let _ = pipeline.sample(Millis(index * 5), [20; 8]);
+    }
+    assert!(pipeline.ring.is_full());
+    let (encoder, smoother, _) = model_of(4);
+    other.preprocessing.median = Median::Off;
+    pipeline.resume(Millis(11_000), encoder, smoother, other);
+    assert!(!pipeline.ring.is_full(), "samples after a median");
 }

@@ -26,9 +26,14 @@ impl Magnitudes {
         Self { sizes, negative }
     }
 
+    /// A byte each, the first in the low byte.
+    pub const fn bytes(self) -> [u8; 4] {
+        self.sizes.to_le_bytes()
+    }
+
     /// The word with other sizes in the place of these.
     pub fn with_sizes(self, size: impl Fn(usize, u8) -> Size) -> u32 {
-        let [a, b, c, d] = self.sizes.to_le_bytes();
+        let [a, b, c, d] = self.bytes();
         let sizes = [size(0, a).0, size(1, b).0, size(2, c).0, size(3, d).0];
         let flipped = u32::from_le_bytes(sizes) ^ self.negative;
         // As above; the high bits are kept out of the addition, into which that of a zero would carry.

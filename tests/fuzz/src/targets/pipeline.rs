@@ -74,7 +74,10 @@ pub fn run(data: &[u8]) {
     };
     let pipeline = Pipeline::new(encoder, &mut state, settings, Start::Boot);
     let mut pipeline = pipeline.expect("settings in their range");
-    pipeline.normalize(bits & 0x10 != 0);
+    pipeline.preprocess(Preprocessing {
+        normalized: bits & 0x10 != 0,
+        median: if bits & 0x20 != 0 { Median::Off } else { Median::Three },
+    });
     pipeline.set_template((bits & 0x20 != 0).then(template));
     let mut device = Device {
         pipeline,

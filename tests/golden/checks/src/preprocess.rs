@@ -3,7 +3,7 @@
 use alloc::{string::String, vec::Vec};
 
 use serde::{Deserialize, Serialize};
-use shared::stream::preprocess::{DIVISOR, Preprocessor, clean};
+use shared::stream::preprocess::{DIVISOR, Median, Preprocessor, clean};
 use shared::units::{CHANNELS, CleanSample, Sample, WINDOW};
 
 /// The model's input at one instant, 0 ... 1.
@@ -27,7 +27,7 @@ fn scaled(sample: CleanSample) -> Input {
 }
 
 fn cleaned(samples: impl IntoIterator<Item = Sample>) -> Vec<Input> {
-    clean(samples).map(scaled).collect()
+    clean(samples, Median::Three).map(scaled).collect()
 }
 
 /// A whole recording gives the reference's input.
@@ -44,7 +44,7 @@ pub fn stream(recording: &Recording) {
         expected,
         ..
     } = recording;
-    let mut preprocessor = Preprocessor::new();
+    let mut preprocessor = Preprocessor::new(Median::Three);
     for (index, sample) in raw.iter().enumerate() {
         let given = preprocessor.push(*sample).map(scaled);
         let before = index.checked_sub(1).map(|before| expected[before]);

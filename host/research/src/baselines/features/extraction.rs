@@ -153,7 +153,7 @@ fn interleaved(channels: impl Iterator<Item = Vec<f64>>) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::stream::preprocess::clean;
+    use shared::stream::preprocess::{Median, clean};
     use shared::units::{CleanSample, Sample};
 
     fn samples(length: usize) -> (Vec<Sample>, Vec<CleanSample>) {
@@ -162,7 +162,7 @@ mod tests {
                 std::array::from_fn(|c| ((37 * t * t + (11 + c as i32) * t) % 256 - 128) as i8)
             })
             .collect();
-        let emg = clean(raw.iter().copied()).collect();
+        let emg = clean(raw.iter().copied(), Median::Three).collect();
         (raw, emg)
     }
 

@@ -90,7 +90,7 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
     let mut memory = encoder.fresh();
     let mut pipeline =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
-    pipeline.normalize(model.header.normalized);
+    pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(Some(ramp()));
     let clock = Clock::new();
     let mut counts = Counts::default();

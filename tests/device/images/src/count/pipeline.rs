@@ -101,10 +101,10 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
     let mut memory = encoder.fresh();
     let mut pipeline =
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
-    pipeline.normalize(model.header.normalized);
+    pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
 
-    let mut preprocessor = Preprocessor::new();
+    let mut preprocessor = Preprocessor::new(model.header.preprocessing.median);
     let mut ring = SampleRing::new();
     let [mut state, mut probed_state] = [encoder.fresh(), encoder.fresh()];
     let mut smoother: Smoother<MAX_LOGITS, LOOK_BACK> =
