@@ -357,3 +357,4 @@ proptest! {
 }
 
 mod alignment;
+mod wrap;
