@@ -59,6 +59,8 @@ pub struct Pipeline<'s, E: Encode> {
     newest_end: SampleIndex,
     /// Position of the next sample.
     next: SampleIndex,
+    /// Position of the newest sample, lost ones included; 0 before the first.
+    newest: SampleIndex,
     /// The last sample, aligned, which fills gaps; none where no gap may be filled.
     last: Option<Sample>,
     sequence: u32,
@@ -104,6 +106,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             counters: Counters::default(),
             newest_end: SampleIndex(0),
             next: SampleIndex(0),
+            newest: SampleIndex(0),
             last: None,
             sequence: 0,
         }
@@ -142,14 +145,14 @@ impl<'s, E: Encode> Pipeline<'s, E> {
                 }
             }
             Some(_) => {
-                self.next = self.next.plus(missing);
+                self.skip(missing);
                 self.reset_window();
                 let short = missing <= MAX_BRIDGED;
                 let event = if short { Event::Losses } else { Event::Gap };
                 self.handle(now, event, &mut reports);
             }
             // No sample since the last reset: the window is empty.
-            None => self.next = self.next.plus(missing),
+            None => self.skip(missing),
         }
         reports
     }
@@ -195,8 +198,15 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
-        let newest = SampleIndex(self.next.0.saturating_sub(1));
-        self.report(Kind::State, newest, newest)
+        self.report(Kind::State, self.newest, self.newest)
+    }
+
+    /// Passes over the positions of samples that are missing.
+    const fn skip(&mut self, missing: u32) {
+        if missing > 0 {
+            self.newest = self.next.plus(missing - 1);
+            self.next = self.newest.plus(1);
+        }
     }
 
     /// Whether a gap is short, and the window within its quota with it.
@@ -207,6 +217,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// Passes one sample, aligned, received or filled in, through all steps.
     fn process(&mut self, now: Millis, sample: Sample, origin: Origin, reports: &mut Reports) {
         let emitted = self.next;
+        self.newest = emitted;
         self.next = emitted.plus(1);
         self.last = Some(sample);
         let Some(clean) = self.preprocessor.push(sample) else {
