@@ -215,6 +215,20 @@ mod tests {
     }
 
     #[test]
+    fn a_stack_that_is_never_heard_is_dead_a_minute_after_it_was_asked() {
+        let mut link = Link::new();
+        link.now = Millis(u32::MAX - 10_000);
+        link.handle(Event::Tick);
+        assert_eq!(link.session.phase(), Phase::Scanning);
+        link.now = link.now.plus(SILENT_MS - 1);
+        link.handle(Event::Tick);
+        assert!(link.is_alive());
+        link.now = link.now.plus(1);
+        link.handle(Event::Tick);
+        assert!(!link.is_alive());
+    }
+
+    #[test]
     fn a_stack_that_was_heard_and_falls_silent_is_dead_after_a_minute() {
         let mut link = Link::new();
         link.now = Millis(10_000_000);

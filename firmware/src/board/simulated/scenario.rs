@@ -220,4 +220,6 @@ pub enum Fault {
     InferencePauses,
     /// Nothing more comes from the Bluetooth stack.
     RadioStops,
+    /// Nothing comes from the Bluetooth stack, from the start on.
+    RadioNeverAnswers,
 }
