@@ -15,7 +15,10 @@ use nrf_softdevice::{
 };
 use shared::myo::{self, AddressKind};
 
-use super::{Advertisement, ConnectFailed, ConnectionHandler, Radio, driver::SessionDriver};
+use super::{
+    Advertisement, ConnectFailed, ConnectionHandler, Radio, SCAN_SECONDS, Scanned,
+    driver::SessionDriver,
+};
 use crate::flash::{Flash, SharedFlash};
 use ending::Ending;
 use link::SoftdeviceLink;
@@ -88,29 +91,27 @@ async fn established(
 }
 
 impl Radio for SoftdeviceRadio<'_> {
-    async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
+    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
         self.ending.finished().await;
         let config = central::ScanConfig {
             active: false,
             extended: false,
             interval: SCAN_WINDOW,
             window: SCAN_WINDOW,
+            timeout: SCAN_SECONDS * 100,
             ..central::ScanConfig::default()
         };
-        let scan = central::scan(self.softdevice, &config, |report| {
-            let address = Address::from_raw(report.peer_addr);
-            let address = myo::Address {
-                kind: match address.address_type() {
-                    AddressType::Public => AddressKind::Public,
-                    _ => AddressKind::Random,
-                },
-                bytes: address.bytes(),
-            };
-            on_advertisement(&Advertisement::new(address, report.rssi, data(report)));
-            None::<()>
-        });
-        if let Err(error) = scan.await {
-            defmt::warn!("the scan ended: {}", error);
+        loop {
+            let scan = central::scan(self.softdevice, &config, |found| {
+                report(Scanned::Advertisement(&advertisement(found)));
+                None::<()>
+            });
+            match scan.await {
+                // An event of the SoftDevice's, which is alive then.
+                Err(central::ScanError::Timeout) => report(Scanned::Answered),
+                Err(error) => return defmt::warn!("the scan ended: {}", error),
+                Ok(()) => return,
+            }
         }
     }
 
@@ -142,6 +143,19 @@ impl Radio for SoftdeviceRadio<'_> {
         handler.run(&link).await;
         Ok(())
     }
+}
+
+/// An advertisement that the SoftDevice reports.
+fn advertisement(report: &raw::ble_gap_evt_adv_report_t) -> Advertisement {
+    let address = Address::from_raw(report.peer_addr);
+    let address = myo::Address {
+        kind: match address.address_type() {
+            AddressType::Public => AddressKind::Public,
+            _ => AddressKind::Random,
+        },
+        bytes: address.bytes(),
+    };
+    Advertisement::new(address, report.rssi, data(report))
 }
 
 /// The advertising data of a report.
