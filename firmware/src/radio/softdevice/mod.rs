@@ -13,7 +13,7 @@ use nrf_softdevice::{
     ble::{Address, AddressType, Connection, central},
     raw,
 };
-use shared::myo::{self, AddressKind};
+use shared::myo::{self, AddressKind, ConnectionParameters};
 
 use super::{
     Advertisement, ConnectFailed, ConnectionHandler, Radio, SCAN_SECONDS, Scanned,
@@ -52,13 +52,15 @@ const CONNECT_TIMEOUT: u16 = 450;
 /// When an attempt to connect is over in any case: after its own end, and before the session's.
 const CONNECT_LIMIT: Duration = Duration::from_millis(4_700);
 
-/// Units of 1.25 ms and 10 ms: 7.5 to 15 ms, no latency, 2 s. A longer interval loses data.
-const PARAMETERS: raw::ble_gap_conn_params_t = raw::ble_gap_conn_params_t {
-    min_conn_interval: 6,
-    max_conn_interval: 12,
-    slave_latency: 0,
-    conn_sup_timeout: 200,
-};
+/// In the words of the SoftDevice, which has the same units.
+const fn raw_parameters(parameters: ConnectionParameters) -> raw::ble_gap_conn_params_t {
+    raw::ble_gap_conn_params_t {
+        min_conn_interval: parameters.min_interval,
+        max_conn_interval: parameters.max_interval,
+        slave_latency: parameters.latency,
+        conn_sup_timeout: parameters.supervision_timeout,
+    }
+}
 
 /// Connects; polls the library only while the connection lasts.
 ///
@@ -134,7 +136,7 @@ impl Radio for SoftdeviceRadio<'_> {
                 timeout: CONNECT_TIMEOUT,
                 ..central::ScanConfig::default()
             },
-            conn_params: PARAMETERS,
+            conn_params: raw_parameters(ConnectionParameters::OURS),
             att_mtu: None,
         };
         self.ending.finished().await;
