@@ -44,6 +44,8 @@ pub struct Armband {
     table: Vec<Attribute>,
     steps: RefCell<Vec<Step>>,
     period_us: f64,
+    /// From one connection event to the next.
+    interval_us: u64,
     first_lane: u8,
     end: End,
     is_wearers: bool,
@@ -78,6 +80,7 @@ impl Armband {
             refusals: Cell::new(0),
             steps: RefCell::default(),
             period_us: PERIOD_US,
+            interval_us: 0,
             first_lane: 0,
             end: End::Silence,
             is_wearers: false,
@@ -103,6 +106,7 @@ impl Armband {
             refusals: Cell::new(refusals.sum()),
             steps: RefCell::new(scenario.armband.clone()),
             period_us: PERIOD_US / scenario.pace,
+            interval_us: (scenario.interval_ms * 1000.0) as u64,
             first_lane: scenario.first_lane,
             end: scenario.end,
             is_wearers: true,
@@ -165,6 +169,9 @@ impl Armband {
             (Some(Attribute::Subscription(of)), [1, 0]) => link.subscribed.push(*of),
             (Some(Attribute::Value(Characteristic::Command)), [SET_MODE, 3, emg, ..]) => {
                 link.streams_from = matches!(emg, 2 | 3).then(Instant::now);
+                if self.is_wearers && link.streams_from.is_some() {
+                    hardware::report_stream();
+                }
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
             _ => return false,
@@ -189,8 +196,12 @@ impl Armband {
                 return self.end().await;
             }
             let sent = self.link.borrow().sent;
-            let due = self.period_us * (sent + 1) as f64;
-            let due = from + Duration::from_micros(due as u64);
+            let due = (self.period_us * (sent + 1) as f64) as u64;
+            let due = match self.interval_us {
+                0 => due,
+                interval => due.next_multiple_of(interval),
+            };
+            let due = from + Duration::from_micros(due);
             // All that are due are received at once, as from a Bluetooth stack that has queued them.
             if due > Instant::now() {
                 Timer::at(due).await;
