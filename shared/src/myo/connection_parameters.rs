@@ -30,7 +30,7 @@ impl ConnectionParameters {
 
     /// Whether notifications come as soon as with ours.
     const fn is_as_quick_as_ours(self) -> bool {
-        self.max_interval <= Self::OURS.max_interval && self.latency <= Self::OURS.latency
+        self.max_interval <= Self::OURS.max_interval && self.latency == Self::OURS.latency
     }
 }
 

@@ -265,7 +265,7 @@ mod tests {
         link.handle(Event::Tick);
         link.advertise();
         link.handle(Event::ConnectFailed);
-        for _ in 0..7 {
+        for _ in 0..6 {
             assert!(link.is_alive());
             link.now = link.now.plus(10_000);
             link.handle(Event::Answered);
