@@ -9,6 +9,8 @@ mod bench;
 mod expectation;
 #[path = "scenario/runner/file.rs"]
 mod file;
+#[path = "scenario/runner/installed.rs"]
+mod installed;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

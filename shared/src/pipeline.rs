@@ -16,6 +16,7 @@
 mod alignment;
 mod gate;
 mod in_use;
+mod losses;
 mod reports;
 
 pub use self::alignment::AlignmentPhase;
@@ -32,12 +33,6 @@ use crate::stream::safe_state::{Event, SafeState, Start, Status};
 use crate::stream::smoother::{Settings, SettingsError};
 use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
-
-/// Most consecutive lost samples that are filled in, by repeating the last sample before them.
-const MAX_BRIDGED: u32 = 5;
-
-/// Most samples of a window of 600 that are filled in: 10 %. What that costs was measured: docs/decisions.md.
-const MAX_BRIDGED_OF_WINDOW: u32 = 60;
 
 /// From samples to reports.
 #[derive(Debug)]
@@ -61,6 +56,8 @@ pub struct Pipeline<'s, E: Encode> {
     newest_end: SampleIndex,
     /// Position of the next sample.
     next: SampleIndex,
+    /// Position of the newest sample, lost ones included; 0 before the first.
+    newest: SampleIndex,
     /// The last sample, aligned, which fills gaps; none where no gap may be filled.
     last: Option<Sample>,
     sequence: u32,
@@ -107,6 +104,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             counters: Counters::default(),
             newest_end: SampleIndex(0),
             next: SampleIndex(0),
+            newest: SampleIndex(0),
             last: None,
             sequence: 0,
         }
@@ -131,31 +129,6 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         };
         let sample = self.placement.current.apply(sample);
         self.process(now, sample, Origin::Received, &mut reports);
-        reports
-    }
-
-    /// Samples are missing before the next one: up to 5 are filled in, more reset the window. So do fewer
-    /// with which more than 60 of the window's 600 samples would have been filled in.
-    pub fn gap(&mut self, now: Millis, missing: u32) -> Reports {
-        let mut reports = self.tick(now);
-        self.counters.lost = self.counters.lost.saturating_add(missing);
-        match self.last {
-            Some(last) if self.may_be_bridged(missing) => {
-                self.counters.bridged = self.counters.bridged.saturating_add(missing);
-                for _ in 0..missing {
-                    self.process(now, last, Origin::Bridged, &mut reports);
-                }
-            }
-            Some(_) => {
-                self.next = self.next.plus(missing);
-                self.reset_window();
-                let short = missing <= MAX_BRIDGED;
-                let event = if short { Event::Losses } else { Event::Gap };
-                self.handle(now, event, &mut reports);
-            }
-            // No sample since the last reset: the window is empty.
-            None => self.next = self.next.plus(missing),
-        }
         reports
     }
 
@@ -200,18 +173,13 @@ impl<'s, E: Encode> Pipeline<'s, E> {
 
     /// A report of the present state, as a program writes it when it starts.
     pub fn state_report(&mut self) -> Report {
-        let newest = SampleIndex(self.next.0.saturating_sub(1));
-        self.report(Kind::State, newest, newest)
-    }
-
-    /// Whether a gap is short, and the window within its quota with it.
-    const fn may_be_bridged(&self, missing: u32) -> bool {
-        missing <= MAX_BRIDGED && self.ring.bridged() + missing <= MAX_BRIDGED_OF_WINDOW
+        self.report(Kind::State, self.newest, self.newest)
     }
 
     /// Passes one sample, aligned, received or filled in, through all steps.
     fn process(&mut self, now: Millis, sample: Sample, origin: Origin, reports: &mut Reports) {
         let emitted = self.next;
+        self.newest = emitted;
         self.next = emitted.plus(1);
         self.last = Some(sample);
         let Some(clean) = self.preprocessor.push(sample) else {

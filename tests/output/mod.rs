@@ -39,7 +39,11 @@ pub enum Line {
 }
 
 impl Line {
-    fn parse(line: &str) -> anyhow::Result<Self> {
+    /// Parses a line.
+    ///
+    /// # Errors
+    /// When it is none.
+    pub fn parse(line: &str) -> anyhow::Result<Self> {
         let bytes = line.as_bytes();
         let parsed = if line.starts_with("$ALIGN,") {
             AlignmentReport::parse(bytes).map(Self::Alignment)
@@ -58,7 +62,9 @@ impl Line {
         }
     }
 
-    const fn report(self) -> Option<Report> {
+    /// The report, if it is one.
+    #[must_use]
+    pub const fn report(self) -> Option<Report> {
         match self {
             Self::Report(report) => Some(report),
             Self::Alignment(_) => None,
@@ -264,12 +270,22 @@ impl Output {
             .unwrap_or(0)
     }
 
+    /// When the simulated armband began to stream, in microseconds; the virtual one does not say.
+    #[must_use]
+    pub fn streams_us(&self) -> Vec<u32> {
+        self.times_us("STREAM ")
+    }
+
     /// When the faults were injected, by the guest's clock, in microseconds.
     #[must_use]
     pub fn faults_us(&self) -> Vec<u32> {
+        self.times_us("FAULT ")
+    }
+
+    fn times_us(&self, what: &str) -> Vec<u32> {
         let text = self.file(LEVELS);
         let lines = text.split_inclusive('\n').filter(|l| l.ends_with('\n'));
-        let times = lines.filter_map(|line| line.strip_prefix("FAULT "));
+        let times = lines.filter_map(|line| line.strip_prefix(what));
         times.filter_map(|us| us.trim_end().parse().ok()).collect()
     }
 

@@ -1,16 +1,22 @@
 //! A virtual armband and the radio between, in virtual time: one millisecond after the other.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::ops::RangeInclusive;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use shared::myo::{Action, Characteristic, Event, Phase, Uuid};
+use shared::myo::{Action, Characteristic, Counters, Event, Phase, Uuid};
 
-use super::device::{ARMBAND, Device, numbered};
-use super::faults::Fault;
+use super::device::{ARMBAND, Device, QUEUE, numbered};
+use super::faults::{Fault, STALLED_MS};
 
-/// Period of the notifications by the device's clock: the armband's runs 200 ppm slower.
-const PERIOD_US: u64 = 10_002;
+/// Period of the notifications by the device's clock: the armband's runs up to 200 ppm slower or faster. Drawn anew with
+/// every connection.
+const PERIOD_US: RangeInclusive<u64> = 9_998..=10_002;
+/// Most notifications that are given up where a loss is not told from a delay: as many as are held then.
+const HELD: u32 = 24;
+/// Notifications lost in a row from which on that is so: the lanes cannot show them.
+const UNSEEN: u32 = 4;
 /// Every so many notifications one has no delay.
 const PROMPT_EVERY: u32 = 5;
 /// Longest delay of the others, in microseconds.
@@ -21,6 +27,8 @@ const OPERATION_MS: u64 = 6;
 const PATIENCE_MS: u64 = 120_000;
 /// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
 const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+/// And of one that is refused: 0.8.
+const OLD_FIRMWARE: [u8; 8] = [0, 0, 8, 0, 0, 0, 1, 0];
 
 /// The control service, which the armband advertises.
 const CONTROL: Uuid = Uuid::Vendor(0x0001);
@@ -44,6 +52,8 @@ pub struct Armband<'d, 'm, 's> {
     device: &'d mut Device<'m, 's>,
     random: ChaCha8Rng,
     now_us: u64,
+    /// From a notification to the next.
+    period_us: u64,
     /// Answers of the radio, each at its time.
     answers: VecDeque<(u64, Answer)>,
     scanning: bool,
@@ -56,10 +66,17 @@ pub struct Armband<'d, 'm, 's> {
     held_until_us: u64,
     /// Until then the inference does not run.
     busy_until_us: u64,
-    /// Connections that will fail, operations that will not be answered.
+    /// Connections that will fail, operations that will not be answered, or refused, firmware versions that are too old.
     refused: u32,
     unanswered: u32,
+    failing: u32,
+    outdated: u32,
     injected: Injected,
+    /// Packets that arrived while the inference did not run.
+    waiting: u32,
+    /// The session's count of given-up samples at the last look, and most of them since.
+    given_up: u32,
+    may_give_up: u32,
 }
 
 /// What the radio does after an action.
@@ -71,6 +88,7 @@ enum Answer {
     Discovered,
     Read(Characteristic),
     Done,
+    Failed,
     Disconnected,
 }
 
@@ -80,19 +98,29 @@ struct Injected {
     kinds: BTreeMap<&'static str, u32>,
     connections: u32,
     failed_connects: u32,
+    timeouts: u32,
+    stalls: u32,
+    failed_set_ups: u32,
+    refused: u32,
+    notifications: u32,
     duplicates: u32,
     swaps: u32,
     malformed: u32,
     foreign: u32,
+    /// Notifications lost in streams that went on.
+    lost: u32,
+    /// Packets that the queue had no room for.
+    dropped: u32,
 }
 
 impl<'d, 'm, 's> Armband<'d, 'm, 's> {
     /// An armband that advertises, before a device's first event.
-    pub fn new(device: &'d mut Device<'m, 's>) -> Self {
+    pub fn new(device: &'d mut Device<'m, 's>, seed: u64) -> Self {
         Self {
             device,
-            random: ChaCha8Rng::seed_from_u64(1),
+            random: ChaCha8Rng::seed_from_u64(seed),
             now_us: 0,
+            period_us: *PERIOD_US.start(),
             answers: VecDeque::new(),
             scanning: false,
             number: 0,
@@ -102,7 +130,12 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
             busy_until_us: 0,
             refused: 0,
             unanswered: 0,
+            failing: 0,
+            outdated: 0,
             injected: Injected::default(),
+            waiting: 0,
+            given_up: 0,
+            may_give_up: 0,
         }
     }
 
@@ -118,33 +151,52 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
             assert!(self.elapsed_ms() < patience, "no stream within two minutes");
             self.millisecond();
         }
-        for _ in 0..u64::from(notifications) * PERIOD_US / 1000 {
+        for _ in 0..u64::from(notifications) * self.period_us / 1000 {
             self.millisecond();
         }
     }
 
-    /// After a pause without faults labels are valid, and the session's counters true.
-    pub fn must_be_valid(&self) {
+    /// After a pause without faults labels are valid, and every count is what was injected.
+    pub fn must_be_true(&mut self) {
         assert!(self.device.is_valid(), "not valid after {}", self.summary());
         let counters = self.device.session.counters();
         let injected = &self.injected;
-        let found = [
-            counters.connections,
-            counters.failed_connects,
-            counters.duplicates,
-            counters.reordered,
-            counters.malformed,
-            counters.foreign,
-        ];
-        let expected = [
-            injected.connections,
-            injected.failed_connects,
-            injected.duplicates,
-            injected.swaps,
-            injected.malformed,
-            injected.foreign,
-        ];
-        assert_eq!(found, expected, "{counters:?}, injected {injected:?}");
+        // Samples that were lost, and those that were given up since nobody knew their place among them. The numbers that
+        // samples carry say how many are missing; none is but these.
+        let totals = self.device.truth.totals;
+        let dropped = 2 * u64::from(self.device.dropped);
+        let lost = 2 * u64::from(injected.lost + injected.malformed);
+        let gone = lost + u64::from(counters.given_up) + dropped;
+        assert_eq!(totals.missing, gone, "{}", self.summary());
+        // What came was taken, or is one of these.
+        let came = 2 * u64::from(counters.notifications - counters.duplicates);
+        let taken = totals.samples + u64::from(counters.given_up) + dropped;
+        assert_eq!(came, taken, "{}", self.summary());
+        assert_eq!(totals.counted, totals.missing, "{}", self.summary());
+        let expected = Counters {
+            connections: injected.connections,
+            failed_connects: injected.failed_connects,
+            timeouts: injected.timeouts,
+            stalls: injected.stalls,
+            failed_set_ups: injected.failed_set_ups,
+            refused: injected.refused,
+            notifications: injected.notifications,
+            lost: u32::try_from(totals.counted - dropped).expect("fewer than 2^32"),
+            given_up: counters.given_up,
+            duplicates: injected.duplicates,
+            reordered: injected.swaps,
+            malformed: injected.malformed,
+            foreign: injected.foreign,
+        };
+        assert_eq!(counters, expected, "{injected:?}");
+        assert_eq!(self.device.dropped, injected.dropped, "{injected:?}");
+        let given_up = counters.given_up - self.given_up;
+        assert!(
+            given_up <= self.may_give_up,
+            "{given_up} samples given up, {} at most",
+            self.may_give_up
+        );
+        (self.given_up, self.may_give_up) = (counters.given_up, 0);
     }
 
     /// How often each fault has happened.
@@ -154,13 +206,13 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
 
     /// What has happened so far.
     pub fn summary(&self) -> String {
-        let (labels, worst) = self.device.seen();
         format!(
-            "{labels} valid labels; {:?}; faults {:?}; {} packets dropped by a full queue; a loss was estimated {worst} \
-             samples wrong at worst",
+            "{:?}; {:?}; pipeline {:?}; {} packets dropped by a full queue; injected {:?}",
+            self.device.truth.totals,
             self.device.session.counters(),
-            self.injected.kinds,
+            self.device.truth.counters(),
             self.device.dropped,
+            self.injected,
         )
     }
 
@@ -198,9 +250,15 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
                 unanswered,
             } => {
                 (self.refused, self.unanswered) = (refused, unanswered);
-                self.on_air.clear();
-                self.answers.clear();
-                self.event(Event::Disconnected);
+                self.disconnect();
+            }
+            Fault::FailedSetUp => {
+                self.failing = 1;
+                self.disconnect();
+            }
+            Fault::OldFirmware => {
+                self.outdated = 1;
+                self.disconnect();
             }
             Fault::Malformed(length) => {
                 self.sent(1);
@@ -220,11 +278,24 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
         }
     }
 
-    /// So many notifications that the armband sends are lost.
+    /// The link is lost, with what is on the air.
+    fn disconnect(&mut self) {
+        self.on_air.clear();
+        self.answers.clear();
+        self.event(Event::Disconnected);
+    }
+
+    /// So many notifications that the armband sends are lost. Many of them end the stream, and are counted by nobody.
     fn lose(&mut self, count: u32) {
         self.settle();
+        if 10 * count >= STALLED_MS {
+            self.injected.stalls += 1;
+        } else {
+            self.injected.lost += count;
+            self.may_give_up += if count < UNSEEN { 0 } else { 2 * HELD };
+        }
         self.number += count;
-        self.sends_at_us += u64::from(count) * PERIOD_US;
+        self.sends_at_us += u64::from(count) * self.period_us;
         let next = self.sends_at_us;
         while self.now_us < next {
             self.millisecond();
@@ -268,6 +339,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
             // The armband's own time goes on.
             self.sends_at_us = self.now_us;
             self.on_air.clear();
+            self.period_us = self.random.random_range(PERIOD_US);
         }
         self.receive();
         while self
@@ -283,6 +355,8 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
             self.event(Event::Tick);
         }
         if self.now_us >= self.busy_until_us {
+            self.injected.dropped += self.waiting.saturating_sub(QUEUE as u32);
+            self.waiting = 0;
             self.device.infer(Device::clock(self.now_us / 1000));
         }
     }
@@ -306,7 +380,7 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
                 length: bytes.len(),
             });
             self.number = number + 1;
-            self.sends_at_us += PERIOD_US;
+            self.sends_at_us += self.period_us;
         }
     }
 
@@ -319,6 +393,10 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
             .on_air
             .pop_front_if(|arrival| arrival.at_us <= self.now_us)
         {
+            if arrival.length == arrival.bytes.len() {
+                self.injected.notifications += 1;
+                self.waiting += 1;
+            }
             self.event(Event::Notification {
                 characteristic: arrival.emg,
                 bytes: &arrival.bytes[..arrival.length],
@@ -348,7 +426,13 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
                 // Only of a set-up: nothing is asked while it streams but what keeps the armband awake.
                 _ if self.unanswered > 0 && self.device.session.phase() == Phase::SettingUp => {
                     self.unanswered -= 1;
+                    self.injected.timeouts += 1;
                     continue;
+                }
+                Action::Subscribe(Characteristic::Emg(_)) if self.failing > 0 => {
+                    self.failing -= 1;
+                    self.injected.failed_set_ups += 1;
+                    Answer::Failed
                 }
                 Action::Discover => Answer::Discovered,
                 Action::Read(characteristic) => Answer::Read(characteristic),
@@ -385,9 +469,15 @@ impl<'d, 'm, 's> Armband<'d, 'm, 's> {
             Answer::Discovered => {
                 self.event(Event::Discovered(Characteristic::ALL.into_iter().collect()))
             }
+            Answer::Read(Characteristic::FirmwareVersion) if self.outdated > 0 => {
+                self.outdated -= 1;
+                self.injected.refused += 1;
+                self.event(Event::Read(&OLD_FIRMWARE));
+            }
             Answer::Read(Characteristic::FirmwareVersion) => self.event(Event::Read(&FIRMWARE)),
             Answer::Read(_) => self.event(Event::Read(&[80])),
             Answer::Done => self.event(Event::Done),
+            Answer::Failed => self.event(Event::Failed),
             Answer::Disconnected => {
                 self.on_air.clear();
                 self.event(Event::Disconnected);

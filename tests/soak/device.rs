@@ -8,23 +8,16 @@ use shared::myo::{Action, Address, AddressKind, Event, MyoSession, Pair, Phase, 
 use shared::pipeline::{Pipeline, Reports};
 use shared::stream::link_sequence::{GapDetector, Packet, Sequencer};
 use shared::stream::safe_state::Start;
-use shared::units::{Millis, Sample, SampleIndex};
+use shared::units::{Millis, Sample};
+
+use super::truth::Truth;
 
 /// Packets that the queue holds, as on a board.
-const QUEUE: usize = 32;
+pub const QUEUE: usize = 32;
 /// The clock at the start: it wraps ten minutes later.
 const START: Millis = Millis(u32::MAX - 600_000);
 /// Position of the first sample: positions wrap after eight minutes.
 const FIRST: u32 = u32::MAX - 96_000;
-/// Samples of the window, and how many of them have to be received ones; a patch is taken or left as a whole.
-const WINDOW: u32 = 600;
-const RECEIVED: usize = 540 - 10;
-/// Most positions between two received samples of a valid window: five are filled in.
-const MAX_STEP: u32 = 6;
-/// Losses up to here are counted exactly, in samples.
-const EXACT: u32 = 6;
-/// How wrong the estimate of a larger loss may be: one round of the four lanes.
-const ESTIMATE: u32 = 8;
 
 /// The armband that the device follows.
 pub const ARMBAND: Address = Address {
@@ -61,23 +54,7 @@ pub struct Device<'m, 's> {
     pub dropped: u32,
     detector: GapDetector,
     pipeline: Pipeline<'s, DeviceEncoder<'m>>,
-    truth: Truth,
-}
-
-/// What is known without the device's own counters.
-#[derive(Default)]
-struct Truth {
-    /// Number and position of the last sample of the stream.
-    last: Option<(u32, u32)>,
-    /// Positions of the newest received samples.
-    received: VecDeque<u32>,
-    /// When the last sample was taken.
-    at: Option<Millis>,
-    position: u32,
-    lost: u32,
-    sequence: u32,
-    labels: u64,
-    worst_estimate: u32,
+    pub truth: Truth,
 }
 
 /// Runs something with a device that has this model.
@@ -139,24 +116,28 @@ impl Device<'_, '_> {
             let received = self.detector.receive(packet);
             if received.disconnected {
                 let reports = self.pipeline.disconnected(now);
-                self.truth.restart();
+                self.truth.disconnected();
                 self.check(reports);
             }
             if received.missing > 0 {
                 // The silence before the loss is seen is reported before the loss is counted.
-                let reports = self.pipeline.tick(now);
-                self.check(reports);
+                self.tick(now);
                 let reports = self.pipeline.gap(now, received.missing);
-                self.truth.position = self.truth.position.wrapping_add(received.missing);
-                self.truth.lost = self.truth.lost.saturating_add(received.missing);
+                self.truth.gap(now, received.missing);
                 self.check(reports);
             }
             self.samples(now, received.samples);
         }
-        let reports = self.pipeline.tick(now);
-        self.check(reports);
-        let silent = self.truth.at.is_none_or(|at| now.elapsed_since(at) >= 200);
+        self.tick(now);
+        let silent = self.truth.is_silent(now);
         assert!(!(silent && self.is_valid()), "valid in silence");
+        self.truth.is_current(self.pipeline.status());
+    }
+
+    fn tick(&mut self, now: Millis) {
+        let reports = self.pipeline.tick(now);
+        self.truth.silence(now);
+        self.check(reports);
     }
 
     fn samples(&mut self, now: Millis, pair: Option<Pair>) {
@@ -179,64 +160,7 @@ impl Device<'_, '_> {
 
     fn check(&mut self, reports: Reports) {
         for report in reports {
-            assert_eq!(report.sequence, self.truth.sequence, "a report is missing");
-            self.truth.sequence = report.sequence.wrapping_add(1);
-            assert_eq!(report.counters.lost, self.truth.lost, "{report}");
-            assert!(report.counters.bridged <= report.counters.lost, "{report}");
-            if report.status.valid() {
-                self.truth.labels += 1;
-                self.truth.window_is_full(report.emitted);
-            }
+            self.truth.line(report);
         }
-    }
-
-    /// Labels while valid, and the worst estimate of a loss in samples.
-    pub const fn seen(&self) -> (u64, u32) {
-        (self.truth.labels, self.truth.worst_estimate)
-    }
-}
-
-impl Truth {
-    /// Another stream: what was lost between is not counted.
-    fn restart(&mut self) {
-        self.last = None;
-        self.received.clear();
-        self.at = None;
-    }
-
-    fn sample(&mut self, now: Millis, number: u32) {
-        self.at = Some(now);
-        let position = self.position;
-        self.position = position.wrapping_add(1);
-        if let Some((last_number, last_position)) = self.last.replace((number, position)) {
-            assert!(number > last_number, "{number} after {last_number}");
-            let (true_step, step) = (number - last_number, position.wrapping_sub(last_position));
-            let wrong = true_step.abs_diff(step);
-            let allowed = if true_step - 1 <= EXACT { 0 } else { ESTIMATE };
-            assert!(
-                wrong <= allowed,
-                "{true_step} samples on, {step} by the positions, from number {last_number}"
-            );
-            self.worst_estimate = self.worst_estimate.max(wrong);
-        }
-        self.received.push_back(position);
-        if self.received.len() > WINDOW as usize {
-            self.received.pop_front();
-        }
-    }
-
-    /// What `valid` promises: 600 samples without a gap of more than five, a tenth of them filled in at most.
-    fn window_is_full(&self, emitted: SampleIndex) {
-        let within = |position: &&u32| emitted.0.wrapping_sub(**position) < WINDOW;
-        let window: Vec<u32> = self.received.iter().filter(within).copied().collect();
-        let step = window
-            .windows(2)
-            .map(|pair| pair[1].wrapping_sub(pair[0]))
-            .max();
-        assert!(
-            window.len() >= RECEIVED && step <= Some(MAX_STEP),
-            "valid with {} samples and a step of {step:?} at {emitted:?}",
-            window.len()
-        );
     }
 }

@@ -3,6 +3,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// Silences from here on end the stream, after a second; shorter ones, below [`PAUSED_MS`], do not.
+pub const STALLED_MS: u32 = 1_200;
+const PAUSED_MS: u32 = 900;
+
 /// Something that goes wrong once.
 #[derive(Clone, Copy, Debug)]
 pub enum Fault {
@@ -25,6 +29,10 @@ pub enum Fault {
         /// Operations without an answer.
         unanswered: u32,
     },
+    /// The link is lost, and the armband refuses the first subscription.
+    FailedSetUp,
+    /// The link is lost, and the armband has a firmware that is refused, once.
+    OldFirmware,
     /// A notification is cut to so many bytes.
     Malformed(u8),
     /// A notification of a characteristic that nobody subscribed to.
@@ -35,7 +43,7 @@ pub enum Fault {
 
 impl Fault {
     /// Names of all.
-    pub const KINDS: [&'static str; 10] = [
+    pub const KINDS: [&'static str; 12] = [
         "lose",
         "lose-every-other",
         "duplicate",
@@ -46,6 +54,8 @@ impl Fault {
         "malformed",
         "foreign",
         "backlog",
+        "failed-set-up",
+        "old-firmware",
     ];
 
     /// Its name.
@@ -61,6 +71,8 @@ impl Fault {
             Self::Malformed(_) => 7,
             Self::Foreign => 8,
             Self::Backlog(_) => 9,
+            Self::FailedSetUp => 10,
+            Self::OldFirmware => 11,
         }]
     }
 }
@@ -74,9 +86,14 @@ impl Faults {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Notifications without a fault: 4 to 12 s.
+    /// Notifications without a fault: 4 to 12 s; and now and then five minutes, in which a clock of 200 ppm goes wrong by
+    /// more than a round of the lanes.
     pub fn pause(&mut self) -> u32 {
-        self.0.random_range(400..1200)
+        if self.0.random_ratio(1, 40) {
+            30_000
+        } else {
+            self.0.random_range(400..1200)
+        }
     }
 
     /// The next one.
@@ -88,14 +105,17 @@ impl Faults {
             2 => Fault::Duplicate,
             3 => Fault::Swap,
             4 => Fault::Stall(random.random_range(10..=200)),
-            5 => Fault::Silence(random.random_range(250..8000)),
+            5 if random.random() => Fault::Silence(random.random_range(250..PAUSED_MS)),
+            5 => Fault::Silence(random.random_range(STALLED_MS..8000)),
             6 => Fault::Disconnect {
                 refused: random.random_range(0..4),
                 unanswered: random.random_range(0..2),
             },
             7 => Fault::Malformed(random.random_range(0..16)),
             8 => Fault::Foreign,
-            _ => Fault::Backlog(random.random_range(20..2000)),
+            9 => Fault::Backlog(random.random_range(20..2000)),
+            10 => Fault::FailedSetUp,
+            _ => Fault::OldFirmware,
         }
     }
 }

@@ -15,7 +15,7 @@ use shared::uart_line::command::BindCommand;
 
 use super::{
     ConnectionHandler, ENABLE_NOTIFICATIONS, Link, MAX_VALUE_BYTES, OperationFailed, Radio,
-    handles::Handles,
+    Scanned, handles::Handles,
 };
 use crate::binding_region;
 use crate::clock::now;
@@ -152,11 +152,14 @@ impl<'q> SessionDriver<'q> {
     }
 
     async fn scan(&self, radio: &mut impl Radio) {
-        let scan = radio.scan(|advertisement| {
-            self.handle(Event::Advertisement {
-                address: advertisement.address,
-                rssi: advertisement.rssi,
-                data: advertisement.data(),
+        let scan = radio.scan(|scanned| {
+            self.handle(match scanned {
+                Scanned::Answered => Event::Answered,
+                Scanned::Advertisement(advertisement) => Event::Advertisement {
+                    address: advertisement.address,
+                    rssi: advertisement.rssi,
+                    data: advertisement.data(),
+                },
             });
         });
         let stopped =

@@ -56,13 +56,24 @@ pub struct OperationFailed;
 /// The connection is closed or lost.
 pub struct Disconnected;
 
+/// What a scan gives.
+pub enum Scanned<'a> {
+    /// The stack has answered: it has begun the scan, or ended it in time.
+    Answered,
+    /// An advertisement was received.
+    Advertisement(&'a Advertisement),
+}
+
+/// How often a scan is begun anew, so that the stack answers where nobody advertises.
+pub const SCAN_SECONDS: u16 = 10;
+
 /// A Bluetooth stack as a central.
 ///
 /// Every future may be dropped, which ends its operation.
 pub trait Radio {
-    /// Scans passively for as long as it is polled, and passes every advertisement on. Returns
-    /// where the stack ends the scan.
-    async fn scan(&mut self, on_advertisement: impl FnMut(&Advertisement));
+    /// Scans passively for as long as it is polled, and passes every advertisement on; every [`SCAN_SECONDS`] at the latest
+    /// it says that the stack has answered, if it has. Returns where the stack refuses to scan.
+    async fn scan(&mut self, report: impl FnMut(Scanned<'_>));
 
     /// Connects, runs the handler on the connection, and disconnects when the handler returns.
     ///

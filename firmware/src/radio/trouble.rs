@@ -13,7 +13,7 @@ use bt_hci::{
 };
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, mutex::Mutex};
-use embassy_time::Duration;
+use embassy_time::{Duration, with_timeout};
 use shared::myo::{self, AddressKind};
 use trouble_host::{
     Address, Controller, HostResources, Stack,
@@ -26,7 +26,7 @@ use trouble_host::{
 
 use super::{
     Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
-    driver::SessionDriver,
+    SCAN_SECONDS, Scanned, driver::SessionDriver,
 };
 use crate::flash::{Flash, SharedFlash};
 
@@ -126,7 +126,7 @@ struct TroubleRadio<'s, 'r, C: Controller> {
 }
 
 impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
-    async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
+    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
         let config = ScanConfig {
             active: false,
             interval: SCAN_WINDOW,
@@ -135,11 +135,19 @@ impl<C: CentralController> Radio for TroubleRadio<'_, '_, C> {
         };
         self.advertisements.0.clear();
         let mut scanner = Scanner::new(&mut self.central);
-        let Ok(_session) = scanner.scan(&config).await else {
-            return;
-        };
         loop {
-            on_advertisement(&self.advertisements.0.receive().await);
+            let Ok(_session) = scanner.scan(&config).await else {
+                return;
+            };
+            report(Scanned::Answered);
+            let advertisements = async {
+                loop {
+                    let advertisement = self.advertisements.0.receive().await;
+                    report(Scanned::Advertisement(&advertisement));
+                }
+            };
+            // Then the session is dropped, which ends the scan.
+            let _ = with_timeout(Duration::from_secs(SCAN_SECONDS.into()), advertisements).await;
         }
     }
 

@@ -35,3 +35,19 @@ pub struct Counters {
 pub(super) const fn count(counter: &mut u32, more: u32) {
     *counter = counter.saturating_add(more);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_stays_at_its_maximum() {
+        let mut counter = u32::MAX - 2;
+        count(&mut counter, 1);
+        assert_eq!(counter, u32::MAX - 1);
+        for more in [2, 1, u32::MAX] {
+            count(&mut counter, more);
+            assert_eq!(counter, u32::MAX);
+        }
+    }
+}

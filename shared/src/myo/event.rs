@@ -15,6 +15,9 @@ pub enum Event<'a> {
         /// The advertising data.
         data: &'a [u8],
     },
+    /// The Bluetooth stack has answered what takes no other device: it has begun a scan, or ended one in time. No more
+    /// than a sign of life.
+    Answered,
     /// The scan ended by itself, or did not start.
     ScanEnded,
     /// The requested connection is established.

@@ -4,19 +4,23 @@ use super::event::Event;
 use super::session::{MyoSession, Phase};
 use crate::units::Millis;
 
-/// Without any sign of life from the Bluetooth stack for so long, it counts as stopped.
+/// Without any answer of the Bluetooth stack for so long, it counts as stopped.
 const SILENT_MS: u32 = 60_000;
 /// So many streams in a row without a notification mean that notifications are lost on this side.
 const EMPTY_STREAMS: u8 = 3;
 
-/// Decides whether a session makes progress: packets are taken, or the stack is at least heard.
+/// Decides whether a session makes progress: packets are taken, or the stack at least answers.
 ///
-/// A stack that has never been heard since the start counts as alive: in a place without any Bluetooth device a
-/// restart would change nothing. Nor do streams without a notification count before the first one that worked: an
-/// armband that hangs looks the same, and costs one restart at most.
+/// Whatever the session asks for, the stack has to answer within a minute, from the first question on: a scan is begun
+/// anew every few seconds, and that needs no other device. What came over the air has to come again within a minute too, but
+/// not before the first time: in a place without any Bluetooth device a restart would change nothing. Nor do streams without
+/// a notification count before the first one that worked: an armband that hangs looks the same, and costs one restart at
+/// most.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Progress {
-    /// The stack's last sign of life.
+    /// Since when the stack owes an answer: its last one, or the first question. None while nothing is asked.
+    answered: Option<Millis>,
+    /// When something last came over the air; none before the first time.
     heard: Option<Millis>,
     /// Notifications so far.
     notifications: u32,
@@ -33,6 +37,7 @@ impl Progress {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            answered: None,
             heard: None,
             notifications: 0,
             streaming: false,
@@ -49,7 +54,11 @@ impl Progress {
             | Event::Discovered(_)
             | Event::Read(_)
             | Event::Done
-            | Event::Notification { .. } => self.heard = Some(now),
+            | Event::Notification { .. } => {
+                self.heard = Some(now);
+                self.answered = Some(now);
+            }
+            Event::Answered => self.answered = Some(now),
             // The driver's own, or the end of something that never began.
             Event::ScanEnded
             | Event::ConnectFailed
@@ -59,9 +68,11 @@ impl Progress {
             | Event::Bind(_)
             | Event::Tick => {}
         }
-        // Nothing is asked of the stack, so it has nothing to say.
-        if session.phase() == Phase::Unbound {
-            self.heard = None;
+        if matches!(session.phase(), Phase::Idle | Phase::Unbound) {
+            // Nothing is asked of the stack, so it has nothing to say.
+            (self.answered, self.heard) = (None, None);
+        } else if self.answered.is_none() {
+            self.answered = Some(now);
         }
         let notifications = session.counters().notifications;
         if notifications != self.notifications {
@@ -82,8 +93,9 @@ impl Progress {
     /// Whether there is progress at `now`.
     #[must_use]
     pub fn is_alive(&self, now: Millis) -> bool {
-        let silent = |heard: Millis| now.elapsed_since(heard) >= SILENT_MS;
-        self.empty < EMPTY_STREAMS && !self.heard.is_some_and(silent)
+        let silent = |last: &Millis| now.elapsed_since(*last) >= SILENT_MS;
+        let is_silent = [self.answered, self.heard].iter().flatten().any(silent);
+        self.empty < EMPTY_STREAMS && !is_silent
     }
 }
 
@@ -215,11 +227,57 @@ mod tests {
     }
 
     #[test]
+    fn a_stack_that_is_never_heard_is_dead_a_minute_after_it_was_asked() {
+        let mut link = Link::new();
+        link.now = Millis(u32::MAX - 10_000);
+        link.handle(Event::Tick);
+        assert_eq!(link.session.phase(), Phase::Scanning);
+        link.now = link.now.plus(SILENT_MS - 1);
+        link.handle(Event::Tick);
+        assert!(link.is_alive());
+        link.now = link.now.plus(1);
+        link.handle(Event::Tick);
+        assert!(!link.is_alive());
+    }
+
+    #[test]
+    fn a_stack_that_answers_where_nothing_is_heard_stays_alive() {
+        let mut link = Link::new();
+        link.handle(Event::Tick);
+        for _ in 0..100 {
+            link.now = link.now.plus(SILENT_MS - 1);
+            link.handle(Event::Tick);
+            assert!(link.is_alive());
+            link.handle(Event::Answered);
+        }
+        // Nor do scans that it refuses keep it alive.
+        for _ in 0..20 {
+            link.now = link.now.plus(SILENT_MS / 10);
+            link.handle(Event::Tick);
+            link.handle(Event::ScanEnded);
+        }
+        assert!(!link.is_alive());
+    }
+
+    #[test]
+    fn answers_do_not_stand_for_what_was_heard() {
+        let mut link = Link::new();
+        link.handle(Event::Tick);
+        link.advertise();
+        link.handle(Event::ConnectFailed);
+        for _ in 0..6 {
+            assert!(link.is_alive());
+            link.now = link.now.plus(10_000);
+            link.handle(Event::Answered);
+        }
+        assert!(!link.is_alive());
+    }
+
+    #[test]
     fn a_stack_that_was_heard_and_falls_silent_is_dead_after_a_minute() {
         let mut link = Link::new();
         link.now = Millis(10_000_000);
         link.handle(Event::Tick);
-        assert!(link.is_alive(), "never heard");
         link.advertise();
         link.now = link.now.plus(SILENT_MS - 1);
         link.handle(Event::Tick);

@@ -146,7 +146,7 @@ impl MyoSession {
             } => self.notification(now, characteristic, bytes, act),
             Event::Pair => self.pair(now, act),
             Event::Bind(armband) => self.bind(now, armband, act),
-            Event::Tick => {}
+            Event::Answered | Event::Tick => {}
         }
         // After the event: an answer that arrives together with the time-out is in time.
         self.handle_time(now, act);

@@ -7,7 +7,7 @@ use crate::stream::alignment::{
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
-use crate::units::{PATCH, Patch, Sample, SampleIndex};
+use crate::units::{PATCH, Patch, Sample};
 
 /// What a pipeline knows about the placement of the armband.
 #[derive(Debug, Default)]
@@ -155,7 +155,7 @@ impl<E: Encode> Pipeline<'_, E> {
         } = self.placement.news.take()?;
         Some(AlignmentReport {
             sequence: self.next_sequence(),
-            emitted: SampleIndex(self.next.0.saturating_sub(1)),
+            emitted: self.newest,
             state,
             gestures,
             alignment: self.placement.current,

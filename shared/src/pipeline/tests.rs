@@ -360,3 +360,4 @@ proptest! {
 }
 
 mod alignment;
+mod wrap;

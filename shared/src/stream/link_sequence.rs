@@ -165,6 +165,33 @@ mod tests {
         assert_eq!(received, plain(Some(ZEROS)));
     }
 
+    #[test]
+    fn numbers_of_streams_wrap() {
+        let mut sequencer = Sequencer {
+            stream: u32::MAX,
+            ..Sequencer::new()
+        };
+        let mut detector = GapDetector::new();
+        detector.receive(sequencer.samples(ZEROS));
+        let _dropped = sequencer.end();
+        let packet = sequencer.samples(ZEROS);
+        assert_eq!(packet.stream, 0);
+        assert!(detector.receive(packet).disconnected);
+        let received = detector.receive(sequencer.samples(ZEROS));
+        assert_eq!(received, plain(Some(ZEROS)));
+    }
+
+    #[test]
+    fn a_loss_across_the_wrap_is_counted() {
+        let (mut sequencer, mut detector) = (Sequencer::new(), GapDetector::new());
+        sequencer.gap(u32::MAX - 2);
+        detector.receive(sequencer.samples(ZEROS));
+        sequencer.gap(6);
+        let packet = sequencer.samples(ZEROS);
+        assert_eq!(packet.first, SampleIndex(5));
+        assert_eq!(detector.receive(packet).missing, 6);
+    }
+
     #[derive(Clone, Copy, Debug)]
     enum Step {
         Samples,

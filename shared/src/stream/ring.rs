@@ -142,6 +142,22 @@ mod tests {
     }
 
     #[test]
+    fn a_window_stays_full_for_ever() {
+        let mut ring = SampleRing::new();
+        for number in 0..WINDOW {
+            ring.push(numbered(number), Origin::Received);
+        }
+        ring.contiguous = u32::MAX - 5;
+        for number in 0..20 {
+            let completed = ring.push(numbered(number), Origin::Received);
+            assert_eq!(completed.is_some(), number % PATCH == PATCH - 1);
+            assert!(ring.is_full());
+        }
+        assert_eq!(ring.contiguous(), u32::MAX);
+        assert_eq!(ring.complete(), WINDOW_PATCHES);
+    }
+
+    #[test]
     fn complete_patches_are_those_of_a_list() {
         let mut ring = SampleRing::new();
         let mut list = Vec::new();

@@ -1,5 +1,6 @@
 //! What has to come of a scenario.
 
+use super::installed;
 use anyhow::{Context as _, bail, ensure};
 use myointent_tests::emulator::{Input, expected_lines};
 use myointent_tests::output::Output;
@@ -37,6 +38,11 @@ pub struct Expectation {
     raw_at_least: Option<usize>,
     /// Counts that `COUNTERS` answered with last: by name, at least and at most.
     counts: Vec<Count>,
+    /// Mean and longest time from the newest sample that a label depends on to the pins, in tenths of a millisecond: of all
+    /// labels that change the pins. Virtual time repeats, so both are exact.
+    delay_tenths_ms: Option<(u32, u32)>,
+    /// After an installation the labels are those of the new model, from the samples that came before and since.
+    labels_of_installed: bool,
     /// Whether the board may restart.
     may_restart: bool,
     /// The region holds the file that was installed.
@@ -168,6 +174,8 @@ impl Expectation {
     ) -> anyhow::Result<()> {
         output.check(self.may_restart)?;
         self.check_lines(models, samples, output)?;
+        self.check_delay(output)?;
+        installed::check(self.labels_of_installed, models, samples, output)?;
         self.check_reports(output)?;
         self.check_people(output)?;
         self.check_pins(output)?;
@@ -345,6 +353,36 @@ impl Expectation {
                 "valid again after the fault"
             );
         }
+        Ok(())
+    }
+
+    fn check_delay(&self, output: &Output) -> anyhow::Result<()> {
+        let Some(expected) = self.delay_tenths_ms else {
+            return Ok(());
+        };
+        let streams = output.streams_us();
+        let began = *streams.first().context("no stream")?;
+        let mut labels: Vec<_> = output.reports()?;
+        labels.dedup_by_key(|report| (report.status.valid(), report.status.label()));
+        let mut pins = output.pins();
+        pins.dedup_by_key(|pins| (pins.valid, pins.high.clone()));
+        let labels = labels.iter().filter(|report| report.status.valid());
+        let pins = pins.iter().filter(|pins| pins.valid);
+        let mut delays = Vec::new();
+        for (report, pins) in labels.zip(pins) {
+            ensure!(pins.high == [report.status.label()], "{pins:?}: {report}");
+            // Five milliseconds a sample, the first one due by then.
+            let sampled = began + 5000 * (report.emitted.0 + 1);
+            delays.push((pins.at_us - sampled + 50) / 100);
+        }
+        let longest = *delays.iter().max().context("no label")?;
+        let mean = delays.iter().sum::<u32>() / delays.len() as u32;
+        ensure!(
+            (mean, longest) == expected,
+            "mean and longest delay {:?} of {}, expected {expected:?}",
+            (mean, longest),
+            delays.len()
+        );
         Ok(())
     }
 

@@ -59,6 +59,8 @@ pub struct Scenario {
     pub person: Vec<Act>,
     /// What goes wrong on the board.
     pub fault: Option<String>,
+    #[serde(rename = "interval_ms")]
+    _interval_ms: Option<Value>,
     #[serde(rename = "packet_ms")]
     _packet_ms: Option<Value>,
     #[serde(rename = "page_fails")]

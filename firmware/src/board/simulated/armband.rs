@@ -12,17 +12,8 @@ use super::gatt::{self, Attribute};
 use super::hardware;
 use super::scenario::{Corruption, End, Scenario, Step};
 
-/// Bytes of an advertisement of a real armband: name, flags, Control Service.
-const ADVERTISEMENT: [u8; 31] = [
-    9, 8, b'M', b'y', b'o', 0, 0, 0, 0, 0, 2, 1, 6, 17, 6, 0x42, 0x48, 0x12, 0x4a, 0x7f, 0x2c,
-    0x48, 0x47, 0xb9, 0xde, 0x04, 0xa9, 0x01, 0x00, 0x06, 0xd5,
-];
 /// Microseconds between two notifications.
 const PERIOD_US: f64 = 10_000.0;
-/// Major, minor, patch, hardware.
-const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
-/// A handle of the table that nobody subscribes to.
-const FOREIGN: u16 = 0x27;
 const SET_MODE: u8 = 0x01;
 const SET_SLEEP: u8 = 0x09;
 
@@ -44,6 +35,8 @@ pub struct Armband {
     table: Vec<Attribute>,
     steps: RefCell<Vec<Step>>,
     period_us: f64,
+    /// From one connection event to the next.
+    interval_us: u64,
     first_lane: u8,
     end: End,
     is_wearers: bool,
@@ -78,6 +71,7 @@ impl Armband {
             refusals: Cell::new(0),
             steps: RefCell::default(),
             period_us: PERIOD_US,
+            interval_us: 0,
             first_lane: 0,
             end: End::Silence,
             is_wearers: false,
@@ -103,6 +97,7 @@ impl Armband {
             refusals: Cell::new(refusals.sum()),
             steps: RefCell::new(scenario.armband.clone()),
             period_us: PERIOD_US / scenario.pace,
+            interval_us: (scenario.interval_ms * 1000.0) as u64,
             first_lane: scenario.first_lane,
             end: scenario.end,
             is_wearers: true,
@@ -115,7 +110,7 @@ impl Armband {
     pub fn advertisement(&self) -> Option<&[u8]> {
         let advertises = |at: Instant| at <= Instant::now();
         let is_there = self.advertises_at.get().is_some_and(advertises);
-        is_there.then_some(&ADVERTISEMENT)
+        is_there.then_some(&gatt::ADVERTISEMENT)
     }
 
     /// A central connects; whether the armband keeps the connection.
@@ -152,7 +147,7 @@ impl Armband {
                 let on = self.link.borrow().subscribed.contains(of);
                 Some(vec![u8::from(on), 0])
             }
-            Attribute::Value(Characteristic::FirmwareVersion) => Some(FIRMWARE.to_vec()),
+            Attribute::Value(Characteristic::FirmwareVersion) => Some(gatt::FIRMWARE.to_vec()),
             Attribute::Value(Characteristic::BatteryLevel) => Some(vec![self.battery.get()]),
             Attribute::Value(_) | Attribute::Other => None,
         }
@@ -165,6 +160,9 @@ impl Armband {
             (Some(Attribute::Subscription(of)), [1, 0]) => link.subscribed.push(*of),
             (Some(Attribute::Value(Characteristic::Command)), [SET_MODE, 3, emg, ..]) => {
                 link.streams_from = matches!(emg, 2 | 3).then(Instant::now);
+                if self.is_wearers && link.streams_from.is_some() {
+                    hardware::report_stream();
+                }
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
             _ => return false,
@@ -189,8 +187,9 @@ impl Armband {
                 return self.end().await;
             }
             let sent = self.link.borrow().sent;
-            let due = self.period_us * (sent + 1) as f64;
-            let due = from + Duration::from_micros(due as u64);
+            let due = (self.period_us * (sent + 1) as f64) as u64;
+            let due = due.next_multiple_of(self.interval_us.max(1));
+            let due = from + Duration::from_micros(due);
             // All that are due are received at once, as from a Bluetooth stack that has queued them.
             if due > Instant::now() {
                 Timer::at(due).await;
@@ -255,7 +254,7 @@ impl Armband {
                 Corruption::Long => {
                     sent.push_back((handle, [&value[..], &[0xde, 0xad, 0xbe, 0xef]].concat()));
                 }
-                Corruption::Foreign => sent.push_back((FOREIGN, value)),
+                Corruption::Foreign => sent.push_back((gatt::FOREIGN, value)),
                 Corruption::Garbage => {}
             },
             _ => sent.push_back((handle, value)),

@@ -1,4 +1,4 @@
-//! Fault injection, after some labels: there is one to clear then.
+//! Fault injection, after some labels: there is one to clear then. One fault is there from the start.
 
 use std::future;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -41,7 +41,14 @@ pub async fn inject(fault: Option<Fault>, line: &[u8]) {
         Fault::RadioStops => RADIO_HAS_STOPPED.store(true, Ordering::Relaxed),
         Fault::Recursion => power::fail(&"stack overflow", ResetReason::StackOverflow),
         Fault::Panic => panic!("injected panic"),
-        Fault::InferenceLoops | Fault::InferencePauses => {}
+        Fault::InferenceLoops | Fault::InferencePauses | Fault::RadioNeverAnswers => {}
+    }
+}
+
+/// Injects the fault that is there from the start. To be called before the radio runs.
+pub fn inject_at_start(fault: Option<Fault>) {
+    if fault == Some(Fault::RadioNeverAnswers) {
+        RADIO_HAS_STOPPED.store(true, Ordering::Relaxed);
     }
 }
 

@@ -2,6 +2,16 @@
 
 use shared::myo::{Characteristic, Uuid};
 
+/// Bytes of an advertisement of a real armband: name, flags, Control Service.
+pub const ADVERTISEMENT: [u8; 31] = [
+    9, 8, b'M', b'y', b'o', 0, 0, 0, 0, 0, 2, 1, 6, 17, 6, 0x42, 0x48, 0x12, 0x4a, 0x7f, 0x2c,
+    0x48, 0x47, 0xb9, 0xde, 0x04, 0xa9, 0x01, 0x00, 0x06, 0xd5,
+];
+/// Value of the firmware version: major, minor, patch, hardware.
+pub const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+/// A handle of the table that nobody subscribes to.
+pub const FOREIGN: u16 = 0x27;
+
 /// What an attribute is.
 #[derive(Clone)]
 pub enum Attribute {

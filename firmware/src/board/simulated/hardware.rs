@@ -167,6 +167,11 @@ pub fn report_fault() {
     with(|hardware| write(&mut hardware.levels, format_args!("FAULT {}\n", now_us())));
 }
 
+/// Writes the time at which the wearer's armband begins to stream beside the levels.
+pub fn report_stream() {
+    with(|hardware| write(&mut hardware.levels, format_args!("STREAM {}\n", now_us())));
+}
+
 /// Writes bytes that the UART has sent.
 pub fn write_line(line: &[u8]) {
     with(|hardware| write(&mut hardware.lines, String::from_utf8_lossy(line)));

@@ -160,6 +160,7 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
         samples,
         ..
     } = surroundings();
+    fault::inject_at_start(scenario.fault);
     let address = |text: &str| Address::parse(text).expect("an address of the scenario");
     let new = |text: &str, rssi| Armband::new(address(text), rssi, samples.clone());
     let worn = new(ARMBAND, RSSI).of_wearer(scenario, arguments.sent);

@@ -3,13 +3,14 @@
 use std::future;
 
 use embassy_futures::select::select;
-use embassy_time::Timer;
+use embassy_time::{Duration, Instant, Timer};
 use shared::myo::Address;
 
 use super::armband::Armband;
 use super::fault;
 use crate::radio::{
     Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
+    SCAN_SECONDS, Scanned,
 };
 
 /// Milliseconds between two advertisements of an armband.
@@ -28,14 +29,20 @@ pub struct SimulatedRadio<'a> {
 }
 
 impl Radio for SimulatedRadio<'_> {
-    async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
+    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
+        let mut begun = Instant::now();
         loop {
             Timer::after_millis(ADVERTISING_MS).await;
             fault::radio_works().await;
+            // As a SoftDevice, which says nothing when a scan begins.
+            if begun.elapsed() >= Duration::from_secs(SCAN_SECONDS.into()) {
+                begun = Instant::now();
+                report(Scanned::Answered);
+            }
             for armband in self.armbands {
                 if let Some(data) = armband.advertisement() {
                     let heard = Advertisement::new(armband.address, armband.rssi, data);
-                    on_advertisement(&heard);
+                    report(Scanned::Advertisement(&heard));
                 }
             }
         }

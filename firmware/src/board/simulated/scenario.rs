@@ -13,6 +13,9 @@ pub struct Scenario {
     /// How many times faster than an armband it streams.
     #[serde(default = "once")]
     pub pace: f64,
+    /// Milliseconds from one connection event to the next: what is due between them comes at once. 0: everything when due.
+    #[serde(default)]
+    pub interval_ms: f64,
     /// The EMG characteristic that a stream starts with.
     #[serde(default)]
     pub first_lane: u8,
@@ -220,4 +223,6 @@ pub enum Fault {
     InferencePauses,
     /// Nothing more comes from the Bluetooth stack.
     RadioStops,
+    /// Nothing comes from the Bluetooth stack, from the start on.
+    RadioNeverAnswers,
 }

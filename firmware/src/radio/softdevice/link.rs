@@ -12,9 +12,10 @@ use nrf_softdevice::{
     },
     raw,
 };
+use shared::myo::{ConnectionParameters, LOOK_MS, ParameterHold};
 
-use super::PARAMETERS;
 use super::ending::Ending;
+use super::raw_parameters;
 use crate::radio::{Disconnected, Link, MAX_VALUE_BYTES, OperationFailed};
 
 pub struct SoftdeviceLink<'e> {
@@ -63,32 +64,28 @@ impl<'e> SoftdeviceLink<'e> {
 }
 
 impl SoftdeviceLink<'_> {
-    /// Asks for our connection parameters again when others are in force: nrf-softdevice grants the armband
-    /// whatever it asks for. Bounded, for an armband may insist: then its stream shows how much is lost.
+    /// Asks for our connection parameters again when others are in force, as [`ParameterHold`] says: nrf-softdevice grants
+    /// the armband whatever it asks for.
     async fn hold_parameters(&self) -> ! {
-        let mut left = PARAMETER_REQUESTS;
-        let mut ticker = Ticker::every(PARAMETER_PERIOD);
+        let mut hold = ParameterHold::new();
+        let mut ticker = Ticker::every(Duration::from_millis(LOOK_MS.into()));
         loop {
             ticker.next().await;
             let found = self.connection.conn_params();
-            let ours = found.max_conn_interval <= PARAMETERS.max_conn_interval
-                && found.slave_latency == PARAMETERS.slave_latency;
-            if !ours && left > 0 {
-                left -= 1;
-                defmt::warn!(
-                    "the armband changed the interval to {}",
-                    found.max_conn_interval
-                );
+            let found = ConnectionParameters {
+                min_interval: found.min_conn_interval,
+                max_interval: found.max_conn_interval,
+                latency: found.slave_latency,
+                supervision_timeout: found.conn_sup_timeout,
+            };
+            if let Some(wanted) = hold.look(found) {
+                defmt::warn!("the armband changed the interval to {}", found.max_interval);
                 // An error says that the connection has ended, or that an update is under way.
-                let _ = self.connection.set_conn_params(PARAMETERS);
+                let _ = self.connection.set_conn_params(raw_parameters(wanted));
             }
         }
     }
 }
-
-/// How often the connection parameters are looked at, and how often they are asked for again.
-const PARAMETER_PERIOD: Duration = Duration::from_millis(500);
-const PARAMETER_REQUESTS: u8 = 3;
 
 impl Drop for SoftdeviceLink<'_> {
     fn drop(&mut self) {

@@ -13,9 +13,12 @@ use nrf_softdevice::{
     ble::{Address, AddressType, Connection, central},
     raw,
 };
-use shared::myo::{self, AddressKind};
+use shared::myo::{self, AddressKind, ConnectionParameters};
 
-use super::{Advertisement, ConnectFailed, ConnectionHandler, Radio, driver::SessionDriver};
+use super::{
+    Advertisement, ConnectFailed, ConnectionHandler, Radio, SCAN_SECONDS, Scanned,
+    driver::SessionDriver,
+};
 use crate::flash::{Flash, SharedFlash};
 use ending::Ending;
 use link::SoftdeviceLink;
@@ -49,13 +52,15 @@ const CONNECT_TIMEOUT: u16 = 450;
 /// When an attempt to connect is over in any case: after its own end, and before the session's.
 const CONNECT_LIMIT: Duration = Duration::from_millis(4_700);
 
-/// Units of 1.25 ms and 10 ms: 7.5 to 15 ms, no latency, 2 s. A longer interval loses data.
-const PARAMETERS: raw::ble_gap_conn_params_t = raw::ble_gap_conn_params_t {
-    min_conn_interval: 6,
-    max_conn_interval: 12,
-    slave_latency: 0,
-    conn_sup_timeout: 200,
-};
+/// In the words of the SoftDevice, which has the same units.
+const fn raw_parameters(parameters: ConnectionParameters) -> raw::ble_gap_conn_params_t {
+    raw::ble_gap_conn_params_t {
+        min_conn_interval: parameters.min_interval,
+        max_conn_interval: parameters.max_interval,
+        slave_latency: parameters.latency,
+        conn_sup_timeout: parameters.supervision_timeout,
+    }
+}
 
 /// Connects; polls the library only while the connection lasts.
 ///
@@ -88,29 +93,27 @@ async fn established(
 }
 
 impl Radio for SoftdeviceRadio<'_> {
-    async fn scan(&mut self, mut on_advertisement: impl FnMut(&Advertisement)) {
+    async fn scan(&mut self, mut report: impl FnMut(Scanned<'_>)) {
         self.ending.finished().await;
         let config = central::ScanConfig {
             active: false,
             extended: false,
             interval: SCAN_WINDOW,
             window: SCAN_WINDOW,
+            timeout: SCAN_SECONDS * 100,
             ..central::ScanConfig::default()
         };
-        let scan = central::scan(self.softdevice, &config, |report| {
-            let address = Address::from_raw(report.peer_addr);
-            let address = myo::Address {
-                kind: match address.address_type() {
-                    AddressType::Public => AddressKind::Public,
-                    _ => AddressKind::Random,
-                },
-                bytes: address.bytes(),
-            };
-            on_advertisement(&Advertisement::new(address, report.rssi, data(report)));
-            None::<()>
-        });
-        if let Err(error) = scan.await {
-            defmt::warn!("the scan ended: {}", error);
+        loop {
+            let scan = central::scan(self.softdevice, &config, |found| {
+                report(Scanned::Advertisement(&advertisement(found)));
+                None::<()>
+            });
+            match scan.await {
+                // An event of the SoftDevice's, which is alive then.
+                Err(central::ScanError::Timeout) => report(Scanned::Answered),
+                Err(error) => return defmt::warn!("the scan ended: {}", error),
+                Ok(()) => return,
+            }
         }
     }
 
@@ -133,7 +136,7 @@ impl Radio for SoftdeviceRadio<'_> {
                 timeout: CONNECT_TIMEOUT,
                 ..central::ScanConfig::default()
             },
-            conn_params: PARAMETERS,
+            conn_params: raw_parameters(ConnectionParameters::OURS),
             att_mtu: None,
         };
         self.ending.finished().await;
@@ -142,6 +145,19 @@ impl Radio for SoftdeviceRadio<'_> {
         handler.run(&link).await;
         Ok(())
     }
+}
+
+/// An advertisement that the SoftDevice reports.
+fn advertisement(report: &raw::ble_gap_evt_adv_report_t) -> Advertisement {
+    let address = Address::from_raw(report.peer_addr);
+    let address = myo::Address {
+        kind: match address.address_type() {
+            AddressType::Public => AddressKind::Public,
+            _ => AddressKind::Random,
+        },
+        bytes: address.bytes(),
+    };
+    Advertisement::new(address, report.rssi, data(report))
 }
 
 /// The advertising data of a report.

@@ -1,0 +1,225 @@
+//! What is known without the device's own counters: numbers that the samples carry, and the rules of README in their
+//! plainest form.
+
+use std::collections::VecDeque;
+
+use shared::stream::safe_state::{SILENCE_MS, Status};
+use shared::uart_line::{Counters, Kind, Report};
+use shared::units::{HOLD, LOOK_AHEAD, Millis, PATCH, SampleIndex, WINDOW};
+
+/// How many of the window's samples have to be received ones; a patch is taken or left as a whole.
+const RECEIVED: usize = 540 - PATCH;
+/// Most samples in a row that are filled in, and most of a window's.
+const BRIDGED: u32 = 5;
+const BRIDGED_OF_WINDOW: usize = 60;
+/// Labels are as old as the look-ahead and the median's one sample.
+const LABEL_AGE: u32 = LOOK_AHEAD as u32 + 1;
+
+/// What is expected of the device.
+#[derive(Default)]
+pub struct Truth {
+    /// Number and position of the last sample of the stream.
+    last: Option<(u32, u32)>,
+    /// Positions of the newest received samples.
+    received: VecDeque<u32>,
+    /// When the last sample was taken.
+    at: Option<Millis>,
+    position: u32,
+    window: Window,
+    /// Of the lines so far.
+    sequence: u32,
+    status: Option<Status>,
+    /// Instant and line of the last label, while the state has been valid since.
+    label: Option<(SampleIndex, SampleIndex)>,
+    pub totals: Totals,
+}
+
+/// Sums over all streams.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Totals {
+    /// Samples that the pipeline took.
+    pub samples: u64,
+    /// Samples missing between two others, by their numbers.
+    pub missing: u64,
+    /// The same as the positions have it.
+    pub counted: u64,
+    /// Labels while valid.
+    pub labels: u64,
+}
+
+/// The window of the pipeline, as a list.
+#[derive(Default)]
+struct Window {
+    /// Whether each of its samples was filled in, since the last reset; the ring has all but the first.
+    filled_in: VecDeque<bool>,
+    length: usize,
+    counters: Counters,
+}
+
+impl Truth {
+    /// Samples are missing before the next one.
+    pub fn gap(&mut self, now: Millis, missing: u32) {
+        self.silence(now);
+        self.position = self.position.wrapping_add(missing);
+        if self.last.is_some() {
+            self.totals.counted += u64::from(missing);
+        }
+        self.window.gap(missing);
+    }
+
+    /// Another stream: what was lost between is not counted.
+    pub fn disconnected(&mut self) {
+        self.last = None;
+        self.received.clear();
+        self.at = None;
+        self.window.reset();
+    }
+
+    /// Time passes; after 200 ms without a sample the window begins anew.
+    pub fn silence(&mut self, now: Millis) {
+        if self.is_silent(now) {
+            self.at = None;
+            self.window.reset();
+        }
+    }
+
+    /// Whether there was no sample for 200 ms, or there is no stream.
+    pub fn is_silent(&self, now: Millis) -> bool {
+        self.at.is_none_or(|at| now.elapsed_since(at) >= SILENCE_MS)
+    }
+
+    /// The next sample, which carries its number.
+    pub fn sample(&mut self, now: Millis, number: u32) {
+        self.silence(now);
+        self.at = Some(now);
+        self.totals.samples += 1;
+        let position = self.position;
+        self.position = position.wrapping_add(1);
+        if let Some((last_number, last_position)) = self.last.replace((number, position)) {
+            assert!(number > last_number, "{number} after {last_number}");
+            // The lanes show losses of up to three notifications, arrival times the larger ones: exactly here, where one
+            // notification of five has no delay. So positions do not drift from the numbers, however long the run.
+            let step = position.wrapping_sub(last_position);
+            assert_eq!(step, number - last_number, "after number {last_number}");
+            self.totals.missing += u64::from(step - 1);
+        }
+        self.received.push_back(position);
+        if self.received.len() > WINDOW {
+            self.received.pop_front();
+        }
+        self.window.push(false);
+    }
+
+    /// A line: numbered, its counters as they have to be, a label only while valid, with a full window and in time.
+    pub fn line(&mut self, report: Report) {
+        assert_eq!(report.sequence, self.sequence, "a report is missing");
+        self.sequence = report.sequence.wrapping_add(1);
+        assert_eq!(report.counters, self.window.counters, "{report}");
+        let is_valid = report.status.valid();
+        match report.kind {
+            Kind::State => {
+                assert_ne!(Some(report.status), self.status, "no change: {report}");
+                self.label = None;
+            }
+            Kind::Label => {
+                assert!(is_valid, "a label while not valid: {report}");
+                let was_valid = self.status.is_some_and(Status::valid);
+                assert!(was_valid, "a label before the state is valid: {report}");
+                assert_eq!(report.emitted.since(report.instant), LABEL_AGE, "{report}");
+                if let Some((instant, _)) = self.label {
+                    let step = report.instant.since(instant);
+                    assert_eq!(step, HOLD as u32, "from label to label: {report}");
+                }
+                self.label = Some((report.instant, report.emitted));
+                self.totals.labels += 1;
+            }
+        }
+        if is_valid {
+            self.window_is_full(report.emitted);
+        }
+        self.status = Some(report.status);
+    }
+
+    /// While valid the newest label is at most as old as a label holds; the lines say what the pins say.
+    pub fn is_current(&self, status: Status) {
+        let said = self.status.map(Status::valid);
+        assert!(
+            said.is_none_or(|said| said == status.valid()),
+            "pins {status:?}, lines {:?}",
+            self.status
+        );
+        if status.valid() {
+            let (_, emitted) = self.label.expect("a label with the state");
+            let since = SampleIndex(self.position).since(emitted);
+            assert!(since <= HOLD as u32, "no label for {since} samples");
+        }
+    }
+
+    /// What `valid` promises: 600 samples without a gap of more than five, a tenth of them filled in at most.
+    fn window_is_full(&self, emitted: SampleIndex) {
+        let within = |position: &&u32| emitted.0.wrapping_sub(**position) < WINDOW as u32;
+        let window: Vec<u32> = self.received.iter().filter(within).copied().collect();
+        let step = window
+            .windows(2)
+            .map(|pair| pair[1].wrapping_sub(pair[0]))
+            .max();
+        assert!(
+            window.len() >= RECEIVED && step <= Some(BRIDGED + 1),
+            "valid with {} samples and a step of {step:?} at {emitted:?}",
+            window.len()
+        );
+    }
+
+    /// Counters that the next line has to have.
+    pub const fn counters(&self) -> Counters {
+        self.window.counters
+    }
+}
+
+impl Window {
+    fn push(&mut self, filled_in: bool) {
+        self.length += 1;
+        // The median lags one sample: the first of a window only fills it.
+        if self.length > 1 {
+            self.filled_in.push_back(filled_in);
+        }
+        if self.filled_in.len() > WINDOW + PATCH {
+            self.filled_in.pop_front();
+        }
+    }
+
+    fn gap(&mut self, missing: u32) {
+        self.counters.lost = self.counters.lost.saturating_add(missing);
+        if self.length == 0 {
+            return;
+        }
+        if missing <= BRIDGED && self.bridged() + missing as usize <= BRIDGED_OF_WINDOW {
+            self.counters.bridged += missing;
+            (0..missing).for_each(|_| self.push(true));
+        } else {
+            self.reset();
+        }
+    }
+
+    /// Filled-in samples of those that are kept: the newest 600, less those whose patch the incomplete one overwrites.
+    fn bridged(&self) -> usize {
+        let pushed = self.length - 1;
+        let kept = if pushed > WINDOW {
+            WINDOW - (PATCH - pushed % PATCH) % PATCH
+        } else {
+            pushed
+        };
+        let newest = self.filled_in.iter().rev().take(kept);
+        newest.filter(|filled_in| **filled_in).count()
+    }
+
+    fn reset(&mut self) {
+        if self.length > 0 {
+            self.counters.resets += 1;
+        }
+        *self = Self {
+            counters: self.counters,
+            ..Self::default()
+        };
+    }
+}
