@@ -1,5 +1,8 @@
 //! Which targets the build script of the firmware accepts.
 
+use std::path::Path;
+use std::process::{Command, Output};
+
 #[expect(dead_code, reason = "the build script's own entry point")]
 #[path = "../firmware/build.rs"]
 mod build;
@@ -30,4 +33,41 @@ fn the_debuggers_log_never_waits_for_a_reader() -> anyhow::Result<()> {
     });
     assert!(never_waits, "{log}");
     Ok(())
+}
+
+/// Compiles the build script as cargo does and runs it for a target, in a folder with the firmware's place in the workspace.
+fn run_for(target: &str) -> Output {
+    let firmware = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware");
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("build");
+    let compiled = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+        .args(["--edition", "2024", "-o"])
+        .arg(&script)
+        .arg("build.rs")
+        .current_dir(&firmware)
+        .status()
+        .expect("rustc, which compiled this test");
+    assert!(compiled.success());
+    Command::new(&script)
+        .current_dir(&firmware)
+        .env("CARGO_CFG_TARGET_OS", "none")
+        .env("TARGET", target)
+        .env("OUT_DIR", folder.path())
+        .env("CARGO_FEATURE_EMULATOR", "1")
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn a_build_for_a_target_without_fpu_fails_and_names_the_target_to_build_for() {
+    for target in ["thumbv7em-none-eabi", "thumbv7m-none-eabi"] {
+        let output = run_for(target);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success(), "{target}");
+        let named = error.contains(target) && error.contains("build for thumbv7em-none-eabihf");
+        assert!(named, "{target}: {error}");
+    }
+    let output = run_for("thumbv7em-none-eabihf");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{error}");
 }

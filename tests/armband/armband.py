@@ -234,7 +234,7 @@ class Armband:
         if self._connection is None:
             return
         if packet.characteristic is None:
-            self._server.send_gatt_pdu(self._connection, packet.value)
+            self._connection.send_l2cap_pdu(packet.channel, packet.value)
             return
         handle = self._table.characteristic(packet.characteristic).handle
         wanted = self._server.subscribers.get(self._connection, {}).get(handle, bytes(2))[0] & 1

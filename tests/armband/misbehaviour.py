@@ -8,6 +8,8 @@
          "long"     its 16 bytes and 4 more
          "foreign"  its bytes, on a characteristic without subscription
          "garbage"  bytes that are no PDU of the attribute protocol
+         "cut"      a PDU of the attribute protocol that ends too early: those of CUT in turn
+         "signal"   the end of a channel that nobody opened
     {"do": "delay", "at": 100, "ms": 80}         100 is sent 80 ms late, with all due by then
     {"do": "vanish", "at": 100, "for_ms": 500}   before 100 the link is lost (supervision timeout);
                                                  no advertising for 500 ms; then 100 is the next
@@ -27,9 +29,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bumble.att import ATT_CID
+from bumble.l2cap import L2CAP_LE_SIGNALING_CID
+
 from gatt_table import EMG_DATA, FV_DATA
 
-CORRUPTIONS = ("short", "long", "foreign", "garbage")
+CORRUPTIONS = ("short", "long", "foreign", "garbage", "cut", "signal")
 
 # Fields of each step and their defaults; None: the field is required.
 _FIELDS: dict[str, dict[str, Any]] = {
@@ -115,14 +120,27 @@ class Script:
 
 @dataclass(frozen=True)
 class Packet:
-    """A value notified on a characteristic; with none, a bare attribute PDU."""
+    """A value notified on a characteristic; with none, a bare PDU of an L2CAP channel."""
 
     characteristic: int | None
     value: bytes
+    channel: int = ATT_CID
 
 
 # Opcode 0x7F with the command flag: a receiver must ignore it.
 GARBAGE = Packet(None, bytes.fromhex("7fdeadbeef0123456789abcdef00ff55aa"))
+
+# Without the fields that they must have: no PDU at all, requests, a command, an error; and a group type of 16 bytes,
+# which a host may take for longer than it is.
+CUT = [
+    b"",
+    *(bytes([opcode]) for opcode in (0x02, 0x04, 0x06, 0x08, 0x0A, 0x0C, 0x10, 0x12, 0x16, 0x18, 0x52)),
+    bytes.fromhex("01 0a 00 00"),
+    bytes.fromhex("10 01 00 ff ff") + bytes(16),
+]
+
+# The request to disconnect channel 0, whose other end is channel 0.
+SIGNAL = bytes.fromhex("06 01 04 00 00 00 00 00")
 
 
 @dataclass
@@ -144,7 +162,7 @@ class Impairer:
                 self._held.append(packet)
                 return []
             case "corrupt":
-                sent = [_corrupted(packet, step.fields["kind"])]
+                sent = [_corrupted(n, packet, step.fields["kind"])]
             case _:
                 sent = [packet]
         held, self._held = self._held, []
@@ -155,7 +173,7 @@ class Impairer:
         self._held = []
 
 
-def _corrupted(packet: Packet, kind: str) -> Packet:
+def _corrupted(n: int, packet: Packet, kind: str) -> Packet:
     match kind:
         case "short":
             return Packet(packet.characteristic, packet.value[:9])
@@ -163,5 +181,9 @@ def _corrupted(packet: Packet, kind: str) -> Packet:
             return Packet(packet.characteristic, packet.value + bytes.fromhex("deadbeef"))
         case "foreign":
             return Packet(FV_DATA, packet.value)
+        case "cut":
+            return Packet(None, CUT[n % len(CUT)])
+        case "signal":
+            return Packet(None, SIGNAL, L2CAP_LE_SIGNALING_CID)
         case _:
             return GARBAGE

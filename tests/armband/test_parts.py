@@ -5,7 +5,7 @@ import io
 import unittest
 
 from commands import CommandError, Settings
-from misbehaviour import GARBAGE, Packet, Script, ScriptError, Impairer
+from misbehaviour import CUT, GARBAGE, Packet, Script, ScriptError, Impairer
 from stream import CATCH_UP, GrowingRecording, Recording, Schedule
 
 
@@ -107,6 +107,12 @@ class ImpairerTest(unittest.TestCase):
         impairer = Impairer(Script([{"do": "corrupt", "at": 0, "kind": "garbage"}]))
         self.assertEqual(impairer.packets(0, 0, b"a"), [GARBAGE])
         self.assertTrue(GARBAGE.value[0] & 0x40)
+
+    def test_what_ends_too_early_is_of_every_kind_in_turn(self):
+        script = [{"do": "corrupt", "at": n, "kind": "cut"} for n in range(28)]
+        impairer = Impairer(Script(script))
+        sent = [packet for n in range(28) for packet in impairer.packets(n, 0, b"a")]
+        self.assertEqual(sent, [Packet(None, pdu, channel=4) for pdu in 2 * CUT])
 
 
 class SettingsTest(unittest.TestCase):

@@ -277,6 +277,47 @@ fn a_stream_that_comes_and_is_not_taken_is_ended_by_the_watchdog() -> anyhow::Re
     Ok(())
 }
 
+/// Streams with one of these packets in the place of every 27th notification: each a gap that is bridged.
+fn play_with(test: &str, kind: &str) -> anyhow::Result<()> {
+    const PACKETS: u32 = 28;
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let script: Vec<_> = (0..PACKETS)
+        .map(|number| json!({"do": "corrupt", "at": 400 + 27 * number, "kind": kind}))
+        .collect();
+    let samples = vec![[1; 8]; 2600];
+    let model = super::model();
+    let mut run = super::play(&bench, &model, &samples, super::TIME_SCALE, script.into())?;
+    run.wait_for("the end", |run| {
+        let last = run
+            .reports()
+            .ok()
+            .and_then(|reports| reports.last().copied());
+        last.and_then(|report| report.status.cause()) == Some(Cause::Disconnected)
+    })?;
+    // Among it: no restart.
+    run.check()?;
+    let lost = run.reports()?.last().map(|report| report.counters.lost);
+    // A busy host may lose more.
+    assert!(lost >= Some(2 * PACKETS), "{lost:?}: {}", run.tails());
+    Ok(())
+}
+
+#[test]
+fn attribute_pdus_that_end_too_early_do_not_restart_the_board() -> anyhow::Result<()> {
+    play_with(
+        "attribute_pdus_that_end_too_early_do_not_restart_the_board",
+        "cut",
+    )
+}
+
+#[test]
+fn the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board() -> anyhow::Result<()> {
+    let test = "the_end_of_a_channel_that_nobody_opened_does_not_restart_the_board";
+    play_with(test, "signal")
+}
+
 #[test]
 fn a_clock_that_stops_is_ended_by_the_watchdog() -> anyhow::Result<()> {
     let test = "a_clock_that_stops_is_ended_by_the_watchdog";

@@ -1,6 +1,8 @@
 //! What the two Bluetooth stacks have in common, and no more of it than [`driver`] needs.
 
 pub mod driver;
+#[cfg(all(feature = "radio-hci", target_os = "none"))]
+mod guarded;
 mod handles;
 #[cfg(all(feature = "radio-softdevice", target_os = "none"))]
 pub mod softdevice;

@@ -26,7 +26,7 @@ use trouble_host::{
 
 use super::{
     Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
-    SCAN_SECONDS, Scanned, driver::SessionDriver,
+    SCAN_SECONDS, Scanned, driver::SessionDriver, guarded::Guarded,
 };
 use crate::flash::{Flash, SharedFlash};
 
@@ -80,7 +80,7 @@ pub async fn run<C: CentralController>(
 ) {
     let mut resources: HostResources<DefaultPacketPool, 1, 1> = HostResources::new();
     let advertisements = Advertisements(Channel::new());
-    let stack = trouble_host::new(controller, &mut resources)
+    let stack = trouble_host::new(Guarded(controller), &mut resources)
         .set_random_address(Address::random(own_address))
         .build();
     let mut runner = stack.runner();

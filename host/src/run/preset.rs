@@ -4,6 +4,8 @@ mod check;
 #[cfg(test)]
 mod damage;
 mod memory;
+#[cfg(test)]
+mod promises;
 mod source;
 
 use serde::{Deserialize, Serialize};
@@ -12,10 +14,9 @@ use shared::stream::preprocess::{Median, Preprocessing};
 
 use crate::dataset::DataSet;
 use crate::dataset::movement::OtherMovement;
+use crate::student::config::StudentConfig;
 use crate::student::distillation::Distillation;
-use crate::student::model::StudentConfig;
-use crate::teacher::lora::LoraConfig;
-use crate::teacher::model::TeacherConfig;
+use crate::teacher::config::{LoraConfig, TeacherConfig};
 use crate::teacher::training::TeacherTraining;
 use crate::training::schedule::LrSchedule;
 

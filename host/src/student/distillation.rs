@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::training::augmentation::Augmentation;
-use crate::training::fit::TrainConfig;
+use crate::training::config::TrainConfig;
 use crate::training::schedule::LrSchedule;
 
 /// Name of the run's files: `student.bpk` is the checkpoint of the lowest validation loss.

@@ -4,9 +4,10 @@
 use burn::module::{Module, Param};
 use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
 use burn::tensor::{Device, Tensor};
-use serde::{Deserialize, Serialize};
 use shared::model::dimensions::Companding;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
+
+pub use super::config::StudentConfig;
 
 /// Added to a variance before its root is taken.
 pub(super) const NORM_EPSILON: f64 = 1e-5;
@@ -17,38 +18,7 @@ pub(super) const GELU_SCALE: f32 = 1.702;
 /// Attention heads of every model file.
 pub(super) const HEADS: usize = 4;
 
-/// Dimensions of a student.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StudentConfig {
-    /// Width of a token; a patch is a token.
-    pub d_model: usize,
-    /// Attention heads; divides `d_model`.
-    pub heads: usize,
-    /// Encoder layers.
-    pub layers: usize,
-    /// Patches that a patch attends to, itself included.
-    pub span: usize,
-    /// Companding of the input.
-    pub companding: Companding,
-    /// Whether a board has to have room for it; otherwise only a PC runs it.
-    #[serde(default = "yes")]
-    pub board: bool,
-}
-
-const fn yes() -> bool {
-    true
-}
-
 impl StudentConfig {
-    /// Number of patches that influence an output of the encoder.
-    #[must_use]
-    pub(crate) fn receptive_field(&self) -> usize {
-        // A preset may hold any integers.
-        let before = self.layers.saturating_mul(self.span.saturating_sub(1));
-        before.saturating_add(1)
-    }
-
     /// A model with random weights for `classes` intents and, with `other`, movement that is none of them.
     #[must_use]
     pub fn init(&self, classes: usize, other: bool, device: &Device) -> Student {

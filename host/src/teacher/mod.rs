@@ -3,6 +3,7 @@
 mod attention;
 pub mod batch;
 pub mod checkpoint;
+pub(crate) mod config;
 mod feed_forward;
 pub mod learner;
 pub(crate) mod lora;

@@ -7,38 +7,14 @@ use burn::module::{Module, Param};
 use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
 use shared::model::dimensions::Companding;
 use shared::units::CHANNELS;
 
 use super::attention::attend;
+pub use super::config::TeacherConfig;
 use super::feed_forward::activate;
 use super::window::WindowShape;
 use crate::training::dropout::Dropout;
-
-/// Dimensions of a teacher.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TeacherConfig {
-    /// Samples in a window: 600 in the paper; 100 and 300 in its ablation.
-    pub window: usize,
-    /// Samples in a token: 1 in the paper, 20 in the presets for a CPU. Divides the window.
-    pub patch: usize,
-    /// Companding of the encoder's input; the target of the reconstruction stays linear.
-    pub companding: Companding,
-    /// Width of a token.
-    pub d_model: usize,
-    /// Attention heads; divides `d_model`.
-    pub heads: usize,
-    /// Encoder layers.
-    pub layers: usize,
-    /// Hidden width of the feed-forward blocks.
-    pub feed_forward: usize,
-    /// Dropout in the feed-forward blocks and after attention.
-    pub dropout: f64,
-    /// Dropout of the attention weights; the paper uses the same number for both.
-    pub attention_dropout: f64,
-}
 
 impl TeacherConfig {
     /// Samples of a window, and how they are grouped into tokens.

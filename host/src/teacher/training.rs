@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::lora::LoraConfig;
+use super::config::LoraConfig;
 use super::masking::Task;
 use crate::training::augmentation::Augmentation;
-use crate::training::fit::TrainConfig;
+use crate::training::config::TrainConfig;
 use crate::training::schedule::LrSchedule;
 
 /// Name of the run's files: `teacher.bpk` is the checkpoint of the lowest validation loss.

@@ -5,37 +5,19 @@ use std::time::{Duration, Instant};
 use burn::module::Module as _;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
 
 use super::checkpoint::{Checkpoint, Progress, Snapshot, Store, Within};
+pub use super::config::TrainConfig;
 use super::ema::Ema;
 use super::epoch::{Epoch, Taken, Trained, finite};
 use super::learner::{Learner, WeightedMetric};
 use super::metrics::{EpochMetrics, RunningMeans, recorded};
 use super::optimizer::optimizer;
-use super::schedule::{LearningRate, LrSchedule};
+use super::schedule::LearningRate;
 use crate::execution::fingerprint::Fingerprint;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::{RunError, RunFolder, load_model_bytes, model_bytes};
-
-/// How a model is trained.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TrainConfig {
-    /// Number of epochs.
-    pub epochs: usize,
-    /// Peak learning rate.
-    pub learning_rate: f64,
-    /// Schedule of the learning rate.
-    pub lr_schedule: LrSchedule,
-    /// Decoupled weight decay.
-    pub weight_decay: f32,
-    /// Decay of the exponential moving average of the weights, which is then validated and saved; 0 saves
-    /// the weights themselves.
-    pub ema_decay: f64,
-    /// Seed of every random draw.
-    pub seed: u64,
-}
 
 /// How much of a long epoch an interruption may lose.
 pub const CHECKPOINT_EVERY: Duration = Duration::from_mins(5);

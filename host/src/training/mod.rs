@@ -3,6 +3,7 @@
 
 pub mod augmentation;
 mod checkpoint;
+pub(crate) mod config;
 pub mod dropout;
 mod ema;
 mod epoch;

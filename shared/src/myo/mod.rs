@@ -21,6 +21,7 @@ mod action;
 mod address;
 mod advertisement;
 mod arrival_timing;
+pub mod attribute_pdu;
 mod back_off;
 pub mod binding;
 mod characteristic;

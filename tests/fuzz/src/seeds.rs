@@ -23,7 +23,8 @@ use shared::units::SampleIndex;
 use crate::dataset::mat_fixture::{compressed, doubles, file, variable};
 use crate::dataset::readers::npy::encode;
 use crate::radio::{CONTROL, address, advertisement};
-use crate::targets::recording::PATHS;
+use crate::run::preset::BUILT_IN;
+use crate::targets::recording::{PAIRS, PATHS};
 
 /// Rows of a recording.
 const ROWS: usize = 24;
@@ -64,6 +65,7 @@ fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
         ("mat", matrices()),
         ("recording", recordings()),
         ("labels", labels()),
+        ("preset", presets()),
     ]
 }
 
@@ -317,7 +319,7 @@ fn recordings() -> Vec<Vec<u8>> {
         variable("emg", [ROWS as i32, 8], 6, 1, &counts.repeat(ROWS)),
         variable("pulse", [ROWS as i32, 1], 6, 1, &[100; ROWS]),
     ]);
-    let files: [Vec<u8>; PATHS.len()] = [
+    let files: [Vec<u8>; PATHS.len() - PAIRS.len()] = [
         [
             &b"gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n"[..],
             &b"2,1,2,3,4,5,6,7,-128\n".repeat(ROWS),
@@ -343,11 +345,38 @@ fn recordings() -> Vec<Vec<u8>> {
         pulses,
         b"1,2,3,4,5,6,7,8,3\n".repeat(ROWS),
     ];
-    files
+    let alone = files.len();
+    let numbered = |(number, file): (usize, Vec<u8>)| [&[number as u8], &file[..]].concat();
+    let alone_seeds = files.into_iter().enumerate().map(numbered);
+    let pairs = pairs()
         .into_iter()
         .enumerate()
-        .map(|(number, file)| [&[number as u8], &file[..]].concat())
-        .collect()
+        .map(|(number, [beside, file])| {
+            let length = (beside.len() as u16).to_le_bytes();
+            [&[(alone + number) as u8], &length[..], &beside, &file].concat()
+        });
+    alone_seeds.chain(pairs).collect()
+}
+
+/// What is read beside a file, and the file.
+fn pairs() -> [[Vec<u8>; 2]; PAIRS.len()] {
+    let samples = encode("<i8", &[4, 8], &1_i64.to_le_bytes().repeat(32));
+    let names = encode("|S7", &[4], b"none\0\0\0paper\0\0rock\0\0\0scissor");
+    let numbers = encode("|i1", &[4], &[0, 5, 6, 12]);
+    let metadata =
+        br#"{"continuous":false,"a/trial_1/R_1_C_3.csv":{"class_name":"Wrist_Extension"}}"#;
+    [
+        [names, samples.clone()],
+        [numbers, samples],
+        [metadata.to_vec(), b"1,2,3,4,5,6,7,-8\n".repeat(70)],
+    ]
+}
+
+/// The built-in ones as they are, and a change of each kind.
+fn presets() -> Vec<Vec<u8>> {
+    let texts = BUILT_IN.map(|(_, text)| [&[0], text.as_bytes()].concat());
+    let changes = (0..8_u8).map(|kind| vec![1 + kind % 3, kind, 9 + kind, 2, kind, b'1']);
+    texts.into_iter().chain(changes).collect()
 }
 
 fn labels() -> Vec<Vec<u8>> {

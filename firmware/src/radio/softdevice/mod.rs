@@ -151,9 +151,11 @@ impl Radio for SoftdeviceRadio<'_> {
 fn advertisement(report: &raw::ble_gap_evt_adv_report_t) -> Advertisement {
     let address = Address::from_raw(report.peer_addr);
     let address = myo::Address {
-        kind: match address.address_type() {
-            AddressType::Public => AddressKind::Public,
-            _ => AddressKind::Random,
+        // Not `address_type`, which unwraps: a sender may have an address of a kind that the library does not know.
+        kind: if address.flags >> 1 == AddressType::Public as u8 {
+            AddressKind::Public
+        } else {
+            AddressKind::Random
         },
         bytes: address.bytes(),
     };

@@ -18,7 +18,7 @@ const COPIES: f64 = 5.0;
 
 impl Preset {
     /// Bytes of a step of the teacher's training.
-    pub(super) fn teacher_bytes(&self) -> f64 {
+    pub(crate) fn teacher_bytes(&self) -> f64 {
         let teacher = &self.teacher;
         let [d, hidden, layers] =
             [teacher.d_model, teacher.feed_forward, teacher.layers].map(|size| size as f64);
@@ -33,7 +33,7 @@ impl Preset {
     }
 
     /// Bytes of a step of the student's training, and of the list of an epoch's steps.
-    pub(super) fn student_bytes(&self) -> f64 {
+    pub(crate) fn student_bytes(&self) -> f64 {
         let (student, training) = (&self.student, &self.distillation);
         let [d, layers, patches] =
             [student.d_model, student.layers, training.patches].map(|size| size as f64);

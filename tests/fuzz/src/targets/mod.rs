@@ -12,6 +12,7 @@ mod model;
 mod notification;
 mod npy;
 mod pipeline;
+mod preset;
 pub mod recording;
 mod report;
 mod session;
@@ -33,7 +34,7 @@ const fn target(name: &'static str, longest: usize, run: fn(&[u8])) -> Target {
 }
 
 /// All of them, from the radio to the PC.
-pub const ALL: [Target; 16] = [
+pub const ALL: [Target; 17] = [
     target("advertisement", 256, advertisement::run),
     target("discovery", 4096, discovery::run),
     target("notification", 1024, notification::run),
@@ -50,4 +51,5 @@ pub const ALL: [Target; 16] = [
     target("mat", 2048, mat::run),
     target("recording", 4096, recording::run),
     target("labels", 4096, labels::run),
+    target("preset", 2048, preset::run),
 ];

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::sync::LazyLock;
 
+use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use shared::intent::{MAX_LOGITS, Vocabulary};
 use shared::model::Encode;
 use shared::model::dimensions::Dimensions;
@@ -17,6 +18,8 @@ use crate::input::Input;
 /// Magic, version and length.
 const PREFIX: usize = 13;
 const CHECKSUM: usize = 4;
+/// A table that is made once, and of sixteen bytes at a time: a model is long.
+static CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 /// Bytes in which the header ends, roughly: half of all changes go there.
 const HEADER: usize = 320;
 /// Numbers that a trained model does not have.
@@ -100,7 +103,7 @@ fn as_bytes(words: &mut [u32]) -> &mut [u8] {
 fn sealed(mut file: Vec<u8>) -> Vec<u8> {
     let length = (file.len() + CHECKSUM) as u32;
     file[9..PREFIX].copy_from_slice(&length.to_le_bytes());
-    let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&file);
+    let sum = CRC.checksum(&file);
     file.extend(sum.to_le_bytes());
     file
 }

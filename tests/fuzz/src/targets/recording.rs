@@ -1,15 +1,18 @@
 //! Files of recordings, under the names of every published layout: what is accepted has a label a sample, movements
 //! inside it, and is the same after it was written and read again.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use std::{env, fs, process};
 
 use crate::dataset::readers::npy;
 use crate::dataset::readers::open::{Found, Request, of_bytes};
 use crate::dataset::{DataSet, Recording};
 use crate::input::Input;
 
-/// A path of each layout. No such folder exists: what would be read beside a file is not there.
-pub const PATHS: [&str; 16] = [
+/// A path of each layout. No such folder exists: what would be read beside a file is not there, unless it is one of
+/// [`PAIRS`].
+pub const PATHS: [&str; 19] = [
     "/nowhere/s3/s3_grasp_1.csv",
     "/nowhere/s1_r_1/s1_r_1-rock-0-emg.csv",
     "/nowhere/01/1_raw_data_13-12_22.03.16.txt",
@@ -26,20 +29,50 @@ pub const PATHS: [&str; 16] = [
     "/nowhere/EMG_S1/fist_1_x.mat",
     "/nowhere/MyoUP/E2/s1e2.mat",
     "/nowhere/12345-1/3.txt",
+    "subject03_session01_emg.npy",
+    "s3/e2_emg.npy",
+    "trial_1/R_1_C_3.csv",
 ];
+
+/// The last of the paths: below [`FOLDER`], each with a file that is read beside it.
+pub const PAIRS: [&str; 3] = [
+    "subject03_session01_ann.npy",
+    "s3/e2_ann.npy",
+    "trial_1/metadata.json",
+];
+
+/// A folder of this process, with the folders of the paths.
+static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
+    let folder = env::temp_dir().join(format!("myointent-fuzz-{}", process::id()));
+    for path in PAIRS.map(|name| folder.join(name)) {
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a temporary folder");
+    }
+    folder
+});
 
 /// Samples of the longest recording that a file of a few kilobytes may hold: `uci-gestures` names its times, 200 samples a row.
 const MOST: usize = 200;
 
-/// A byte for the path, then the file.
+/// A byte for the path, for a pair the length of the file beside it and that file, then the file.
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
-    let path = Path::new(PATHS[input.below(PATHS.len())]);
+    let number = input.below(PATHS.len());
+    let alone = PATHS.len() - PAIRS.len();
+    if number < alone {
+        read(Path::new(PATHS[number]), input.0);
+        return;
+    }
+    let length = u16::from_le_bytes(input.array());
+    let beside = input.take(usize::from(length));
+    fs::write(FOLDER.join(PAIRS[number - alone]), beside).expect("a file beside it");
+    read(&FOLDER.join(PATHS[number]), input.0);
+}
+
+fn read(path: &Path, bytes: &[u8]) {
     let request = Request {
         wants: |_: DataSet| true,
         alone: true,
     };
-    let bytes = input.0;
     let found = of_bytes(path, bytes, &request);
     if let Err(error) = &found {
         assert!(error.to_string().len() < 1000, "a message of a line");

@@ -2,7 +2,7 @@
 
 use super::{Invalid, require};
 use crate::run::preset::Preset;
-use crate::teacher::lora::LoraConfig;
+use crate::teacher::config::LoraConfig;
 use crate::training::schedule::LrSchedule;
 
 /// Largest learning rate that single precision holds with room for a step. A training that diverges with less is stopped by
