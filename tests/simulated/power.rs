@@ -89,81 +89,55 @@ impl Bench {
         let starts = ran.starts()?;
         ensure!(starts.len() == cuts.len() + 1, "{} starts", starts.len());
         let comments = ran.comments();
-        let mut said = comments
-            .split(|comment| comment.starts_with("# myointent "))
-            .skip(1);
-        let names: Vec<_> = comments
-            .iter()
-            .filter(|one| one.starts_with("# myointent "))
-            .collect();
+        let is_start = |comment: &String| comment.starts_with("# myointent ");
+        let names: Vec<_> = comments.iter().filter(|one| is_start(one)).collect();
+        let said: Vec<_> = comments.split(is_start).skip(1).collect();
         let reports = ran.reports_by_start()?;
         ensure!(
             names.len() == starts.len() && reports.len() == starts.len(),
             "{names:#?}"
         );
-        let model = |bytes: &[u8]| format!(" model {:08x}, started by power or reset", crc(bytes));
         for number in 0..=cuts.len() {
             let cut = number.checked_sub(1).map(|before| cuts[before]);
             let content = cut.map_or(Content::Old, |cut| cut.content(flash));
-            let is_right = match content {
-                Content::Old => names[number].ends_with(&model(&self.old)),
-                Content::Neither => {
-                    names[number].ends_with(" model refused, started by power or reset")
-                }
-                Content::New => names[number].ends_with(&model(&self.new)),
-            };
-            ensure!(
-                is_right,
-                "after {cut:?}: {}, not {content:?}",
-                names[number]
-            );
-            let first = said.next().and_then(<[String]>::first).map(String::as_str);
-            let is_incomplete = first == Some(INCOMPLETE);
-            ensure!(
-                is_incomplete == (content == Content::Neither),
-                "after {cut:?}: {first:?}"
-            );
-            // Until power fails it gets so far, at most.
-            let expected: &[Option<Cause>] = match content {
-                Content::Old if number == 0 => {
-                    &[Some(Cause::Boot), None, Some(Cause::Installation)]
-                }
-                Content::Old => &[Some(Cause::Boot), Some(Cause::Installation), None],
-                Content::Neither => &[Some(Cause::ModelRefused), Some(Cause::Installation), None],
-                Content::New => &[Some(Cause::Boot), None],
-            };
-            // The last line may be on its way when power fails.
-            let range = match number {
-                _ if number == cuts.len() => expected.len()..=expected.len(),
-                0 => 2..=3,
-                _ => 1..=2,
-            };
-            let states = states(&reports[number]);
-            ensure!(
-                expected.starts_with(&states) && range.contains(&states.len()),
-                "after {cut:?}: states {states:?}"
-            );
+            let power_fails = number < cuts.len();
+            self.check_start(content, names[number], said[number].first())
+                .and_then(|()| check_states(content, number == 0, power_fails, &reports[number]))
+                .with_context(|| format!("after {cut:?}"))?;
         }
-        let (first, last) = (&starts[0], &starts[cuts.len()]);
         let pins = ran.pins();
-        let rises = pins
-            .windows(2)
-            .filter(|pair| !pair[0].valid && pair[1].valid);
+        let rises = pins.windows(2).filter(|two| !two[0].valid && two[1].valid);
         ensure!(rises.count() == 2, "valid between two losses of power");
-        let from = match cuts.len() {
-            0 => first.loss,
-            number => starts[number - 1].loss,
-        };
-        let from = from.context("power did not fail")?.packets;
+        let (before, last) = (&starts[cuts.len() - 1], &starts[cuts.len()]);
+        let from = before.loss.context("power did not fail")?.packets;
         let (_, to) = last.packets.last().context("no stream after it")?;
         let rest = &self.samples[2 * from..2 * (to + 1)];
         let reports = &reports[cuts.len()];
-        match cuts.last().map(|cut| cut.content(flash)) {
-            Some(Content::Neither | Content::New) => {
+        match cuts[cuts.len() - 1].content(flash) {
+            Content::Old => self.check_resumed(last, reports, rest, from),
+            Content::Neither | Content::New => {
                 same(&labels(reports), &self.expected(&[Input::Samples(rest)])?)
             }
-            _ => self.check_resumed(last, reports, rest, from),
         }
+    }
+
+    /// The first line of a start names the model that runs, the next one says why there is none.
+    fn check_start(
+        &self,
+        content: Content,
+        name: &str,
+        next: Option<&String>,
+    ) -> anyhow::Result<()> {
+        let model = match content {
+            Content::Old => format!("{:08x}", crc(&self.old)),
+            Content::Neither => "refused".to_owned(),
+            Content::New => format!("{:08x}", crc(&self.new)),
+        };
+        let end = format!(" model {model}, started by power or reset");
+        ensure!(name.ends_with(&end), "{name}, expected {content:?}");
+        let is_incomplete = next.is_some_and(|next| next == INCOMPLETE);
+        ensure!(is_incomplete == (content == Content::Neither), "{next:?}");
+        Ok(())
     }
 
     /// Checks what a line that was pulled came to.
@@ -233,6 +207,33 @@ impl Bench {
     fn expected(&self, inputs: &[Input<'_>]) -> anyhow::Result<Vec<Label>> {
         Ok(labels(&parsed(&expected_lines(&self.new, inputs)?)?))
     }
+}
+
+/// Why a board is safe after a start with this content; where power fails in the installation, up to that.
+fn check_states(
+    content: Content,
+    is_first: bool,
+    power_fails: bool,
+    reports: &[Report],
+) -> anyhow::Result<()> {
+    let installing = Some(Cause::Installation);
+    let whole: &[Option<Cause>] = match content {
+        Content::Old if is_first => &[Some(Cause::Boot), None, installing],
+        Content::Old => &[Some(Cause::Boot), installing, None],
+        Content::Neither => &[Some(Cause::ModelRefused), installing, None],
+        Content::New => &[Some(Cause::Boot), None],
+    };
+    let until = whole.iter().position(|one| *one == installing);
+    let until = until.map_or(whole.len(), |place| place + 1);
+    let states = states(reports);
+    let is_right = if power_fails {
+        // The last line may be on its way then.
+        states == whole[..until] || states == whole[..until - 1]
+    } else {
+        states == whole
+    };
+    ensure!(is_right, "states {states:?}, of {whole:?}");
+    Ok(())
 }
 
 /// The packets before which the new model may have come into use: those queued while the journal's page was erased.
