@@ -12,6 +12,9 @@ mod binding;
 mod commands;
 #[path = "end_to_end/faults.rs"]
 mod faults;
+#[cfg(target_os = "linux")]
+#[path = "end_to_end/installation.rs"]
+mod installation;
 #[path = "end_to_end/model.rs"]
 mod model;
 #[path = "end_to_end/recordings.rs"]

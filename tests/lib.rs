@@ -7,6 +7,7 @@
 
 pub mod emulator;
 pub mod output;
+pub mod simulation;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::ensure;
@@ -21,6 +21,8 @@ const ERASED: u8 = 0xff;
 /// What UART0 and UART2 receive: named pipes in the folder of the run.
 const COMMANDS: &str = "uart0.in";
 const BUTTON: &str = "uart2.in";
+/// The socket of the emulator's own protocol, QMP.
+const MONITOR: &str = "qmp";
 /// The names that QEMU derives both files of a UART from.
 const UART0: &str = "uart0";
 const UART2: &str = "uart2";
@@ -76,6 +78,8 @@ impl Straps {
 pub struct Machine {
     /// The emulator.
     pub process: KillOnDrop,
+    /// The socket that it takes orders on.
+    monitor: PathBuf,
     button: File,
     commands: File,
 }
@@ -83,28 +87,21 @@ pub struct Machine {
 impl Machine {
     /// Starts it; `hci` is the socket of a controller that listens already.
     ///
-    /// A `page` that is given is restored by every reset, as is the model; without one it is empty, and a reset keeps what
-    /// the program wrote.
+    /// A `page` or a `model` that is given is restored by every reset; without one it is empty, and a reset keeps what the
+    /// program wrote.
     pub fn start(
         folder: &Path,
         image: &Path,
-        model: &[u8],
+        model: Option<&[u8]>,
         page: Option<&[u8]>,
         straps: Straps,
         hci: Option<&Path>,
     ) -> anyhow::Result<Self> {
-        ensure!(
-            model.len() <= MODEL_REGION,
-            "a model of {} bytes, the region has {MODEL_REGION}",
-            model.len()
-        );
-        let mut region = vec![ERASED; MODEL_REGION];
-        region[..model.len()].copy_from_slice(model);
-        let region_file = folder.join("model-region");
-        std::fs::write(&region_file, region)?;
-
         let mut qemu = Command::new(QEMU);
         qemu.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
+        let monitor = folder.join(MONITOR);
+        let socket = monitor.display();
+        qemu.args(["-qmp", &format!("unix:{socket},server=on,wait=off")]);
         qemu.arg("-kernel").arg(image);
         let commands = named_pipe(&folder.join(COMMANDS))?;
         let labels = folder.join(LINES);
@@ -136,9 +133,20 @@ impl Machine {
             &format!("pipe,id=pins,path={}", uart2.display()),
         ]);
         qemu.args(["-serial", "chardev:pins"]);
-        let region = region_file.display();
-        let loaded = format!("loader,file={region},addr={MODEL_ADDRESS:#x},force-raw=on");
-        qemu.args(["-device", &loaded]);
+        if let Some(model) = model {
+            ensure!(
+                model.len() <= MODEL_REGION,
+                "a model of {} bytes, the region has {MODEL_REGION}",
+                model.len()
+            );
+            let mut region = vec![ERASED; MODEL_REGION];
+            region[..model.len()].copy_from_slice(model);
+            let region_file = folder.join("model-region");
+            std::fs::write(&region_file, region)?;
+            let region = region_file.display();
+            let loaded = format!("loader,file={region},addr={MODEL_ADDRESS:#x},force-raw=on");
+            qemu.args(["-device", &loaded]);
+        }
         if let Some(page) = page {
             let page_file = folder.join("binding-page");
             std::fs::write(&page_file, page)?;
@@ -153,9 +161,35 @@ impl Machine {
         let process = KillOnDrop::start("machine", qemu, folder)?;
         Ok(Self {
             process,
+            monitor,
             button,
             commands,
         })
+    }
+
+    /// Resets the board, in the middle of whatever it does.
+    ///
+    /// # Errors
+    /// When the emulator does not take the order.
+    #[cfg(unix)]
+    pub fn reset(&self) -> anyhow::Result<()> {
+        use std::io::{BufRead as _, BufReader};
+        use std::os::unix::net::UnixStream;
+
+        let mut socket = UnixStream::connect(&self.monitor)?;
+        let mut answers = BufReader::new(socket.try_clone()?).lines();
+        for order in ["qmp_capabilities", "system_reset"] {
+            writeln!(socket, "{{\"execute\": \"{order}\"}}")?;
+            // A greeting and news of events come between.
+            let is_done = |line: &std::io::Result<String>| {
+                line.as_ref().is_ok_and(|line| line.contains("\"return\""))
+            };
+            ensure!(
+                answers.by_ref().any(|line| is_done(&line)),
+                "no answer to {order}"
+            );
+        }
+        Ok(())
     }
 
     /// Sends bytes to the UART that takes commands; waits while the board takes none.

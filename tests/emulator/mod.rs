@@ -9,6 +9,8 @@
 //! The processes of a run write into one folder. A test reads it, waits with a timeout, and prints the
 //! tails of all files when it fails. Dropping a [`Run`] kills both processes.
 
+#[cfg(target_os = "linux")]
+mod bridge;
 mod check;
 mod machine;
 mod model_damage;
@@ -17,6 +19,8 @@ mod process;
 mod reader;
 mod run;
 
+#[cfg(target_os = "linux")]
+pub use bridge::{Bridge, terminal};
 pub use machine::{Fault, MODEL_REGION, Machine, Straps};
 pub use model_damage::{Damage, damages};
 pub use oracle::{Input, expected_lines};
@@ -171,7 +175,15 @@ impl Board {
     /// # Errors
     /// When it does not start.
     pub fn start_without_armband(&self, model: &[u8]) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, model, None)
+        Run::start_without_armband(self, Some(model), None)
+    }
+
+    /// The same without a model: memory in the place of flash that a reset keeps.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn start_empty(&self) -> anyhow::Result<Run> {
+        Run::start_without_armband(self, None, None)
     }
 
     /// The same with this in the page of the bound armband.
@@ -179,6 +191,6 @@ impl Board {
     /// # Errors
     /// When it does not start.
     pub fn start_with_page(&self, model: &[u8], page: &[u8]) -> anyhow::Result<Run> {
-        Run::start_without_armband(self, model, Some(page))
+        Run::start_without_armband(self, Some(model), Some(page))
     }
 }

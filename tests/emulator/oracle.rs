@@ -22,6 +22,8 @@ pub enum Input<'s> {
     Silence(Millis),
     /// The button is pressed.
     Align,
+    /// A command ends an alignment in progress.
+    CancelAlignment,
     /// A command puts this alignment in force.
     SetAlignment(Alignment),
     /// A command changes the confidence gate.
@@ -85,6 +87,10 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
             }
             Input::Align => {
                 pipeline.begin_alignment();
+                Reports::default()
+            }
+            Input::CancelAlignment => {
+                pipeline.cancel_alignment();
                 Reports::default()
             }
         };

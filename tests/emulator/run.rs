@@ -86,7 +86,7 @@ impl Run {
         let machine = Machine::start(
             folder,
             &run.image,
-            scenario.model,
+            Some(scenario.model),
             page,
             straps,
             Some(&socket),
@@ -97,7 +97,7 @@ impl Run {
 
     pub(super) fn start_without_armband(
         board: &Board,
-        model: &[u8],
+        model: Option<&[u8]>,
         page: Option<&[u8]>,
     ) -> anyhow::Result<Self> {
         let mut run = Self::new(board, false)?;
@@ -117,6 +117,16 @@ impl Run {
     pub fn set_button(&mut self, is_down: bool) -> anyhow::Result<()> {
         let machine = self.machine.as_mut().context("no machine")?;
         machine.set_button(is_down)
+    }
+
+    /// Resets the board, in the middle of whatever it does. [`Run::check`] accepts that from here on.
+    ///
+    /// # Errors
+    /// When the machine does not run.
+    #[cfg(unix)]
+    pub fn reset(&mut self) -> anyhow::Result<()> {
+        self.may_restart = true;
+        self.machine.as_ref().context("no machine")?.reset()
     }
 
     /// Sends bytes to the UART that takes commands.

@@ -1,12 +1,12 @@
 //! A board at the other end of a pseudo-terminal: answers commands, streams samples and the pipeline's labels.
 
-use std::os::fd::AsRawFd as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+pub use myointent_tests::emulator::terminal;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serial2::SerialPort;
@@ -119,12 +119,6 @@ impl Terminal {
             _slave: slave,
         }
     }
-}
-
-/// The path of a terminal.
-pub fn terminal(slave: &SerialPort) -> PathBuf {
-    let path = format!("/proc/self/fd/{}", slave.as_raw_fd());
-    std::fs::read_link(path).unwrap()
 }
 
 /// Samples of a recording at four times their speed, with labels, until it is stopped.

@@ -1,11 +1,15 @@
-//! A model for a board on a pseudo-terminal, whose line is cut at random moments.
+//! A model for a board on a pseudo-terminal, whose line is cut, or whose program on the PC is killed, at random moments.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::process::{Child, Command as Process, ExitCode, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
+use clap::Parser as _;
 use myointent::board::{BoardError, ModelFile, Unfit, install};
+use myointent::cli::Cli;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serial2::SerialPort;
@@ -31,6 +35,8 @@ struct Flash {
 /// A board at a terminal, until it is dropped.
 struct Board {
     stop: Arc<AtomicBool>,
+    /// Bytes of its line so far, both ways.
+    passed: Arc<AtomicUsize>,
     thread: JoinHandle<usize>,
 }
 
@@ -40,9 +46,11 @@ impl Board {
     fn on(link: &Path, flash: Flash, lives: Vec<usize>) -> (Self, Arc<Mutex<Flash>>) {
         let flash = Arc::new(Mutex::new(flash));
         let stop = Arc::new(AtomicBool::new(false));
+        let passed = Arc::new(AtomicUsize::new(0));
         let first = Terminal::new(link);
         let thread = {
             let (stop, flash, link) = (stop.clone(), flash.clone(), link.to_owned());
+            let passed = passed.clone();
             std::thread::spawn(move || {
                 let mut terminal = first;
                 let mut cuts = 0;
@@ -51,6 +59,7 @@ impl Board {
                     let mut line = Line {
                         port: &terminal.master,
                         left: life,
+                        passed: &passed,
                     };
                     run(&mut line, &stop, &flash);
                     if stop.load(Ordering::Relaxed) {
@@ -63,7 +72,16 @@ impl Board {
                 cuts
             })
         };
-        (Self { stop, thread }, flash)
+        let board = Self {
+            stop,
+            passed,
+            thread,
+        };
+        (board, flash)
+    }
+
+    fn passed(&self) -> usize {
+        self.passed.load(Ordering::Relaxed)
     }
 
     /// Switches it off: how often it had lost its power.
@@ -77,20 +95,26 @@ impl Board {
 struct Line<'t> {
     port: &'t SerialPort,
     left: usize,
+    passed: &'t AtomicUsize,
 }
 
 impl Line<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> usize {
         let length = buffer.len().min(self.left);
         let length = self.port.read(&mut buffer[..length]).unwrap_or(0);
-        self.left -= length;
+        self.count(length);
         length
     }
 
     fn write(&mut self, bytes: &[u8]) {
         let length = bytes.len().min(self.left);
         let _ = self.port.write_all(&bytes[..length]);
-        self.left -= length;
+        self.count(length);
+    }
+
+    fn count(&mut self, bytes: usize) {
+        self.left -= bytes;
+        self.passed.fetch_add(bytes, Ordering::Relaxed);
     }
 }
 
@@ -175,9 +199,12 @@ fn write(installation: &Installation, flash: &mut Flash, step: Step) -> bool {
     true
 }
 
+fn five_class_path() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent")
+}
+
 fn five_class() -> Vec<u8> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent");
-    std::fs::read(path).unwrap()
+    std::fs::read(five_class_path()).unwrap()
 }
 
 fn flash_of(model: &[u8]) -> Flash {
@@ -208,6 +235,73 @@ fn a_model_is_installed_though_power_and_line_are_cut_at_100_random_moments() {
     assert_eq!(board.off(), 100);
     assert_eq!(seen, file.blocks());
     assert!(flash.lock().unwrap().region.starts_with(&new));
+}
+
+/// Set for the process alone: somebody may run all ignored tests.
+const PORT: &str = "MYOINTENT_TEST_INSTALL";
+
+/// `myointent board --port LINK install FILE`, as a process of its own.
+fn start(link: &Path) -> Child {
+    Process::new(std::env::current_exe().unwrap())
+        .args(["--exact", "install::command", "--ignored", "--nocapture"])
+        .env(PORT, link)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+#[test]
+#[ignore = "a test starts it, as a process"]
+fn command() {
+    let Ok(port) = std::env::var(PORT) else {
+        return;
+    };
+    let file = five_class_path();
+    let line = ["myointent", "board", "--port", &port, "install"];
+    let line = line.into_iter().chain(file.to_str());
+    let code = Cli::try_parse_from(line).unwrap().run();
+    std::process::exit(i32::from(code != ExitCode::SUCCESS));
+}
+
+#[test]
+fn a_process_that_is_killed_at_random_moments_is_started_again_and_completes_the_model() {
+    const KILLS: usize = 30;
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let new = five_class();
+    let (board, flash) = Board::on(&link, flash_of(&shipped()), Vec::new());
+    let mut random = ChaCha8Rng::seed_from_u64(41);
+    let all = new.len() / BLOCK_BYTES * BLOCK_LINES;
+    let mut alive = 0;
+    for _ in 0..KILLS {
+        // From the first byte of the first command on; by the bytes of the line, which no load of the machine moves.
+        let until = board.passed() + random.random_range(0..all / KILLS);
+        let mut process = start(&link);
+        while board.passed() < until && process.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_micros(100));
+        }
+        alive += usize::from(process.try_wait().unwrap().is_none());
+        process.kill().unwrap();
+        process.wait().unwrap();
+    }
+    assert_eq!(alive, KILLS, "it ended by itself");
+    assert!(!flash.lock().unwrap().region.starts_with(&new));
+    let ended = start(&link).wait_with_output().unwrap();
+    assert!(ended.status.success());
+    let said = String::from_utf8(ended.stdout).unwrap();
+    let checksum = ModelFile::new(&new).unwrap().checksum();
+    let expected = format!("installed and in use: model {checksum:08x}");
+    assert!(said.contains(&expected), "{said}");
+    assert!(flash.lock().unwrap().region.starts_with(&new));
+    // Nothing is sent twice but what was on its way when a process was killed: a block or two.
+    let most = all * 21 / 20 + KILLS * 3 * BLOCK_LINES;
+    assert!(
+        board.passed() < most,
+        "{} bytes, not {most}",
+        board.passed()
+    );
+    assert_eq!(board.off(), 0);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! page in a browser; aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
 
 use std::fs::File;
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -13,16 +13,14 @@ use myointent::cli::arguments::BackendArguments;
 use myointent::dataset::synthetic::Follower;
 use myointent::live::{self, Live, Options, RecordOptions, Source};
 use myointent::record::protocol::Protocol;
-use myointent_tests::emulator::{Run, Scenario, bench};
+use myointent_tests::emulator::{Bridge, Scenario, bench};
 use serde_json::json;
-use serial2::SerialPort;
 use shared::intent::Intent;
 use shared::myo::Address;
 use shared::myo::binding::to_record;
 use shared::stream::alignment::Alignment;
 use shared::units::Sample;
 
-use super::board::terminal;
 use super::browser::Browser;
 use super::record::{SHORT, pictures};
 use super::shipped;
@@ -128,22 +126,10 @@ impl Wearer {
     }
 }
 
-/// Carries bytes between the emulated board and a terminal.
-fn bridge(mut run: Run, line: SerialPort) -> Working<Run> {
-    Working::start(move |stop| {
-        let mut labels = run.open_labels().unwrap();
-        while !stop.load(Ordering::Relaxed) {
-            let mut bytes = Vec::new();
-            labels.read_to_end(&mut bytes).unwrap();
-            // Nobody may be there to read.
-            let _ = line.write_all(&bytes);
-            let mut buffer = [0; 256];
-            if let Ok(length) = line.read(&mut buffer) {
-                run.send(&buffer[..length]).unwrap();
-            }
-        }
-        run
-    })
+/// CRC-32 of a model file, as the board names it.
+fn checksum(file: &[u8]) -> String {
+    let checksum = file.last_chunk().copied().unwrap_or_default();
+    format!("{:08x}", u32::from_le_bytes(checksum))
 }
 
 /// Waits for an expression of the page, for a long time.
@@ -182,13 +168,23 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     run.wait_for("the stream", |run| run.event_count("mode") > 0)?;
     let wearer = Wearer(Arc::new(Mutex::new(Intent::Relax)));
     let worn = wearer.wear(File::options().append(true).open(run.recording())?);
-    let (mut master, slave) = SerialPort::pair()?;
-    master.set_read_timeout(Duration::from_millis(2))?;
-    master.set_write_timeout(Duration::from_millis(20))?;
-    let port = terminal(&slave);
-    let line = bridge(run, master);
+    let line = Bridge::start(run)?;
+    let port = line.port().to_owned();
+    let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
 
-    // See it, and align it.
+    // See it: `live`.
+    let live = live::start(Options {
+        source: Source::Port(port.clone()),
+        model: Some(shipped()),
+        listen: "127.0.0.1:0".parse()?,
+        record: None,
+    })?;
+    browser.look(1440, 900, "light", "no-preference");
+    browser.open(live.url());
+    reach(&mut browser, valid, |_| {});
+    live.stop()?;
+
+    // Align it, on the page of `record`.
     let protocol = Protocol::parse("short.toml", SHORT)?;
     let live = live::start(Options {
         source: Source::Port(port),
@@ -203,9 +199,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             speed: 1,
         }),
     })?;
-    browser.look(1440, 900, "light", "no-preference");
     browser.open(live.url());
-    let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
     reach(&mut browser, valid, |_| {});
     browser.press("a");
     let placed = "document.getElementById('placement').textContent";
@@ -292,7 +286,12 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     live.stop()?;
     follows.join().unwrap();
     worn.stop();
-    let run = line.stop();
+    let mut run = line.run();
     assert_eq!(run.lines_by_start()?.len(), 1, "the board restarted");
+    // What runs there is the file that was tuned, and no other.
+    let identity = run.ask("$IDENTIFY*04\r\n")?;
+    let own = checksum(&std::fs::read(folder.path().join("anna/anna.intent"))?);
+    assert_ne!(own, checksum(&shipped()));
+    assert_eq!(identity.split(',').nth(5), Some(&*own), "{identity}");
     Ok(())
 }

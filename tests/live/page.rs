@@ -227,6 +227,38 @@ fn sample_to_screen_of_a_board_with_four_more_viewers() {
     drop(board);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "a measurement: the same of the firmware in the emulator, whose armband streams at its own rate"]
+fn sample_to_screen_of_the_emulated_board_with_four_more_viewers() -> anyhow::Result<()> {
+    use myointent_tests::emulator::{Bridge, Scenario, bench};
+    use shared::myo::{Address, binding::to_record};
+
+    let name = "sample_to_screen_of_the_emulated_board_with_four_more_viewers";
+    let (Some(bench), Some(mut browser)) = (bench(name), Browser::start(name)) else {
+        return Ok(());
+    };
+    let mut run = bench.start(&Scenario {
+        model: &super::shipped(),
+        page: Some(to_record(Address::parse("FA:12:34:56:78:9A")?).to_vec()),
+        samples: &synthetic(600).samples,
+        // A pause of a busy machine is half as long on the board's clock.
+        time_scale: 2,
+        pace: 1.0,
+        fault: None,
+        script: json!([]),
+        arguments: Vec::new(),
+    })?;
+    run.wait_for("the stream", |run| run.event_count("mode") > 0)?;
+    let bridge = Bridge::start(run)?;
+    measure(
+        &mut browser,
+        "emulated board",
+        Source::Port(bridge.port().to_owned()),
+    );
+    Ok(())
+}
+
 fn measure(browser: &mut Browser, what: &str, source: Source) {
     let live = serve(source);
     for _ in 0..4 {

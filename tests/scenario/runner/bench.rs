@@ -2,13 +2,12 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
 use myointent_tests::emulator::{self, Run, bench};
-use myointent_tests::output::{LINES, Output};
+use myointent_tests::simulation::{self, Inputs};
 use serde_json::{Value, json};
 use shared::model::noise::Noise;
 use shared::myo::{Address, binding};
@@ -35,54 +34,28 @@ pub fn simulate(file: &File, program: &Path) -> anyhow::Result<()> {
     let Some(samples) = samples(&file.name, &file.scenario)? else {
         return Ok(());
     };
-    let folder = tempfile::Builder::new().prefix("scenario").tempdir()?;
-    let path = |name: &str| folder.path().join(name);
     let model = model(&file.scenario.model)?;
-    fs::write(path("scenario.toml"), &file.text)?;
-    fs::write(path("model.intent"), &model)?;
-    fs::write(
-        path("samples.i8"),
-        bytemuck::cast_slice::<Sample, u8>(&samples),
+    let other = file.scenario.install.as_deref().map(model_file);
+    let other = other.transpose()?;
+    let ran = simulation::run(
+        program,
+        &Inputs {
+            scenario: &file.text,
+            model: &model,
+            samples: &samples,
+            page: &page(file.scenario.page),
+            install: other.as_deref(),
+        },
     )?;
-    fs::write(path("page"), page(file.scenario.page))?;
-    let mut board = Command::new(program);
-    let mut other = Vec::new();
-    if let Some(name) = &file.scenario.install {
-        other = model_file(name)?;
-        fs::write(path("other.intent"), &other)?;
-        board.arg("--install").arg(path("other.intent"));
-        board.arg("--journal").arg(path("journal"));
-    }
-    let ran = board
-        .arg(path("scenario.toml"))
-        .arg("--model")
-        .arg(path("model.intent"))
-        .arg("--samples")
-        .arg(path("samples.i8"))
-        .arg("--page")
-        .arg(path("page"))
-        .arg("--out")
-        .arg(folder.path())
-        .output()
-        .with_context(|| program.display().to_string())?;
-    let output = Output::new(folder.path(), LINES);
-    ensure!(
-        ran.status.success(),
-        "{}: {}\n{}",
-        ran.status,
-        String::from_utf8_lossy(&ran.stderr),
-        output.tails()
-    );
     let models = Models {
         first: &model,
-        other: &other,
+        other: other.as_deref().unwrap_or_default(),
     };
-    let checked = file.scenario.expect.check(models, &samples, &output);
-    checked.with_context(|| output.tails())?;
-    if !other.is_empty() && file.scenario.expect.installed {
-        let region = fs::read(path("model.intent"))?;
+    let checked = file.scenario.expect.check(models, &samples, &ran);
+    checked.with_context(|| ran.tails())?;
+    if file.scenario.expect.installed {
         ensure!(
-            region.starts_with(&other),
+            ran.region.starts_with(models.other),
             "the region does not hold the file"
         );
     }

@@ -20,7 +20,7 @@ pub struct Expectation {
     states: Option<Vec<String>>,
     /// Why the program started, each time.
     starts: Option<Vec<String>>,
-    /// Comments that come so many times.
+    /// Comments that come so often.
     comments: Vec<Comment>,
     /// Bodies of the answers; one that ends in `…` may go on.
     answers: Option<Vec<String>>,
@@ -104,7 +104,10 @@ struct Comment {
     /// What it contains.
     text: String,
     /// How many there are.
-    times: usize,
+    times: Option<usize>,
+    /// At least so many.
+    #[serde(default)]
+    least: usize,
 }
 
 /// Of the link.
@@ -284,11 +287,11 @@ impl Expectation {
             let starts: Vec<_> = starts.map(|(_, reason)| reason.to_owned()).collect();
             same("starts", &starts, expected)?;
         }
-        for Comment { text, times } in &self.comments {
+        for Comment { text, times, least } in &self.comments {
             let found = comments.iter().filter(|c| c.contains(text)).count();
             ensure!(
-                found == *times,
-                "{found} comments with {text:?}, expected {times}: {comments:#?}"
+                found >= *least && times.is_none_or(|times| found == times),
+                "{found} comments with {text:?}, expected {times:?}, at least {least}: {comments:#?}"
             );
         }
         let answers = output.answers();

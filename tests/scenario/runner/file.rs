@@ -67,6 +67,8 @@ pub struct Scenario {
     _page_fails: Option<Value>,
     #[serde(rename = "power_fails_at")]
     _power_fails_at: Option<Value>,
+    #[serde(rename = "power_fails_done")]
+    _power_fails_done: Option<Value>,
     /// The model that a person installs: a file of `models` without `.intent`.
     pub install: Option<String>,
 }
@@ -169,7 +171,11 @@ pub enum Act {
         /// Notifications before.
         at: usize,
         #[serde(default, rename = "pulled_after")]
-        _pulled_after: Option<u32>,
+        _pulled_after: Vec<u32>,
+        #[serde(default, rename = "pulled_byte")]
+        _pulled_byte: Vec<usize>,
+        #[serde(default, rename = "pulled_ms")]
+        _pulled_ms: Option<u64>,
     },
 }
 

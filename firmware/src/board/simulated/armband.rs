@@ -216,7 +216,7 @@ impl Armband {
                 SENT.store(number + 1, Ordering::Relaxed);
             }
             self.link.borrow_mut().sent += 1;
-            hardware::received();
+            hardware::received(number);
             for (handle, value) in self.packets(number, lane) {
                 notify(handle, &value);
             }

@@ -6,7 +6,7 @@ use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::{clock, power, surroundings};
+use super::{armband, clock, hardware, power, surroundings};
 use crate::flash::{self, Flash, FlashFailed, PAGE_BYTES, Region};
 use crate::reset_reason::ResetReason;
 
@@ -14,24 +14,29 @@ use crate::reset_reason::ResetReason;
 const ERASE_US: u64 = 85_000;
 const WORD_US: u64 = 41;
 
+/// Percent.
+const HALF: u32 = 50;
+
 /// Flash, by the SoftDevice's rules.
 pub struct Files;
 
 impl Flash for Files {
     async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
         clock::spend(ERASE_US);
+        hardware::happened("ERASE", page);
         operate(page, PAGE_BYTES, |length| flash::erase(page, length))
     }
 
     async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
         clock::spend(WORD_US * words.len() as u64 / 4);
+        hardware::happened("WRITE", address);
         operate(address, words.len() as u32, |length| {
             flash::program(address, &words[..length as usize]);
         })
     }
 }
 
-/// Does an operation on so many bytes, and keeps what came of it. Where power fails, half of it is done.
+/// Does an operation on so many bytes, and keeps what came of it. Where power fails, a part of it is done.
 fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), FlashFailed> {
     static DONE: AtomicU32 = AtomicU32::new(0);
     let arguments = surroundings().arguments;
@@ -40,9 +45,11 @@ fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), Flash
         return Err(FlashFailed);
     }
     let number = DONE.fetch_add(1, Ordering::Relaxed) + 1;
-    // Once: after it the program has started for a reason.
-    let fails = arguments.reset.is_none() && surroundings().scenario.power_fails_at == Some(number);
-    act(if fails { length / 2 } else { length });
+    let scenario = &surroundings().scenario;
+    let fails = scenario.power_fails_at.get(arguments.starts) == Some(&number);
+    let done = scenario.power_fails_done.get(arguments.starts);
+    let done = length * done.unwrap_or(&HALF) / 100;
+    act(if fails { done } else { length });
     let (region, path) = match address {
         _ if is_page => (Region::Binding, Some(&arguments.page)),
         _ if address < Region::Binding.address(0) => (Region::Journal, arguments.journal.as_ref()),
@@ -53,6 +60,7 @@ fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), Flash
         keep(path, region, offset, length).map_err(|_| FlashFailed)?;
     }
     if fails {
+        hardware::happened("POWER", armband::sent());
         power::reset(ResetReason::Power);
     }
     Ok(())

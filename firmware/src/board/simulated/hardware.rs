@@ -1,4 +1,4 @@
-//! What runs beside the program: the clock, the dead-man timer, the watchdog, the levels of the outputs.
+//! What runs beside the program: the clock, the dead-man timer, the watchdog, the levels of the outputs, and the log of what happens when.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -15,12 +15,15 @@ use crate::messages::pin_state::{self, PinState};
 const LINES: &str = "uart0.out";
 /// Every change of a level.
 const LEVELS: &str = "uart2.out";
+/// What happened when: a word, the microseconds since the start, and what belongs to it.
+const EVENTS: &str = "events.out";
 
 static HARDWARE: Mutex<Option<Hardware>> = Mutex::new(None);
 
 struct Hardware {
     lines: File,
     levels: File,
+    events: File,
     /// When the dead-man timer expires, once it runs.
     dead_man_us: Option<u64>,
     has_expired: bool,
@@ -68,13 +71,26 @@ pub fn start(folder: &Path, end_us: u64) -> std::io::Result<()> {
     *lock() = Some(Hardware {
         lines: open(LINES)?,
         levels: open(LEVELS)?,
+        events: open(EVENTS)?,
         dead_man_us: None,
         has_expired: false,
         watchdog_us: None,
         last_received_us: 0,
         end_us,
     });
+    happened("START", "");
     Ok(())
+}
+
+/// Writes to the log what has happened now.
+pub fn happened(what: &str, details: impl Display) {
+    let now = now_us();
+    with(|hardware| {
+        write(
+            &mut hardware.events,
+            format_args!("{what} {now} {details}\n"),
+        );
+    });
 }
 
 /// Lets time pass, and what is due with it.
@@ -141,9 +157,10 @@ pub fn acknowledge_dead_man() {
     with(|hardware| hardware.has_expired = false);
 }
 
-/// A packet was received.
-pub fn received() {
+/// The packet with this number was received.
+pub fn received(number: usize) {
     with(|hardware| hardware.last_received_us = now_us());
+    happened("PACKET", number);
 }
 
 /// Sets every output; safe ones while the dead-man timer has expired.
@@ -172,9 +189,12 @@ pub fn report_stream() {
     with(|hardware| write(&mut hardware.levels, format_args!("STREAM {}\n", now_us())));
 }
 
-/// Writes bytes that the UART has sent.
-pub fn write_line(line: &[u8]) {
-    with(|hardware| write(&mut hardware.lines, String::from_utf8_lossy(line)));
+/// Writes bytes that the UART has sent, the last one at this time: the program may be told later.
+pub fn write_line(line: &[u8], ended_us: u64) {
+    with(|hardware| {
+        write(&mut hardware.lines, String::from_utf8_lossy(line));
+        write(&mut hardware.events, format_args!("LINE {ended_us}\n"));
+    });
 }
 
 fn write(file: &mut File, text: impl Display) {

@@ -21,7 +21,7 @@ use std::sync::atomic::Ordering;
 use anyhow::{Context as _, ensure};
 use clap::Parser as _;
 use embassy_executor::{Executor, Spawner};
-use embassy_time::Timer;
+use embassy_time::{Duration, Instant, Timer};
 use shared::myo::Address;
 use shared::units::Sample;
 use static_cell::StaticCell;
@@ -90,8 +90,11 @@ fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
     let scenario: Scenario =
         toml::from_str(&text).with_context(|| format!("{path} is no scenario"))?;
     ensure!(
-        scenario.pace > 0.0 && scenario.packet_ms >= 0.0 && scenario.run_seconds > 0.0,
-        "{path}: pace and run_seconds are above 0, packet_ms is not below"
+        scenario.pace > 0.0
+            && scenario.packet_ms >= 0.0
+            && scenario.run_seconds > 0.0
+            && scenario.power_fails_done.iter().all(|done| *done <= 100),
+        "{path}: pace and run_seconds are above 0, packet_ms is not below, and power_fails_done at most 100"
     );
     crate::flash::insert(Region::Model, &read(&arguments.model)?);
     crate::flash::insert(Region::Binding, &read(&arguments.page)?);
@@ -184,8 +187,9 @@ pub struct LabelPort {
 impl LabelPort {
     /// Sends a line, in the time that it takes at 115200 baud.
     pub async fn send(&mut self, line: &[u8]) {
-        Timer::after_micros(line.len() as u64 * BYTE_US).await;
-        hardware::write_line(line);
+        let end = Instant::now() + Duration::from_micros(line.len() as u64 * BYTE_US);
+        Timer::at(end).await;
+        hardware::write_line(line, end.as_micros());
         person::hear(line);
         fault::inject(self.fault, line).await;
     }

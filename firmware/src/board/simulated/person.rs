@@ -1,6 +1,7 @@
 //! The person beside the board: presses its button, sends bytes to its UART.
 
 use std::collections::VecDeque;
+use std::iter::repeat;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,8 +17,8 @@ use super::scenario::Act;
 const TURNAROUND_US: u64 = 1000;
 /// Microseconds without an answer after which the PC begins anew.
 const PATIENCE_US: u64 = 2_000_000;
-/// Microseconds that a line is pulled for.
-const PULLED_US: u64 = 1_000_000;
+/// Bytes of a block's line after which it is pulled.
+const PULLED_BYTE: usize = 40;
 
 /// What the board answers to an installation.
 static HEARD: Mutex<VecDeque<Result<Progress, Refusal>>> = Mutex::new(VecDeque::new());
@@ -59,8 +60,11 @@ struct Sender {
     due_us: u64,
     /// That command; none while an answer is waited for.
     next: Option<Command>,
-    blocks: u32,
-    pulled_after: Option<u32>,
+    /// After how many blocks the line is pulled, and at which byte.
+    pulls: VecDeque<(u32, usize)>,
+    pulled_us: u64,
+    /// Until then nothing that the board says is heard.
+    pulled_until_us: u64,
 }
 
 impl Person {
@@ -95,13 +99,20 @@ impl Person {
                         self.sending.extend(text.chars().map(|byte| byte as u8));
                     }
                 }
-                Act::Install { pulled_after, .. } => {
+                Act::Install {
+                    pulled_after,
+                    pulled_byte,
+                    pulled_ms,
+                    ..
+                } => {
+                    let bytes = pulled_byte.into_iter().chain(repeat(PULLED_BYTE));
                     HEARD.lock().expect("nobody panics here").clear();
                     self.sender = Some(Sender {
                         due_us: now_us,
-                        next: Some(self.begin()),
-                        blocks: 0,
-                        pulled_after,
+                        next: Some(Command::Install(self.transfer())),
+                        pulls: pulled_after.into_iter().zip(bytes).collect(),
+                        pulled_us: pulled_ms * 1000,
+                        pulled_until_us: 0,
                     });
                 }
             }
@@ -122,32 +133,34 @@ impl Person {
 }
 
 impl Person {
-    fn begin(&self) -> Command {
+    fn transfer(&self) -> Transfer {
         let checksum = self.file.last_chunk().copied().unwrap_or_default();
-        Command::Install(Transfer {
+        Transfer {
             length: self.file.len() as u32,
             checksum: u32::from_le_bytes(checksum),
-        })
+        }
     }
 
     /// As a PC does: one command at a time, the block that is missing, and anew where there is no answer.
     fn install(&mut self, now_us: u64) {
-        let begin = self.begin();
+        let transfer = self.transfer();
+        let begin = Command::Install(transfer);
         let Some(sender) = &mut self.sender else {
             return;
         };
         let heard = HEARD.lock().expect("nobody panics here").pop_front();
-        match heard {
+        match heard.filter(|_| now_us >= sender.pulled_until_us) {
             Some(Ok(Progress::Next(number))) => {
-                sender.blocks += 1;
-                let is_pulled = sender.pulled_after.take_if(|after| *after < sender.blocks);
                 let block = Command::Block(number, Block::of(&self.file, number));
-                sender.next = Some(if is_pulled.is_some() { begin } else { block });
+                let blocks = transfer.before(number);
+                let pull = sender.pulls.pop_front_if(|(after, _)| *after == blocks);
+                sender.next = Some(if pull.is_some() { begin } else { block });
                 sender.due_us = now_us + TURNAROUND_US;
-                if is_pulled.is_some() {
+                if let Some((_, byte)) = pull {
                     // What was on its way is cut.
-                    self.sending.extend(&block.to_string().as_bytes()[..40]);
-                    sender.due_us = now_us + PULLED_US;
+                    self.sending.extend(block.to_string().bytes().take(byte));
+                    sender.due_us = now_us + sender.pulled_us;
+                    sender.pulled_until_us = sender.due_us;
                 }
             }
             Some(Ok(Progress::Installed)) => self.sender = None,

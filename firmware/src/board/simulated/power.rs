@@ -45,6 +45,9 @@ pub struct Arguments {
     /// Microseconds of all starts before.
     #[arg(long, hide = true, default_value_t = 0)]
     pub elapsed_us: u64,
+    /// How often the program has started before.
+    #[arg(long, hide = true, default_value_t = 0)]
+    pub starts: usize,
     /// Notifications that the armband has sent before.
     #[arg(long, hide = true, default_value_t = 0)]
     pub sent: usize,
@@ -86,7 +89,8 @@ impl Arguments {
 pub fn fail(message: &dyn Display, reason: ResetReason) -> ! {
     hardware::set_levels(PinState::SAFE);
     let message = message.to_string().replace('\n', " ");
-    hardware::write_line(format!("# {message}\r\n").as_bytes());
+    let line = format!("# {message}\r\n");
+    hardware::write_line(line.as_bytes(), hardware::now_us());
     reset(reason)
 }
 
@@ -131,6 +135,7 @@ fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
         .arg(&arguments.out)
         .args(["--reset", reason])
         .args(["--elapsed-us", &elapsed.to_string()])
+        .args(["--starts", &(arguments.starts + 1).to_string()])
         .args(["--sent", &armband::sent().to_string()])
         .status()?;
     Ok(status.code().unwrap_or(1))

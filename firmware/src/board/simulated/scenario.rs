@@ -35,8 +35,12 @@ pub struct Scenario {
     /// Whether the page of the bound armband refuses to be written.
     #[serde(default)]
     pub page_fails: bool,
-    /// Power fails in the middle of this operation of flash, from 1 on, and comes back at once.
-    pub power_fails_at: Option<u32>,
+    /// Power fails in the middle of an operation of flash and comes back at once: after each start so many operations, from 1 on.
+    #[serde(default)]
+    pub power_fails_at: Vec<u32>,
+    /// How much of each is done, in percent; half of it where nothing is said.
+    #[serde(default)]
+    pub power_fails_done: Vec<u32>,
 }
 
 const fn once() -> f64 {
@@ -187,10 +191,21 @@ pub enum Act {
     Install {
         /// Notifications before.
         at: usize,
-        /// The line is pulled after so many blocks, and plugged in again after a second.
+        /// The line is pulled after so many blocks, for each number once.
         #[serde(default)]
-        pulled_after: Option<u32>,
+        pulled_after: Vec<u32>,
+        /// How many bytes of the block after them have passed by then, 40 where nothing is said; if it is all of them, its answer is
+        /// not heard.
+        #[serde(default)]
+        pulled_byte: Vec<usize>,
+        /// Milliseconds until it is plugged in again.
+        #[serde(default = "a_second")]
+        pulled_ms: u64,
     },
+}
+
+const fn a_second() -> u64 {
+    1000
 }
 
 impl Act {

@@ -1,0 +1,155 @@
+//! `myointent board install` and the emulated board, whose regions are memory that a reset keeps.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::ensure;
+use clap::Parser as _;
+use myointent::cli::Cli;
+use myointent_tests::emulator::{Bridge, Run, Scenario, bench, board};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+use shared::model::noise::Noise;
+use shared::stream::safe_state::Cause;
+use shared::uart_line::Kind;
+use shared::units::Sample;
+
+use super::{TIME_SCALE, bound, model};
+
+/// What the board says while an installation is not complete.
+const INCOMPLETE: &str = "# no model: an installation is not complete; `myointent board --port PATH install FILE` with the same \
+     file goes on with it";
+/// Resets in the middle of an installation.
+const RESETS: usize = 8;
+
+fn other() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/five-class.intent")
+}
+
+fn checksum() -> anyhow::Result<String> {
+    let file = std::fs::read(other())?;
+    let checksum = file
+        .last_chunk()
+        .map_or(0, |bytes| u32::from_le_bytes(*bytes));
+    Ok(format!("{checksum:08x}"))
+}
+
+/// The command, as a person gives it.
+fn install(port: &Path) -> ExitCode {
+    let (port, file) = (port.display().to_string(), other().display().to_string());
+    let line = ["myointent", "board", "--port", &port, "install", &file];
+    Cli::try_parse_from(line).expect("a command").run()
+}
+
+/// How often the board has answered that it took a block, or where it goes on.
+fn answered(run: &Run) -> usize {
+    let answers = run.answers();
+    answers
+        .iter()
+        .filter(|answer| answer.starts_with("OK,INSTALL,"))
+        .count()
+}
+
+#[test]
+fn a_model_is_installed_by_the_command_line_while_the_armband_streams() -> anyhow::Result<()> {
+    let test = "a_model_is_installed_by_the_command_line_while_the_armband_streams";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let mut noise = Noise(5);
+    let samples: Vec<Sample> = (0..60_000)
+        .map(|_| [(); 8].map(|()| (noise.signed() * 40.0) as i8))
+        .collect();
+    let mut run = bench.start(&Scenario {
+        model: &model(),
+        page: Some(bound()),
+        samples: &samples,
+        time_scale: TIME_SCALE,
+        pace: 1.0,
+        fault: None,
+        script: json!([]),
+        arguments: ["--end", "disconnect"].map(str::to_owned).to_vec(),
+    })?;
+    let valid = |run: &Run| run.pins().last().is_some_and(|pins| pins.valid);
+    run.wait_for("labels", valid)?;
+    let bridge = Bridge::start(run)?;
+    ensure!(install(bridge.port()) == ExitCode::SUCCESS, "not installed");
+    let mut run = bridge.run();
+    run.wait_for("labels of the new model", valid)?;
+    let identity = run.ask("$IDENTIFY*04\r\n")?;
+    ensure!(
+        identity.split(',').nth(5) == Some(&checksum()?),
+        "{identity}"
+    );
+    ensure!(
+        run.comments().iter().any(|comment| comment == INCOMPLETE),
+        "it does not say what is missing"
+    );
+    let mut states: Vec<_> = run
+        .reports()?
+        .iter()
+        .filter(|report| report.kind == Kind::State)
+        .map(|report| report.status.cause())
+        .collect();
+    states.dedup();
+    assert_eq!(
+        states,
+        [Some(Cause::Boot), None, Some(Cause::Installation), None]
+    );
+    run.check()
+}
+
+#[test]
+fn an_installation_goes_on_after_resets_at_random_moments() -> anyhow::Result<()> {
+    let Some(board) = board("an_installation_goes_on_after_resets_at_random_moments") else {
+        return Ok(());
+    };
+    let mut run = board.start_empty()?;
+    run.wait_for("the start", |run| !run.comments().is_empty())?;
+    let bridge = Bridge::start(run)?;
+    let port = bridge.port().to_owned();
+    // It goes on by itself, as with any board that is lost.
+    let command = std::thread::spawn(move || install(&port));
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    for number in 1..=RESETS {
+        // By what the board has said: no load of the machine moves it much.
+        let blocks = answered(&bridge.run()) + random.random_range(3..150);
+        while answered(&bridge.run()) < blocks {
+            ensure!(!command.is_finished(), "it ended: {}", bridge.run().tails());
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        bridge.run().reset()?;
+        let mut run = bridge.run();
+        run.wait_for("the start", |run| {
+            let comments = run.comments();
+            let starts = comments
+                .iter()
+                .filter(|comment| comment.starts_with("# myointent "));
+            // Behind the name of the program: why it is safe.
+            starts.count() == number + 1
+                && !comments[comments.len() - 1].starts_with("# myointent ")
+        })?;
+        let comments = run.comments();
+        let start = comments
+            .iter()
+            .rposition(|comment| comment.starts_with("# myointent "));
+        let said = &comments[start.unwrap_or(0)..];
+        ensure!(
+            said[0].contains(", model refused,") && said[1] == INCOMPLETE,
+            "{said:#?}"
+        );
+        ensure!(run.pins().iter().all(|pins| !pins.valid), "{}", run.tails());
+    }
+    let ended = command.join().expect("a command does not panic");
+    ensure!(ended == ExitCode::SUCCESS, "{}", bridge.run().tails());
+    // Without a controller the radio makes no progress: the watchdog starts the board again, with the new model.
+    let started = format!(", model {}, started by the watchdog", checksum()?);
+    let mut run = bridge.run();
+    run.wait_for("a start with the new model", |run| {
+        run.comments()
+            .iter()
+            .any(|comment| comment.ends_with(&started))
+    })?;
+    run.check()
+}

@@ -1,0 +1,81 @@
+//! The simulated board's log of what happened when, in microseconds since a start.
+
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+
+/// Where the board writes it.
+pub const EVENTS: &str = "events.out";
+
+/// From one start of the program to the next.
+#[derive(Clone, Default, Debug)]
+pub struct Start {
+    /// When each packet was received, and its number over all starts.
+    pub packets: Vec<(u64, usize)>,
+    /// When the last byte of each line had been sent, in the order of UART0's lines.
+    pub lines: Vec<u64>,
+    /// What was done to flash.
+    pub flash: Vec<FlashOperation>,
+    /// The end of it, where power failed.
+    pub loss: Option<Loss>,
+}
+
+/// An operation of flash.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct FlashOperation {
+    /// When it ended.
+    pub at_us: u64,
+    /// Whether it erased a page, and else wrote.
+    pub is_erasure: bool,
+    /// Where it began.
+    pub address: u32,
+}
+
+/// A loss of power.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Loss {
+    /// When.
+    pub at_us: u64,
+    /// Packets that the armband had sent before.
+    pub packets: usize,
+}
+
+/// Reads the log.
+pub fn read(path: &Path) -> anyhow::Result<Vec<Start>> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let mut starts = Vec::new();
+    for line in text.lines() {
+        add(&mut starts, line).with_context(|| line.to_owned())?;
+    }
+    Ok(starts)
+}
+
+fn add(starts: &mut Vec<Start>, line: &str) -> anyhow::Result<()> {
+    let mut words = line.split_whitespace();
+    let what = words.next().context("an empty line")?;
+    let at_us = words.next().context("no time")?.parse()?;
+    let number = words.next();
+    let number = || number.context("no number");
+    if what == "START" {
+        starts.push(Start::default());
+        return Ok(());
+    }
+    let start = starts.last_mut().context("before the start")?;
+    match what {
+        "PACKET" => start.packets.push((at_us, number()?.parse()?)),
+        "LINE" => start.lines.push(at_us),
+        "ERASE" | "WRITE" => start.flash.push(FlashOperation {
+            at_us,
+            is_erasure: what == "ERASE",
+            address: number()?.parse()?,
+        }),
+        "POWER" => {
+            start.loss = Some(Loss {
+                at_us,
+                packets: number()?.parse()?,
+            });
+        }
+        _ => bail!("nothing that a board writes"),
+    }
+    Ok(())
+}
