@@ -13,7 +13,7 @@ use burn::tensor::Device;
 use shared::stream::alignment::Alignment;
 use shared::units::{Millis, Sample, SampleIndex};
 
-use self::tuning::Outcome;
+use self::tuning::Heard;
 use super::event::Event;
 use super::hub::Hub;
 use super::outcome::Installing;
@@ -85,7 +85,7 @@ struct Running {
     /// How the armband sits, as the board is aligned.
     placement: Alignment,
     trouble: String,
-    tuning: Option<Receiver<Outcome>>,
+    tuning: Option<Receiver<Heard>>,
     /// The model file that was tuned last.
     tuned: Option<Vec<u8>>,
 }
@@ -220,15 +220,7 @@ impl Running {
             });
             self.told = Some(view);
         }
-        if let Some((told, tuned)) = self
-            .tuning
-            .as_ref()
-            .and_then(|tuning| tuning.try_recv().ok())
-        {
-            self.tuning = None;
-            self.tuned = tuned;
-            self.recorder.hub.publish(&Event::Tuning(told));
-        }
+        self.tell_tuning();
     }
 
     /// Asks the board's thread for it; that one tells what comes of it.
