@@ -201,6 +201,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             model: "models/three-class.intent".into(),
             device: BackendArguments { backend: None }.device()?,
             speed: 1,
+            unattended: false,
         }),
     })?;
     browser.look(1440, 900, "light", "no-preference");

@@ -32,6 +32,7 @@ pub fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live
             model: "models/three-class.intent".into(),
             device: BackendArguments { backend: None }.device().unwrap(),
             speed,
+            unattended: false,
         }),
     })
     .unwrap()
