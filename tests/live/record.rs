@@ -88,6 +88,11 @@ pub fn step(name: &str, state: &str) -> String {
     format!("document.getElementById('step-{name}')?.dataset.state === '{state}'")
 }
 
+/// Whether an element can be seen.
+pub fn is_seen(id: &str) -> String {
+    format!("document.getElementById('{id}')?.offsetParent instanceof Element")
+}
+
 /// Where pictures of the page are left to be looked at.
 pub fn pictures() -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("live");

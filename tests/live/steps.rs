@@ -5,12 +5,7 @@ use myointent::live::Source;
 
 use super::board::Board;
 use super::browser::Browser;
-use super::record::{SHORT, pictures, record, step};
-
-/// Whether an element can be seen.
-fn is_seen(id: &str) -> String {
-    format!("document.getElementById('{id}').offsetParent !== null")
-}
+use super::record::{SHORT, is_seen, pictures, record, step};
 
 #[test]
 fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
@@ -27,6 +22,7 @@ fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
 
     // It follows nobody: that is the step now, and nothing can be recorded.
     browser.wait_for(&step("bind", "now"));
+    browser.wait_for(&is_seen("bind"));
     assert_eq!(browser.value(&step("connect", "done")), true);
     for next in ["align", "record", "tune", "compare", "install"] {
         assert_eq!(browser.value(&step(next, "next")), true, "{next}");
