@@ -35,6 +35,9 @@ mod record;
 mod record_process;
 #[path = "live/server.rs"]
 mod server;
+#[cfg(target_os = "linux")]
+#[path = "live/steps.rs"]
+mod steps;
 #[path = "live/viewer.rs"]
 mod viewer;
 

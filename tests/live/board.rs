@@ -12,12 +12,12 @@ use rand_chacha::ChaCha8Rng;
 use serial2::SerialPort;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::myo::{Address, Counters};
+use shared::myo::{Address, Counters, Following};
 use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
-use shared::uart_line::answer::{Answer, Counts, Identity, Refusal};
-use shared::uart_line::command::{AlignCommand, Command, CommandReader};
+use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::uart_line::emg::EmgReport;
 use shared::units::{Millis, Sample, SampleIndex};
 
@@ -25,6 +25,8 @@ use super::{shipped, synthetic};
 
 /// Between two notifications: a quarter of what an armband takes.
 const PACE: Duration = Duration::from_micros(2500);
+/// Notifications that a pairing lasts: 2 s.
+const PAIRING: usize = 800;
 
 /// What happens to the board's bytes on their way.
 #[derive(Clone, Copy)]
@@ -45,16 +47,22 @@ pub struct Board {
 impl Board {
     /// Plays a board, its terminal at the path `link`.
     pub fn start(link: &Path, damage: Damage) -> Self {
-        Self::play(link, damage, Vec::new())
+        Self::play(link, damage, Vec::new(), Following::Pinned(armband()))
+    }
+
+    /// Plays a board that no armband is bound to yet; a first pairing hears none, a second one does.
+    pub fn unbound(link: &Path) -> Self {
+        Self::play(link, Damage::None, Vec::new(), Following::Nobody)
     }
 
     /// Plays a board that stays on, and whose line is pulled and put back: once for each of `dialogues`, after so many bytes,
     /// both ways, counted from the first one that a PC sends. No load of the machine moves a cut.
     pub fn pulled(link: &Path, dialogues: Vec<usize>) -> Self {
-        Self::play(link, Damage::None, dialogues)
+        let armband = Following::Pinned(armband());
+        Self::play(link, Damage::None, dialogues, armband)
     }
 
-    fn play(link: &Path, damage: Damage, dialogues: Vec<usize>) -> Self {
+    fn play(link: &Path, damage: Damage, dialogues: Vec<usize>, following: Following) -> Self {
         let (stop, raw) = (Arc::default(), Arc::default());
         let cuts = Arc::default();
         let wire = Wire {
@@ -71,7 +79,7 @@ impl Board {
         };
         let thread = {
             let (stop, raw) = (Arc::clone(&stop), Arc::clone(&raw));
-            std::thread::spawn(move || run(wire, &stop, &raw))
+            std::thread::spawn(move || run(wire, following, &stop, &raw))
         };
         let thread = Some(thread);
         Self {
@@ -121,8 +129,13 @@ impl Terminal {
     }
 }
 
+/// The armband that is bound, or heard in a pairing.
+fn armband() -> Address {
+    Address::parse("FA:12:34:56:78:9A").unwrap()
+}
+
 /// Samples of a recording at four times their speed, with labels, until it is stopped.
-fn run(mut wire: Wire, stop: &AtomicBool, raw: &AtomicBool) {
+fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &AtomicBool) {
     let bytes = shipped();
     let model = Model::parse(&bytes).unwrap();
     let encoder = HostEncoder::new(&model).unwrap();
@@ -136,7 +149,9 @@ fn run(mut wire: Wire, stop: &AtomicBool, raw: &AtomicBool) {
     wire.write("# myointent 0.1.0 0123456789ab, image test, started by power or reset\r\n");
     wire.write(&pipeline.state_report().to_string());
     let (pairs, _) = samples.as_chunks::<2>();
-    for (place, pair) in pairs.iter().cycle().enumerate() {
+    let (mut pairing, mut pairings) = (0, 0);
+    let mut streamed = pairs.iter().cycle().enumerate();
+    loop {
         if stop.load(Ordering::Relaxed) {
             return;
         }
@@ -154,8 +169,29 @@ fn run(mut wire: Wire, stop: &AtomicBool, raw: &AtomicBool) {
             if let Ok(Command::Align(AlignCommand::Begin)) = command {
                 pipeline.begin_alignment();
             }
-            wire.write(&answer(command).to_string());
+            let may_bind = following.address().is_none();
+            if may_bind && command == Ok(Command::Bind(BindCommand::Begin)) {
+                following = Following::Pairing;
+                pairing = PAIRING;
+                pairings += 1;
+            }
+            wire.write(&answer(command, following).to_string());
         }
+        if following == Following::Pairing {
+            pairing -= 1;
+            if pairing == 0 {
+                following = match pairings {
+                    1 => Following::Nobody,
+                    _ => Following::Bound(armband()),
+                };
+            }
+        }
+        let Some(_) = following.address() else {
+            continue;
+        };
+        let Some((place, pair)) = streamed.next() else {
+            return;
+        };
         let first = SampleIndex(2 * place as u32);
         let now = Millis(10 * place as u32);
         for &sample in pair {
@@ -173,14 +209,14 @@ fn run(mut wire: Wire, stop: &AtomicBool, raw: &AtomicBool) {
     }
 }
 
-fn answer(command: Result<Command, Refusal>) -> Answer<'static> {
+fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'static> {
     match command {
         Ok(Command::Identify) => Answer::Identity(Identity {
             version: "0.1.0",
             revision: "0123456789ab",
             image: "test",
             model: Some(7),
-            armband: Address::parse("FA:12:34:56:78:9A").ok(),
+            armband: following.address(),
             firmware: None,
             battery: Some(80),
         }),
@@ -194,7 +230,15 @@ fn answer(command: Result<Command, Refusal>) -> Answer<'static> {
         }),
         Ok(Command::Align(command)) => Answer::Align(command),
         Ok(Command::Raw(on)) => Answer::Raw(on),
-        Ok(Command::Bind(_)) => Answer::Refused(Refusal::BuiltIn),
+        Ok(Command::Bind(command))
+            if matches!(following, Following::Pinned(_)) && command != BindCommand::State =>
+        {
+            Answer::Refused(Refusal::BuiltIn)
+        }
+        Ok(Command::Bind(_)) => Answer::Binding(Binding {
+            following,
+            is_kept: true,
+        }),
         Ok(Command::Gate(_)) => Answer::Gate(Gate::default()),
         Ok(Command::Install(_) | Command::Block(..)) => Answer::Refused(Refusal::Flash),
         Err(refusal) => Answer::Refused(refusal),

@@ -2,7 +2,8 @@
 //! page in a browser; aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
 
 use std::fs::File;
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -22,7 +23,7 @@ use shared::stream::alignment::Alignment;
 use shared::units::Sample;
 
 use super::browser::Browser;
-use super::record::{SHORT, pictures};
+use super::record::{pictures, step};
 use super::shipped;
 use super::viewer::Viewer;
 
@@ -30,6 +31,10 @@ use super::viewer::Viewer;
 const TIME_SCALE: u32 = 2;
 /// How the armband sits.
 const TURNED: Alignment = Alignment::new(3, false);
+/// Two rounds of four openings and four fists, as often as the findings ask for: 62 s.
+const SESSION: &str = "rounds = 2\npause = 1\n\
+    sequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
+    [seconds]\nrelax = 1.5\nopen = 2\nclose = 2\n";
 /// Samples of a notification, and guest's time from one to the next.
 const PAIR: Duration = Duration::from_millis(10);
 /// For a machine that is busy with other work.
@@ -146,6 +151,32 @@ fn reach(browser: &mut Browser, expression: &str, mut meanwhile: impl FnMut(&mut
     }
 }
 
+/// A part of the way, which takes its time.
+struct Part(Instant);
+
+impl Part {
+    fn begin() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Of a clock that is so many times slower.
+    fn seconds(&self, scale: u32) -> f64 {
+        self.0.elapsed().as_secs_f64() / f64::from(scale)
+    }
+}
+
+/// A picture for the docs, in which the test's own folder has the name of the default one.
+fn photograph(browser: &mut Browser, folder: &Path, name: &str) {
+    let own = json!(folder.display().to_string());
+    let rename = format!(
+        "(() => {{ const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT); \
+         while (texts.nextNode()) {{ const text = texts.currentNode.data.replaceAll({own}, 'recordings'); \
+         if (text !== texts.currentNode.data) texts.currentNode.data = text; }} }})()"
+    );
+    browser.value(&rename);
+    browser.screenshot(&pictures().join(name));
+}
+
 #[test]
 fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> {
     let name = "from_a_turned_armband_to_ones_own_model_on_the_board";
@@ -185,7 +216,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     live.stop()?;
 
     // Align it, on the page of `record`.
-    let protocol = Protocol::parse("short.toml", SHORT)?;
+    let protocol = Protocol::parse("session.toml", SESSION)?;
     let live = live::start(Options {
         source: Source::Port(port),
         model: Some(shipped()),
@@ -197,10 +228,16 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             model: "models/three-class.intent".into(),
             device: BackendArguments { backend: None }.device()?,
             speed: 1,
+            unattended: false,
         }),
     })?;
+    browser.look(1440, 960, "light", "no-preference");
     browser.open(live.url());
+    reach(&mut browser, &step("bind", "done"), |_| {});
+    assert!(browser.text("step-bind").contains("FA:12:34:56:78:9A"));
     reach(&mut browser, valid, |_| {});
+    reach(&mut browser, &step("align", "now"), |_| {});
+    let aligned = Part::begin();
     browser.press("a");
     let placed = "document.getElementById('placement').textContent";
     let waiting = "document.getElementById('align').getAttribute('aria-pressed') === 'true'";
@@ -213,9 +250,14 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
             .is_some_and(|text| text.starts_with("turned by 3 places; aligned")),
         "{text}"
     );
+    assert_eq!(browser.value(&step("align", "done")), true);
+    assert!(browser.text("step-align").contains("turned by 3 places"));
+    let aligned = aligned.seconds(TIME_SCALE);
+    // All in view is from after the alignment.
+    wait(3.5);
     wearer.asked(Intent::Open);
-    wait(1.5);
-    browser.screenshot(&pictures().join("owner-aligned.png"));
+    wait(2.0);
+    photograph(&mut browser, folder.path(), "owner-aligned.png");
     wearer.asked(Intent::Relax);
 
     // Record it, and tune a model on it.
@@ -223,6 +265,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let phase =
         |phase: &str| format!("document.getElementById('session').dataset.phase === '{phase}'");
     browser.wait_for(&phase("waiting"));
+    let recorded = Part::begin();
     browser.press("Enter");
     let fist = "document.getElementById('task').textContent === 'Make a fist'";
     let go_on = |browser: &mut Browser| {
@@ -232,28 +275,36 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     };
     reach(&mut browser, fist, go_on);
     wait(1.0);
-    browser.screenshot(&pictures().join("owner-session.png"));
+    photograph(&mut browser, folder.path(), "owner-session.png");
     reach(&mut browser, &phase("over"), go_on);
     browser.wait_for("!document.getElementById('result').hidden");
+    let recorded = recorded.seconds(TIME_SCALE);
     let verdict = browser.text("verdict");
     assert!(
         verdict.starts_with("Good enough"),
         "{}",
         browser.text("result")
     );
+    // Traces and labels below the tables are to be seen.
+    browser.look(1440, 1060, "light", "no-preference");
+    let tuned = Part::begin();
     browser.press("t");
     browser.wait_for("Boolean(document.getElementById('tuned').dataset.state)");
     let state = "document.getElementById('tuned').dataset.state";
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
+    // On the computer, whose clock is not slowed down.
+    let tuned = tuned.seconds(1);
     assert_eq!(browser.value(state), "better", "{}", browser.text("tuned"));
     assert!(browser.text("commands").contains("myointent board --port"));
-    browser.screenshot(&pictures().join("owner-tuned.png"));
+    photograph(&mut browser, folder.path(), "owner-tuned.png");
 
     // On the board, without a restart.
+    let installed = Part::begin();
     browser.press("i");
     let state = "document.getElementById('installed').dataset.state";
     browser.wait_for(&format!("{state} === 'running'"));
     reach(&mut browser, &format!("{state} !== 'running'"), |_| {});
+    let installed = installed.seconds(TIME_SCALE);
     assert_eq!(
         browser.value(state),
         "done",
@@ -281,7 +332,14 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     }
     wearer.asked(Intent::Close);
     wait(1.5);
-    browser.screenshot(&pictures().join("owner-own-model.png"));
+    photograph(&mut browser, folder.path(), "owner-own-model.png");
+    let main = "document.querySelectorAll('#result button.main').length";
+    assert_eq!(browser.value(main), 0, "nothing is left to do");
+    println!(
+        "seconds of the board: aligned {aligned:.0}, recorded {recorded:.0}, installed {installed:.0}; \
+         of the computer: tuned {tuned:.0}; together {:.0}",
+        aligned + recorded + tuned + installed
+    );
     assert_eq!(browser.complaints, [""; 0]);
     live.stop()?;
     follows.join().unwrap();

@@ -61,6 +61,10 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
         ("phone-dark", 390, 844, "dark"),
     ] {
         browser.look(width, height, scheme, "no-preference");
+        if width < 400 {
+            // A gesture says more than rest.
+            browser.wait_for("document.getElementById('label').textContent === 'close' && document.getElementById('truth').lastChild.textContent === 'close'");
+        }
         std::thread::sleep(Duration::from_millis(400));
         browser.screenshot(&pictures().join(format!("{name}.png")));
         let fits = "document.documentElement.scrollWidth <= innerWidth";

@@ -32,6 +32,7 @@ pub fn record(folder: &Path, source: Source, protocol: &str, speed: u32) -> Live
             model: "models/three-class.intent".into(),
             device: BackendArguments { backend: None }.device().unwrap(),
             speed,
+            unattended: false,
         }),
     })
     .unwrap()
@@ -80,6 +81,16 @@ pub fn assert_equal(files: &[BTreeMap<usize, Sample>], source: &[Sample]) -> usi
         }
     }
     files.iter().map(BTreeMap::len).sum()
+}
+
+/// Whether a step is `done`, `now` or `next`.
+pub fn step(name: &str, state: &str) -> String {
+    format!("document.getElementById('step-{name}')?.dataset.state === '{state}'")
+}
+
+/// Whether an element can be seen.
+pub fn is_seen(id: &str) -> String {
+    format!("document.getElementById('{id}')?.offsetParent instanceof Element")
 }
 
 /// Where pictures of the page are left to be looked at.
@@ -192,6 +203,16 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
     let shown =
         "!document.getElementById('session').hidden && document.title === 'myointent record'";
     assert_eq!(browser.value(shown), true);
+    let steps = "[...document.querySelectorAll('#steps li')].map((step) => `${step.id} ${step.dataset.state}`).join()";
+    assert_eq!(
+        browser.value(steps),
+        "step-connect done,step-record now,step-tune next,step-compare next"
+    );
+    assert_eq!(
+        browser.value("document.getElementById('legend').offsetParent"),
+        Value::Null,
+        "a legend of scores that are not drawn"
+    );
     browser.press("Enter");
     let task = |text: &str| format!("document.getElementById('task').textContent === '{text}'");
     browser.wait_for(&task("Open the hand wide"));
@@ -228,15 +249,29 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
             .text("commands")
             .contains("myointent personalize --model")
     );
+    let main =
+        "[...document.querySelectorAll('#result button.main')].map((button) => button.id).join()";
+    assert_eq!(browser.value(main), "tune");
+    let mut beside = Viewer::connect(live.url());
+    beside.find("samples", |_| true);
     browser.press("t");
     // Some seconds of both cores, which may be busy.
     let tuning = "document.getElementById('tuned').dataset.state === 'running'";
     browser.wait_for("Boolean(document.getElementById('tuned').dataset.state)");
     let end = Instant::now() + Duration::from_secs(400);
-    while browser.value(tuning) == true {
+    let mut shares = Vec::new();
+    while shares.last() != Some(&(0, 0)) {
         assert!(Instant::now() < end, "{}", browser.text("tuned"));
-        std::thread::sleep(Duration::from_millis(200));
+        let message = beside.next().expect("a message, not the end");
+        if message["type"] == "tuning" {
+            let number = |field: &str| message[field].as_u64().unwrap();
+            shares.push((number("steps"), number("of")));
+        }
     }
+    // Before the first step and after each; then it is over.
+    let expected = (0..=40).map(|steps| (steps, 40)).chain([(0, 0)]);
+    assert!(shares.iter().copied().eq(expected), "{shares:?}");
+    browser.wait_for(&format!("!({tuning})"));
     let state = browser.value("document.getElementById('tuned').dataset.state");
     let written = folder.path().join("anna/anna.intent").exists();
     assert_ne!(state, "failed", "{}", browser.text("tuned"));
@@ -248,6 +283,12 @@ fn a_guided_session_in_a_browser_ends_with_a_tuned_model() {
         true
     );
     assert!(browser.text("scores").contains("balanced accuracy"));
+    for done in ["record", "tune", "compare"] {
+        assert_eq!(browser.value(&step(done, "done")), true, "{done}");
+    }
+    assert!(browser.text("step-compare").contains("tuned"));
+    let next = if written { "" } else { "again" };
+    assert_eq!(browser.value(main), next);
     browser.screenshot(&pictures().join("record-result.png"));
     browser.press("n");
     browser.wait_for(&phase("waiting"));

@@ -110,7 +110,8 @@ fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps
     assert!(matches!(&kept[..], [(_, Ok(_))]), "{kept:?}");
     assert_eq!(bench.journals(), 0);
     assert_equal(&recorded(&bench.out()), &bench.samples);
-    // 16 times as fast as an armband: a line of 20 samples, and what the recorder had not yet been handed.
+    // 16 times as fast as an armband: 0.2 s of the process (docs/record.md), a line of 20 samples and what the recorder had not
+    // yet been handed.
     let last = last_sample(&bench.out());
     assert!(last + 16 * 40 > seen, "{last} of {seen}");
 }

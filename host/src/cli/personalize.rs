@@ -91,6 +91,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &settings,
         &device,
         &Interrupt::listen(),
+        // A bar in the terminal shows it.
+        |_| (),
     )?;
     if done.seen_before {
         progress::log(&format!(

@@ -12,7 +12,7 @@ use super::read_model;
 use crate::cli::arguments::BackendArguments;
 use crate::execution::progress;
 use crate::live::{Options, RecordOptions};
-use crate::record::protocol::{self, BUILT_IN, Protocol};
+use crate::record::protocol::{self, BUILT_IN, Course, Protocol};
 use crate::record::{self, Kept};
 
 /// Arguments of `record`.
@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Play a demo or a replay so many times as fast, to try a protocol out.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16), conflicts_with = "port")]
     speed: u32,
+    /// Begin by itself and end with the session, to try a protocol out with --demo or --replay; nobody has to look.
+    #[arg(long, conflicts_with_all = ["port", "bluetooth"])]
+    unattended: bool,
     /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
     /// the connection is not encrypted.
     #[arg(long, value_name = "ADDR", value_parser = listen)]
@@ -83,6 +86,11 @@ fn person(name: &str) -> Result<String, String> {
 /// When protocol or model are refused, the source cannot be read or the address cannot be listened on.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = Protocol::find(&arguments.protocol)?;
+    if arguments.unattended && matches!(protocol.course, Course::Free { .. }) {
+        anyhow::bail!(
+            "--unattended: a free session has no end; leave it out, or give another protocol"
+        );
+    }
     let model = arguments.model.as_deref().map(read_model).transpose()?;
     let source = arguments.source.source(arguments.name.as_deref())?;
     let device = arguments.backend.device()?;
@@ -100,6 +108,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             .unwrap_or_else(|| Path::new("models/three-class.intent").to_owned()),
         device,
         speed: arguments.speed,
+        unattended: arguments.unattended,
     };
     serve(address, port, |listen: SocketAddr| Options {
         source,

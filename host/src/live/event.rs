@@ -7,7 +7,7 @@ use shared::stream::alignment::Alignment;
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
-use shared::uart_line::answer::{Counts, Identity};
+use shared::uart_line::answer::{Binding, Counts, Identity};
 use shared::units::Sample;
 
 use super::lead::ViewerId;
@@ -46,6 +46,14 @@ pub(crate) enum Event {
         armband: Option<String>,
         firmware: Option<String>,
         battery: Option<u8>,
+    },
+    /// Which armband the board follows, and why.
+    Binding {
+        /// `built-in`, `bound`, `strongest`, `nobody` or `pairing`.
+        state: &'static str,
+        armband: Option<String>,
+        /// Whether it outlasts a restart.
+        kept: bool,
     },
     /// What the board has lost and dropped since its start.
     Counts {
@@ -132,6 +140,7 @@ pub(crate) enum Topic {
     Source,
     Model,
     Board,
+    Binding,
     Counts,
     Line,
     Report,
@@ -150,6 +159,7 @@ impl Event {
             Self::Source { .. } => Topic::Source,
             Self::Model { .. } => Topic::Model,
             Self::Board { .. } => Topic::Board,
+            Self::Binding { .. } => Topic::Binding,
             Self::Counts { .. } => Topic::Counts,
             Self::Line { .. } => Topic::Line,
             Self::Report { .. } => Topic::Report,
@@ -227,6 +237,15 @@ impl Event {
             armband: identity.armband.map(|address| address.to_string()),
             firmware: identity.firmware.map(firmware),
             battery: identity.battery,
+        }
+    }
+
+    pub(crate) fn of_binding(binding: &Binding) -> Self {
+        let armband = binding.following.address();
+        Self::Binding {
+            state: binding.name(),
+            armband: armband.map(|address| address.to_string()),
+            kept: binding.is_kept,
         }
     }
 

@@ -100,7 +100,13 @@ impl Hub {
     /// Another stream begins: what was known about labels and placement of the one before is not told any more.
     pub(crate) fn forget_stream(&self) {
         let mut state = self.lock();
-        for topic in [Topic::Report, Topic::Alignment, Topic::Board, Topic::Counts] {
+        for topic in [
+            Topic::Report,
+            Topic::Alignment,
+            Topic::Board,
+            Topic::Binding,
+            Topic::Counts,
+        ] {
             state.newest.remove(&topic);
         }
     }

@@ -110,12 +110,15 @@ impl Stream {
     }
 }
 
+/// A recorder that runs, and what ends it.
+type Recording = (Stop, JoinHandle<anyhow::Result<()>>);
+
 /// The page while it is served.
 #[derive(Debug)]
 pub struct Live {
     stream: Stream,
     server: Server,
-    recording: Option<(Stop, JoinHandle<()>)>,
+    recording: Option<Recording>,
     url: String,
 }
 
@@ -147,8 +150,8 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
             hub: hub.clone(),
             asked,
         };
-        let (thread, stop, sender) = record_beside(&hub, recorder)?;
-        recording = Some((stop, thread));
+        let (running, sender) = record_beside(&hub, recorder)?;
+        recording = Some(running);
         wishes = Some(sender);
     }
     let stream = Stream::start(hub.clone(), options.source, options.model, played, requests)?;
@@ -162,10 +165,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
 }
 
 /// Starts a recorder; wishes go to it through the sender.
-fn record_beside(
-    hub: &Hub,
-    recorder: Recorder,
-) -> anyhow::Result<(JoinHandle<()>, Stop, SyncSender<Wish>)> {
+fn record_beside(hub: &Hub, recorder: Recorder) -> anyhow::Result<(Recording, SyncSender<Wish>)> {
     let stop = Stop::default();
     let stopped = stop.clone();
     let (events, heard) = mpsc::channel();
@@ -174,7 +174,7 @@ fn record_beside(
     let thread = std::thread::Builder::new()
         .name("recorder".to_owned())
         .spawn(move || recorder.run(&heard, &wishes, &stopped))?;
-    Ok((thread, stop, sender))
+    Ok(((stop, thread), sender))
 }
 
 /// Shows a stream in the terminal until the user leaves or `over`.
@@ -202,24 +202,31 @@ impl Live {
         &self.url
     }
 
-    /// Whether the source has ended by itself, which only an error makes it do.
+    /// Whether the source has ended by itself, which only an error makes it do, or an unattended session is over.
     #[must_use]
     pub fn is_over(&self) -> bool {
+        let recording = self.recording.as_ref();
         self.stream.source.is_finished()
+            || recording.is_some_and(|(_, recorder)| recorder.is_finished())
     }
 
     /// Ends source and server; viewers are told.
     ///
     /// # Errors
-    /// What ended the source before.
+    /// What ended the source before, or kept an unattended session from being written.
     pub fn stop(self) -> anyhow::Result<()> {
         let hub = self.stream.hub.clone();
-        let result = self.stream.stop();
+        let mut result = self.stream.stop();
         // After the last sample.
         if let Some((stop, thread)) = self.recording {
             stop.request();
-            // A panic was printed, and what was recorded is in the journal.
-            let _ = thread.join();
+            // A panic was printed.
+            let recorded = thread.join().unwrap_or_else(|_| {
+                Err(anyhow::anyhow!(
+                    "the recorder ended; what was recorded is in the journal"
+                ))
+            });
+            result = result.and(recorded);
         }
         hub.publish(&Event::End);
         self.server.stop();

@@ -30,12 +30,15 @@ pub(crate) struct Row {
 }
 
 /// What a tuning does.
-#[derive(Clone, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub(crate) struct Tuning {
     /// `running`, `better`, `worse` or `failed`.
     pub(crate) state: &'static str,
     /// What to know and to do.
     pub(crate) text: String,
+    /// How many steps are taken, of how many; 0 of 0 while it does not run.
+    pub(crate) steps: usize,
+    pub(crate) of: usize,
     pub(crate) rows: Vec<Row>,
     /// Commands that come next.
     pub(crate) commands: Vec<String>,

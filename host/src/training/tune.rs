@@ -11,7 +11,7 @@ use super::schedule::LearningRate;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::run_folder::RunError;
 
-/// The model after the steps of one epoch; none if the user interrupts.
+/// The model after the steps of one epoch; none if the user interrupts. `report` is told how many steps are taken.
 ///
 /// # Errors
 /// When a loss is infinite or no number.
@@ -20,6 +20,7 @@ pub(crate) fn tune<L: Learner>(
     model: L::Model,
     config: TrainConfig,
     interrupt: &Interrupt,
+    mut report: impl FnMut(usize),
 ) -> Result<Option<L::Model>, RunError> {
     let schedule = LearningRate::new(config.learning_rate, config.lr_schedule, learner.steps());
     let epoch = Epoch {
@@ -32,6 +33,9 @@ pub(crate) fn tune<L: Learner>(
     let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
     let mut optimizer = optimizer(config.weight_decay);
     let start = Start::default();
-    let done = epoch.take(learner, model, &mut optimizer, &mut rng, start, |_| Ok(()))?;
+    let done = epoch.take(learner, model, &mut optimizer, &mut rng, start, |taken| {
+        report(taken.steps);
+        Ok(())
+    })?;
     Ok(done.map(|trained| trained.model))
 }

@@ -236,15 +236,23 @@ impl fmt::Display for Identity<'_> {
     }
 }
 
-impl fmt::Display for Binding {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = match self.following {
+impl Binding {
+    /// Why this armband is followed, as the line has it.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self.following {
             Following::Pinned(_) => "built-in",
             Following::Bound(_) => "bound",
             Following::Strongest => "strongest",
             Following::Nobody => "nobody",
             Following::Pairing => "pairing",
-        };
+        }
+    }
+}
+
+impl fmt::Display for Binding {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.name();
         let is_kept = u8::from(self.is_kept);
         match self.following.address() {
             Some(address) => write!(formatter, "{name},{address},{is_kept}"),

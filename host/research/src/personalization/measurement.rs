@@ -112,8 +112,16 @@ impl Measurement<'_> {
     fn measure(&self, model: &[u8], person: &Person) -> Result<Measured, PersonalizeError> {
         let (pool, judged) = person.whole().divided()?;
         let values = |file: &[u8]| judge("", file, &judged).map(|score| values(&score));
-        let tuned =
-            |part: &Part<'_>| tune(model, part, self.settings, &self.device, self.interrupt);
+        let tuned = |part: &Part<'_>| {
+            tune(
+                model,
+                part,
+                self.settings,
+                &self.device,
+                self.interrupt,
+                |_| (),
+            )
+        };
         let before = values(model)?;
         let mut amounts = Vec::new();
         for &seconds in self.amounts {

@@ -5,6 +5,7 @@ import { CHANNELS, Seen } from "./seen.js";
 import { Clock, RATE } from "./clock.js";
 import { Panel, alignmentText } from "./panel.js";
 import { Session } from "./session.js";
+import { Steps } from "./steps.js";
 import { Traces } from "./traces.js";
 import { csv, download, fileName } from "./save.js";
 
@@ -15,6 +16,7 @@ const panel = new Panel();
 const traces = new Traces(find("traces"));
 const armband = new Armband(find("armband"), find("placement"));
 const session = new Session(say);
+const steps = new Steps(say);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 let socket = null;
@@ -129,6 +131,7 @@ function connect() {
   socket.onmessage = ({ data }) => {
     for (const message of JSON.parse(data)) {
       TAKE[message.type]?.(message);
+      steps.take(message);
     }
   };
   socket.onclose = () => {

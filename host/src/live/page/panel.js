@@ -99,12 +99,21 @@ export class Panel {
   }
 }
 
-/** An alignment in words. */
-export function alignmentText({ state, gestures, turn, mirrored, distance, margin }) {
+/** How the armband sits, in words. */
+export function placement({ turn, mirrored }) {
   const turned = turn ? `turned by ${turn} place${turn === 1 ? "" : "s"}` : "";
   const parts = [turned, mirrored ? "mirrored (other arm)" : ""].filter(Boolean);
-  const placement = parts.join(", ") || "as in training";
+  return parts.join(", ") || "as in training";
+}
+
+/** What an alignment does, or what came of it, in words. */
+export function outcome({ state, gestures }) {
+  return (ALIGNMENTS[state] ?? (() => state))(gestures);
+}
+
+/** Both. */
+export function alignmentText(message) {
+  const { distance, margin } = message;
   const quality = distance === null ? "" : ` (distance ${distance / 100}, margin ${margin / 100})`;
-  const word = (ALIGNMENTS[state] ?? (() => state))(gestures);
-  return `${placement}; ${word}${quality}`;
+  return `${placement(message)}; ${outcome(message)}${quality}`;
 }

@@ -21,6 +21,8 @@ const number = (value, digits) => (value === null ? "–" : value.toFixed(digits
 export class Result {
   isTuning = false;
   isInstalling = false;
+  /** The button that comes next; null if none does. */
+  next = null;
   #kept = null;
 
   kept(message) {
@@ -37,17 +39,20 @@ export class Result {
       item.append(made("b", { note: "note", warning: "warning", serious: "mend this" }[severity]), made("span", text), made("span", advice, "quiet"));
       return item;
     }));
+    this.next = good ? "tune" : "again";
     this.#scores([]);
+    this.#taken(null);
     find("tuned").textContent = "";
     this.#install(false);
     this.#commands([]);
   }
 
-  tuning({ state, text, rows, commands, installs }) {
+  tuning({ state, text, steps, of, rows, commands, installs }) {
     this.isTuning = state === "running";
+    this.next = { better: installs ? "install" : null, worse: "again" }[state] ?? (state === "failed" ? "tune" : null);
     const words = { running: "Tuning:", better: "The tuned model is kept:", worse: "The old model stays:", failed: "Not tuned:" };
-    find("tuned").dataset.state = state;
-    find("tuned").replaceChildren(made("b", words[state]), ` ${text}`);
+    this.#told("tuned", state, words[state], text);
+    this.#taken(this.isTuning ? steps / (of || 1) : null);
     this.#scores(rows);
     this.#install(installs);
     if (state !== "running") {
@@ -57,13 +62,9 @@ export class Result {
 
   installing({ state, text, blocks, of }) {
     this.isInstalling = state === "running";
+    this.next = state === "done" ? null : "install";
     const words = { running: "Installing:", done: "Installed:", failed: "Not installed:" };
-    const told = find("installed");
-    // As it goes on, the bar alone changes: the sentence is read out once.
-    if (told.textContent !== `${words[state]} ${text}`) {
-      told.dataset.state = state;
-      told.replaceChildren(made("b", words[state]), ` ${text}`);
-    }
+    this.#told("installed", state, words[state], text);
     find("sent").hidden = !this.isInstalling;
     find("sent").max = of || 1;
     find("sent").value = blocks;
@@ -72,8 +73,26 @@ export class Result {
   clear() {
     this.#kept = null;
     this.isTuning = false;
+    this.next = null;
+    this.#taken(null);
     this.#install(false);
     find("result").hidden = true;
+  }
+
+  // As it goes on, the bar alone changes: the sentence is read out once.
+  #told(id, state, word, text) {
+    const told = find(id);
+    if (told.textContent !== `${word} ${text}`) {
+      told.dataset.state = state;
+      told.replaceChildren(made("b", word), ` ${text}`);
+    }
+  }
+
+  /** The share of a tuning's steps that are taken; null if none is in progress. */
+  #taken(share) {
+    find("taken").hidden = find("percent").hidden = share === null;
+    find("taken").value = share ?? 0;
+    find("percent").textContent = `${Math.floor(100 * (share ?? 0))} %`;
   }
 
   /** Whether there is something to put on a board; nothing is known of it yet. */

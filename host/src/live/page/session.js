@@ -22,7 +22,7 @@ const HINTS = {
   disk: "What was recorded is kept. Free some space, then go on.",
 };
 
-const KEYS = { Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
+const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };
 const BUTTONS = ["begin", "repeat", "hold", "finish"];
 const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 
@@ -58,7 +58,7 @@ export class Session {
   hello({ you, record }) {
     this.#you = you;
     this.#leader = null;
-    this.#root.hidden = !record;
+    find("lead").hidden = this.#root.hidden = !record;
     document.body.dataset.mode = record ? "record" : "live";
     write(find("title"), record ? "record" : "live");
     document.title = record ? "myointent record" : "myointent live";
@@ -255,6 +255,9 @@ export class Session {
     find("again").disabled = watches || this.#result.isInstalling || view.phase !== "over";
     find("tune").disabled = watches || this.#result.isTuning || this.#result.isInstalling;
     find("install").disabled = watches || this.#result.isInstalling;
+    for (const id of ["tune", "again", "install"]) {
+      find(id).classList.toggle("main", id === this.#result.next);
+    }
     write(find("watching"), watches ? "another page leads; this one watches" : "");
     for (const button of find("marks").children) {
       button.disabled = view.phase !== "cued" || watches;

@@ -249,9 +249,4 @@ export class Traces {
   get hold() {
     return this.model?.hold ?? 20;
   }
-
-  /** Samples from one label to the next. */
-  get hold() {
-    return this.model?.hold ?? 20;
-  }
 }

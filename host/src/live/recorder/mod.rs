@@ -13,7 +13,7 @@ use burn::tensor::Device;
 use shared::stream::alignment::Alignment;
 use shared::units::{Millis, Sample, SampleIndex};
 
-use self::tuning::Outcome;
+use self::tuning::Heard;
 use super::event::Event;
 use super::hub::Hub;
 use super::outcome::Installing;
@@ -40,6 +40,8 @@ pub struct RecordOptions {
     pub device: Device,
     /// How many times faster a demo or a recording plays, to try a protocol out.
     pub speed: u32,
+    /// Begin by itself when samples come, and end with the session: nobody looks at the cues.
+    pub unattended: bool,
 }
 
 /// What a viewer wants of a session.
@@ -85,14 +87,22 @@ struct Running {
     /// How the armband sits, as the board is aligned.
     placement: Alignment,
     trouble: String,
-    tuning: Option<Receiver<Outcome>>,
+    tuning: Option<Receiver<Heard>>,
     /// The model file that was tuned last.
     tuned: Option<Vec<u8>>,
 }
 
 impl Recorder {
-    /// Leads through sessions until it is stopped; then ends and keeps the one in progress.
-    pub(super) fn run(self, events: &Receiver<Event>, wishes: &Receiver<Wish>, stop: &Stop) {
+    /// Leads through sessions until it is stopped, or an unattended one is over; then ends and keeps the one in progress.
+    ///
+    /// # Errors
+    /// When an unattended session cannot be written; viewers are told otherwise.
+    pub(super) fn run(
+        self,
+        events: &Receiver<Event>,
+        wishes: &Receiver<Wish>,
+        stop: &Stop,
+    ) -> anyhow::Result<()> {
         let session = Session::new(self.options.protocol.clone());
         let mut running = Running {
             recorder: self,
@@ -125,11 +135,15 @@ impl Recorder {
                 Err(_) => break,
             }
             running.flush();
+            if running.recorder.options.unattended && running.lead()? {
+                break;
+            }
         }
         if running.journal.is_some() {
             running.wish(Wish::Action(Action::Finish));
             running.tell();
         }
+        Ok(())
     }
 }
 
@@ -210,6 +224,16 @@ impl Running {
         }
     }
 
+    /// Of an unattended session: begins it when samples come, and goes on after a wait; whether it is over.
+    fn lead(&mut self) -> anyhow::Result<bool> {
+        let is_over = self.session.is_over() && self.journal.is_none();
+        if !is_over && !self.session.is_running() && self.session.has_stream() {
+            self.wish(Wish::Action(Action::Begin));
+        }
+        anyhow::ensure!(self.trouble.is_empty(), "{}", self.trouble);
+        Ok(is_over)
+    }
+
     /// Tells viewers what has changed.
     pub(super) fn tell(&mut self) {
         let view = self.session.view();
@@ -220,15 +244,7 @@ impl Running {
             });
             self.told = Some(view);
         }
-        if let Some((told, tuned)) = self
-            .tuning
-            .as_ref()
-            .and_then(|tuning| tuning.try_recv().ok())
-        {
-            self.tuning = None;
-            self.tuned = tuned;
-            self.recorder.hub.publish(&Event::Tuning(told));
-        }
+        self.tell_tuning();
     }
 
     /// Asks the board's thread for it; that one tells what comes of it.

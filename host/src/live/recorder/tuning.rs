@@ -22,7 +22,16 @@ const SHOWN: [(Measure, &str); 4] = [
 ];
 
 /// What viewers are told, and the model file, if it is kept.
-pub(super) type Outcome = (Tuning, Option<Vec<u8>>);
+type Outcome = (Tuning, Option<Vec<u8>>);
+
+/// A tuning on its thread.
+#[derive(Debug)]
+pub(super) enum Heard {
+    /// So many steps are taken.
+    Steps(usize),
+    /// It is over.
+    Ended(Outcome),
+}
 
 impl Running {
     /// Begins; what comes of it is told later.
@@ -43,28 +52,59 @@ impl Running {
             ),
         ];
         let work = move || {
-            let tuned = match tuned(&model, &folder, &device) {
+            // A recorder that has ended wants no answer.
+            let report = |steps| drop(sender.send(Heard::Steps(steps)));
+            let ended = match tuned(&model, &folder, &device, report) {
                 Ok(done) => told(done, &out, next, installs),
                 Err(error) => (failed(error), None),
             };
-            // A recorder that has ended wants no answer.
-            let _ = sender.send(tuned);
+            let _ = sender.send(Heard::Ended(ended));
         };
         let thread = std::thread::Builder::new().name("tuning".to_owned());
         let state = match thread.spawn(work) {
             Ok(_) => {
                 self.tuning = Some(receiver);
-                Tuning {
-                    state: "running",
-                    text: "on all of this person's recordings; some seconds".to_owned(),
-                    rows: Vec::new(),
-                    commands: Vec::new(),
-                    installs: false,
-                }
+                running(0)
             }
             Err(error) => failed(error.to_string()),
         };
         self.recorder.hub.publish(&Event::Tuning(state));
+    }
+
+    /// Tells viewers how far it is, and what came of it.
+    pub(super) fn tell_tuning(&mut self) {
+        while let Some(heard) = self
+            .tuning
+            .as_ref()
+            .and_then(|tuning| tuning.try_recv().ok())
+        {
+            let told = match heard {
+                Heard::Steps(steps) => running(steps),
+                Heard::Ended((told, tuned)) => {
+                    self.tuning = None;
+                    self.tuned = tuned;
+                    told
+                }
+            };
+            self.recorder.hub.publish(&Event::Tuning(told));
+        }
+    }
+}
+
+/// After so many steps.
+fn running(steps: usize) -> Tuning {
+    let of = TuningSettings::default().steps;
+    let text = if steps == of {
+        "both models are judged on what was held back"
+    } else {
+        "on all of this person's recordings"
+    };
+    Tuning {
+        state: "running",
+        text: text.to_owned(),
+        steps,
+        of,
+        ..Tuning::default()
     }
 }
 
@@ -72,6 +112,7 @@ fn tuned(
     model: &[u8],
     folder: &Path,
     device: &burn::tensor::Device,
+    report: impl FnMut(usize),
 ) -> Result<Personalized, String> {
     let library = load(folder, &LoadOptions::default()).map_err(|error| error.to_string())?;
     let settings = TuningSettings::default();
@@ -82,6 +123,7 @@ fn tuned(
         &settings,
         device,
         &Interrupt::default(),
+        report,
     )
     .map_err(|error| error.to_string())
 }
@@ -90,9 +132,7 @@ fn failed(text: String) -> Tuning {
     Tuning {
         state: "failed",
         text,
-        rows: Vec::new(),
-        commands: Vec::new(),
-        installs: false,
+        ..Tuning::default()
     }
 }
 
@@ -114,8 +154,7 @@ fn told(done: Personalized, out: &Path, next: Vec<String>, installs: bool) -> Ou
             "the tuned one is worse {held}. Nothing is written; more recordings may help."
         ),
         rows: rows.to_vec(),
-        commands: Vec::new(),
-        installs: false,
+        ..Tuning::default()
     };
     if !done.is_not_worse() {
         return (worse, None);

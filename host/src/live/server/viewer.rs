@@ -56,6 +56,8 @@ enum Said {
     Align,
     /// End it.
     Cancel,
+    /// Begin a pairing of the board.
+    Bind,
     /// Of the recording session.
     Session { wish: SessionWish },
     /// Free: this is done from now on.
@@ -175,6 +177,7 @@ impl Viewer {
             // A source that takes no requests is busy or ending: the viewer sees that nothing happens.
             Said::Align => drop(self.requests.try_send(Request::Align)),
             Said::Cancel => drop(self.requests.try_send(Request::CancelAlignment)),
+            Said::Bind => drop(self.requests.try_send(Request::Bind)),
             Said::Session { wish } => self.wish(wish.wish()),
             Said::Gesture { class } => {
                 if let Some(intent) = Intent::from_name(&class) {

@@ -13,7 +13,7 @@ use serial2::SerialPort;
 use shared::model::Encode;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::uart_line::command::{AlignCommand, Command};
+use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Millis;
 
 use super::dialogue::{Dialogue, Heard, Losses};
@@ -192,14 +192,15 @@ impl<E: Encode> Session<'_, '_, E> {
             self.send(command)?;
         }
         while let Ok(request) = self.context.requests.try_recv() {
-            self.send(Command::Align(match request {
-                Request::Align => AlignCommand::Begin,
-                Request::CancelAlignment => AlignCommand::Cancel,
+            self.send(match request {
+                Request::Align => Command::Align(AlignCommand::Begin),
+                Request::CancelAlignment => Command::Align(AlignCommand::Cancel),
+                Request::Bind => Command::Bind(BindCommand::Begin),
                 Request::Install(model) => {
                     self.leave();
                     return Err(Ended::Installs(model));
                 }
-            }))?;
+            })?;
         }
         Ok(())
     }

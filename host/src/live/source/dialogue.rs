@@ -1,20 +1,18 @@
 //! The dialogue with a board, without I/O: bytes and time in; events and commands out.
 
+mod schedule;
+
+use shared::myo::Following;
 use shared::stream::alignment::Alignment;
 use shared::uart_line::answer::Answer;
-use shared::uart_line::command::{AlignCommand, Command};
+use shared::uart_line::command::Command;
 use shared::uart_line::emg::EmgReport;
 use shared::uart_line::line::{Line, LineReader};
 use shared::units::{Millis, SampleIndex};
 
+use self::schedule::Schedule;
 use crate::live::event::Event;
 
-/// How often the board is asked for its losses.
-const COUNTERS_MS: u32 = 2_000;
-/// How often it is asked what it is, and how it is aligned: the battery changes slowly, and a line may have been lost.
-const IDENTIFY_MS: u32 = 10_000;
-/// Without samples for so long the raw stream is asked for again: the board may have restarted.
-const RAW_MS: u32 = 1_000;
 /// Without a line for so long nothing that is known here is connected. A board answers every command.
 const SILENCE_MS: u32 = 5_000;
 
@@ -38,10 +36,7 @@ pub(super) struct Dialogue {
     began: Millis,
     heard: Option<Millis>,
     samples: Option<Millis>,
-    raw: Option<Millis>,
-    counters: Option<Millis>,
-    identify: Option<Millis>,
-    align: Option<Millis>,
+    schedule: Schedule,
     /// In force, as far as it is known.
     alignment: Option<Alignment>,
     /// Number of the next line.
@@ -68,10 +63,7 @@ impl Dialogue {
             began: now,
             heard: None,
             samples: None,
-            raw: None,
-            counters: None,
-            identify: None,
-            align: None,
+            schedule: Schedule::default(),
             alignment: None,
             number: None,
             next: None,
@@ -96,26 +88,7 @@ impl Dialogue {
 
     /// The next command that is due; to be asked until there is none.
     pub(super) fn command(&mut self, now: Millis) -> Option<Command> {
-        let due = |last: Option<Millis>, period| {
-            last.is_none_or(|last| now.elapsed_since(last) >= period)
-        };
-        if due(self.identify, IDENTIFY_MS) {
-            self.identify = Some(now);
-            return Some(Command::Identify);
-        }
-        if due(self.align, IDENTIFY_MS) {
-            self.align = Some(now);
-            return Some(Command::Align(AlignCommand::State));
-        }
-        if due(self.samples, RAW_MS) && due(self.raw, RAW_MS) {
-            self.raw = Some(now);
-            return Some(Command::Raw(true));
-        }
-        if due(self.counters, COUNTERS_MS) {
-            self.counters = Some(now);
-            return Some(Command::Counters);
-        }
-        None
+        self.schedule.command(now, self.samples)
     }
 
     /// Takes received bytes. `at` is the time that viewers are told.
@@ -158,7 +131,7 @@ impl Dialogue {
             let restarted = self.number.is_some_and(|next| is_before(number, next));
             if restarted {
                 self.next = None;
-                self.align = None;
+                self.schedule.restart();
                 self.alignment = None;
                 output(Heard::Restart);
             } else {
@@ -166,6 +139,9 @@ impl Dialogue {
                 self.losses.missing = self.losses.missing.saturating_add(missing);
             }
             self.number = Some(number.wrapping_add(1));
+        }
+        if let Some(following) = news.following {
+            self.schedule.follows(following);
         }
         if let Some(alignment) = news.alignment {
             self.alignment = Some(alignment);
@@ -209,6 +185,7 @@ struct News {
     number: Option<u32>,
     emg: Option<EmgReport>,
     alignment: Option<Alignment>,
+    following: Option<Following>,
     /// The answer to the question for it, and when it came.
     placement: Option<(f64, Alignment)>,
     event: Option<Event>,
@@ -242,6 +219,11 @@ impl News {
                 placement: Some((at, alignment)),
                 ..Self::default()
             },
+            Line::Answer(Answer::Binding(binding)) => Self {
+                following: Some(binding.following),
+                event: Some(Event::of_binding(&binding)),
+                ..Self::default()
+            },
             Line::Answer(answer) => Self {
                 event: Self::of_answer(answer, at),
                 ..Self::default()
@@ -260,7 +242,7 @@ impl News {
         match answer {
             Answer::Identity(identity) => Some(Event::of_identity(&identity)),
             Answer::Counts(counts) => Some(Event::of_counts(&counts)),
-            // Of what a viewer may ask for, the alignment alone can be refused.
+            // Of what a viewer may ask for, alignment and pairing can be refused.
             Answer::Refused(why) => Some(Event::Comment {
                 at,
                 text: format!("the board refuses: {why}"),

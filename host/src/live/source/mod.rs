@@ -108,6 +108,8 @@ pub(crate) enum Request {
     Align,
     /// End the alignment in progress.
     CancelAlignment,
+    /// Begin a pairing; of a board alone.
+    Bind,
     /// Put this model on the board; of a board alone.
     Install(Vec<u8>),
 }

@@ -126,7 +126,7 @@ impl<'r, E: Encode> Scored<'r, E> {
                 Request::Align => self.pipeline.begin_alignment(),
                 Request::CancelAlignment => self.pipeline.cancel_alignment(),
                 // There is no board.
-                Request::Install(_) => {}
+                Request::Bind | Request::Install(_) => {}
             }
             if let Some(report) = self.pipeline.take_alignment_report() {
                 let event = Event::of_alignment(context.hub.now(), &report);

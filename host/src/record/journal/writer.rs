@@ -6,7 +6,7 @@ use shared::units::{Sample, SampleIndex};
 
 use super::Entry;
 
-/// Samples of a line: a tenth of a second. So much is lost if the process is killed.
+/// Samples of a line: a tenth of a second. So much is lost if the process is killed, and what was on its way here.
 const TOGETHER: usize = 20;
 /// Bytes that are kept while the writer takes nothing: an hour and more of samples.
 const MOST_PENDING: usize = 16 << 20;

@@ -50,7 +50,8 @@ impl Personalized {
 
 /// Fine-tunes a model file on the recordings of a person, and judges it on the part of them that is held back.
 ///
-/// Without a name the recordings have to be one person's.
+/// Without a name the recordings have to be one person's. `report` is told after each step how many of
+/// [`TuningSettings::steps`] are taken.
 ///
 /// # Errors
 /// When the model is refused, the recordings do not allow it, the training diverges or the user interrupts.
@@ -61,6 +62,7 @@ pub fn personalize(
     settings: &TuningSettings,
     device: &Device,
     interrupt: &Interrupt,
+    report: impl FnMut(usize),
 ) -> Result<Personalized, PersonalizeError> {
     let model = Model::parse(file)?;
     let person = Person::new(library, subject, &model.header)?;
@@ -77,7 +79,7 @@ pub fn personalize(
         tuned.seconds(),
         judged.seconds()
     ));
-    let bytes = tune(file, &tuned, settings, device, interrupt)?;
+    let bytes = tune(file, &tuned, settings, device, interrupt, report)?;
     let scores = [
         judge("before", file, &judged)?,
         judge("after", &bytes, &judged)?,

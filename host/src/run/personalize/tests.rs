@@ -191,7 +191,19 @@ const SETTINGS: fn() -> TuningSettings = || TuningSettings {
 fn tuned(settings: &TuningSettings) -> Personalized {
     let device = Device::default().autodiff();
     let interrupt = Interrupt::default();
-    personalize(&file(), &synthetic(), None, settings, &device, &interrupt).unwrap()
+    let mut taken = Vec::new();
+    let report = |steps| taken.push(steps);
+    let done = personalize(
+        &file(),
+        &synthetic(),
+        None,
+        settings,
+        &device,
+        &interrupt,
+        report,
+    );
+    assert!(taken.into_iter().eq(1..=settings.steps));
+    done.unwrap()
 }
 
 #[test]
@@ -234,6 +246,15 @@ fn an_interrupt_stops_the_tuning() {
     let device = Device::default().autodiff();
     let interrupt = Interrupt::at_once();
     let settings = SETTINGS();
-    let stopped = personalize(&file(), &synthetic(), None, &settings, &device, &interrupt);
+    let never = |steps| panic!("{steps} steps");
+    let stopped = personalize(
+        &file(),
+        &synthetic(),
+        None,
+        &settings,
+        &device,
+        &interrupt,
+        never,
+    );
     assert!(stopped.unwrap_err().is_interrupt());
 }

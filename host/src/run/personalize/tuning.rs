@@ -55,7 +55,8 @@ impl Default for TuningSettings {
     }
 }
 
-/// The model file tuned on a part of a person's recordings. All but the weights and the provenance is as it was.
+/// The model file tuned on a part of a person's recordings. All but the weights and the provenance is as it was. `report` is
+/// told after each step how many of [`TuningSettings::steps`] are taken.
 ///
 /// # Errors
 /// When the model is refused, the part has nothing to learn from, the training diverges or the user interrupts.
@@ -65,6 +66,7 @@ pub fn tune(
     settings: &TuningSettings,
     device: &Device,
     interrupt: &Interrupt,
+    report: impl FnMut(usize),
 ) -> Result<Vec<u8>, PersonalizeError> {
     let parts = Model::parse(file)?.to_parts();
     let (student, config) = dequantize(&parts, device);
@@ -101,7 +103,7 @@ pub fn tune(
     let span = config.span;
     let learner = StudentLearner::new(NAME, span, &corpus, targets, &nothing, &training, device);
     let fit = training.train_config(settings.seed);
-    let tuned = tune::tune(&learner, student, fit, interrupt)
+    let tuned = tune::tune(&learner, student, fit, interrupt, report)
         .map_err(PersonalizeError::Training)?
         .ok_or(PersonalizeError::Interrupted)?;
     quantize(

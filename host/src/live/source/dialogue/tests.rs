@@ -1,8 +1,12 @@
 //! A board's lines, whole, cut and in noise.
 
+use super::schedule::IDENTIFY_MS;
 use super::*;
 use proptest::prelude::*;
+use shared::myo::Address;
 use shared::stream::safe_state::{Cause, Status};
+use shared::uart_line::answer::Binding;
+use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::Sample;
 
@@ -98,6 +102,7 @@ fn the_board_is_asked_in_turn_and_for_samples_again_while_none_come() {
     let expected = [
         (0, Command::Identify),
         (0, Command::Align(AlignCommand::State)),
+        (0, Command::Bind(BindCommand::State)),
         (0, Command::Raw(true)),
         (0, Command::Counters),
         (1_000, Command::Raw(true)),
@@ -131,6 +136,38 @@ fn an_alignment_that_was_made_before_is_told_once_and_asked_for_again_after_a_re
     let next = dialogue.command(Millis(1));
     assert_eq!(next, Some(Command::Align(AlignCommand::State)));
     assert_eq!(found(&mut dialogue), told);
+}
+
+#[test]
+fn a_board_that_follows_nobody_is_asked_every_second_and_a_bound_one_seldom() {
+    let mut dialogue = dialogue();
+    let mut asked = |following: Following, from: u32| {
+        let binding = Binding {
+            following,
+            is_kept: true,
+        };
+        let told = heard(
+            &mut dialogue,
+            Answer::Binding(binding).to_string().as_bytes(),
+        );
+        assert!(
+            told.contains(&Heard::Event(Event::of_binding(&binding))),
+            "{told:?}"
+        );
+        let mut times = Vec::new();
+        for now in from..from + 5_000 {
+            while let Some(command) = dialogue.command(Millis(now)) {
+                if command == Command::Bind(BindCommand::State) {
+                    times.push(now);
+                }
+            }
+        }
+        times
+    };
+    assert_eq!(asked(Following::Nobody, 0), [0, 1_000, 2_000, 3_000, 4_000]);
+    assert_eq!(asked(Following::Pairing, 5_000).len(), 5);
+    let armband = Address::parse("FA:12:34:56:78:9A").unwrap();
+    assert!(asked(Following::Bound(armband), 10_000).is_empty());
 }
 
 #[test]

@@ -1,0 +1,75 @@
+//! The steps of the page of `record`: a board that follows nobody yet is bound from the page, and a step may be left out; by
+//! keys alone.
+
+use myointent::live::Source;
+
+use super::board::Board;
+use super::browser::Browser;
+use super::record::{SHORT, is_seen, pictures, record, step};
+
+#[test]
+fn a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording() {
+    let name = "a_new_board_is_bound_from_the_page_and_the_steps_lead_to_the_recording";
+    let Some(mut browser) = Browser::start(name) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let board = Board::unbound(&link);
+    let live = record(folder.path(), Source::Port(link), SHORT, 1);
+    browser.look(1440, 900, "light", "reduce");
+    browser.open(live.url());
+
+    // It follows nobody: that is the step now, and nothing can be recorded.
+    browser.wait_for(&step("bind", "now"));
+    browser.wait_for(&is_seen("bind"));
+    assert_eq!(browser.value(&step("connect", "done")), true);
+    for next in ["align", "record", "tune", "compare", "install"] {
+        assert_eq!(browser.value(&step(next, "next")), true, "{next}");
+    }
+    let now = "document.querySelector('[aria-current=step]').id";
+    assert_eq!(browser.value(now), "step-bind");
+    assert_eq!(browser.value(&is_seen("begin")), false);
+    assert!(browser.text("setup-hint").contains("follows none yet"));
+    browser.screenshot(&pictures().join("steps-bind.png"));
+
+    // A pairing that hears none is said so.
+    browser.press("b");
+    let listening = "document.getElementById('setup-task').textContent.startsWith('Listening')";
+    browser.wait_for(listening);
+    browser.wait_for(
+        "document.getElementById('setup-hint').textContent.startsWith('No armband was heard')",
+    );
+    browser.press("b");
+    browser.wait_for(listening);
+    browser.wait_for(&step("bind", "done"));
+    assert!(browser.text("step-bind").contains("FA:12:34:56:78:9A"));
+
+    // It streams, and may be aligned; who knows how it sits need not.
+    browser.wait_for(&step("align", "now"));
+    browser.wait_for(&is_seen("align-now"));
+    browser.screenshot(&pictures().join("steps-align.png"));
+    let fits = "document.documentElement.scrollWidth <= innerWidth";
+    browser.look(390, 844, "dark", "reduce");
+    assert_eq!(browser.value(fits), true, "wider than the window");
+    browser.screenshot(&pictures().join("steps-phone.png"));
+    browser.look(1440, 900, "light", "reduce");
+    browser.press("a");
+    browser.wait_for("document.getElementById('setup-task').textContent.startsWith('Open the')");
+    browser.press("k");
+    browser.wait_for(&step("align", "done"));
+    browser.wait_for(&step("record", "now"));
+    assert_eq!(browser.value(&is_seen("setup")), false);
+    assert_eq!(browser.value(&is_seen("begin")), true);
+    browser.press("Enter");
+    browser.wait_for("document.getElementById('session').dataset.phase === 'ready'");
+    browser.press("e");
+    browser.wait_for(&step("record", "done"));
+    browser.wait_for(&step("tune", "now"));
+    // Nothing was recorded: another session is what comes next.
+    let main = "document.querySelector('#result button.main').id";
+    assert_eq!(browser.value(main), "again");
+    assert_eq!(browser.complaints, [""; 0]);
+    live.stop().unwrap();
+    drop(board);
+}
