@@ -92,7 +92,7 @@ fn an_integer_student_is_deterministic_and_near_the_float_student() {
     let bytes = fs::read(run.join("student.intent")).unwrap();
     let model = Model::parse(&bytes).unwrap();
     let recording = replay::one_recording(&file, None).unwrap();
-    let emg = input(&recording.samples, model.header.normalized);
+    let emg = input(&recording.samples, model.header.preprocessing);
     let rows = integer_logits(&model, &emg).unwrap();
     assert_eq!(rows, integer_logits(&model, &emg).unwrap());
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use myointent::dataset::alignment::{open_hand, openings, template};
+use myointent::dataset::labels::compensation::Compensation;
 use myointent::dataset::labels::lag;
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::split::circles::{Circles, is_test};
@@ -628,12 +629,13 @@ fn spliced_recordings_have_every_class_and_no_fixed_order() {
         let Some(library) = read(test, set) else {
             continue;
         };
-        let sources: Vec<_> = library.recordings.iter().collect();
-        let lag_samples = sources[0].data_set.label_lag();
+        let late =
+            |own: &Recording| own.compensated(Compensation::Constant(own.data_set.label_lag()));
+        let sources: Vec<_> = library.recordings.iter().map(late).collect();
+        let sources: Vec<_> = sources.iter().collect();
         let options = SpliceOptions {
             samples: 24_000,
             count: 1,
-            lag_samples,
             other: false,
             seed: 42,
         };

@@ -23,7 +23,7 @@ use shared::model::dimensions::Dimensions;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::{Model, random::random_model};
 use shared::pipeline::Pipeline;
-use shared::stream::preprocess::clean;
+use shared::stream::preprocess::{Median, clean};
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, Sample};
 
@@ -165,7 +165,7 @@ fn replay(criterion: &mut Criterion) {
         .expect("a random model is a model");
     let model = Model::parse(&bytes).expect("just written");
     let recording = recording();
-    let emg: Vec<_> = clean(recording.samples.iter().copied()).collect();
+    let emg: Vec<_> = clean(recording.samples.iter().copied(), Median::Three).collect();
     let mut group = criterion.benchmark_group("one minute of EMG");
     group.throughput(Throughput::Elements(recording.samples.len() as u64));
     group.bench_function("replay: the whole pipeline", |bencher| {

@@ -2,7 +2,7 @@
 //! page in a browser; aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
 
 use std::fs::File;
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};

@@ -7,6 +7,7 @@ use shared::intent::Intent;
 
 use super::holds::HOLD;
 use super::{SpliceOptions, splice};
+use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::labels::runs::{Run, runs};
 use crate::dataset::movement::{Movement, MovementKind, mask};
 use crate::dataset::recording::{DataSet, Recording};
@@ -41,7 +42,6 @@ fn mark(label: Option<Intent>) -> i8 {
 const OPTIONS: SpliceOptions = SpliceOptions {
     samples: 4321,
     count: 2,
-    lag_samples: 0,
     other: false,
     seed: 42,
 };
@@ -119,13 +119,10 @@ fn the_order_is_broken_and_only_recorded_transitions_occur() {
 }
 
 #[test]
-fn labels_are_lag_compensated_before_the_cut() {
-    let still = recording("a", &[(R, 300), (C, 300), (R, 300)].repeat(4));
-    let options = SpliceOptions {
-        lag_samples: 20,
-        ..OPTIONS
-    };
-    let spliced = &splice(&[&still], &options)[0];
+fn samples_and_labels_are_cut_together() {
+    let late = recording("a", &[(R, 300), (C, 300), (R, 300)].repeat(4))
+        .compensated(Compensation::Constant(20));
+    let spliced = &splice(&[&late], &OPTIONS)[0];
     let wrong = spliced.samples.iter().zip(&spliced.labels);
     let wrong = wrong
         .filter(|(sample, label)| sample[0] != mark(**label))

@@ -8,6 +8,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use super::*;
 use crate::execution::run_folder::kill;
 use crate::training::learner::WeightedMetric;
+use crate::training::schedule::LrSchedule;
 use crate::training::tensor::read_back;
 
 /// Learns `y = 2 x`. Its validation loss is lowest at `y = x`, so the best epoch is in the middle.

@@ -1,6 +1,5 @@
 //! The table of folds: which subjects were held out in which run.
 
-
 use super::sheet::{Column, Row, Sheet};
 use crate::comparison::results::VariantResults;
 use myointent::report::cell::{self, ONE};
