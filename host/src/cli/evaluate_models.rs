@@ -14,6 +14,7 @@ use crate::report::model_report::{self, people_rows, tables};
 use crate::run::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
+use crate::run::preset::LabelLag;
 
 /// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]
@@ -67,6 +68,15 @@ pub(in crate::cli) struct Options {
     /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
     #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
+    /// How labels, which are cues, are moved to where the muscle acts.
+    #[arg(
+        long,
+        value_name = "HOW",
+        requires = "data",
+        value_enum,
+        default_value_t
+    )]
+    label_lag: LabelLag,
     /// Page to write, the worst person first.
     #[arg(
         long,
@@ -121,6 +131,7 @@ pub(in crate::cli) fn run(
         },
         align: options.align,
         lost_percent: options.lose,
+        label_lag: options.label_lag,
         ..options.people.selection()
     };
     let evaluation = evaluate_models(&models, &library, &selection)?;

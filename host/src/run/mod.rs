@@ -7,6 +7,7 @@ pub mod context;
 pub mod distill;
 mod error;
 pub mod evaluate;
+mod lag;
 pub(crate) mod lineage;
 pub mod model_evaluation;
 pub mod personalize;

@@ -21,11 +21,12 @@ pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
 use super::candidates::integer_candidate;
 use super::error::StepError;
+use super::lag::lags;
+use super::preset::LabelLag;
 use super::trials::trial;
 use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::labels::lag;
 use crate::dataset::losses::bridge_lost_notifications;
-use crate::dataset::{DataSet, Library, Recording, by_data_set};
+use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::{
     Candidate, EnergyDetector, LookAhead, Score, Trial, Truth, constant, score,
 };
@@ -47,6 +48,8 @@ pub struct Selection {
     pub align: bool,
     /// Percent of the notifications that are lost and bridged, 0 to 66.
     pub lost_percent: u8,
+    /// How labels are compensated for their lag.
+    pub label_lag: LabelLag,
 }
 
 /// A model in the results.
@@ -124,7 +127,7 @@ pub fn evaluate_models(
     let vocabulary = common_vocabulary(models, &parsed)?;
     let labelled = labelled(library, vocabulary);
     let (mut subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
-    let lags = lags(&labelled);
+    let lags = lags(&labelled, selection.label_lag);
     let worn: BTreeMap<String, Alignment> = subjects
         .iter()
         .enumerate()
@@ -207,7 +210,7 @@ pub fn evaluate_models(
 #[must_use]
 pub fn trials_of(library: &Library, vocabulary: Vocabulary, people: &[String]) -> Vec<Trial> {
     let labelled = labelled(library, vocabulary);
-    let lags = lags(&labelled);
+    let lags = lags(&labelled, LabelLag::default());
     let worn = people
         .iter()
         .map(|subject| (subject.clone(), Alignment::NONE))
@@ -262,21 +265,6 @@ fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Voca
             other: models[at].name.clone(),
         }),
     }
-}
-
-/// How the labels of each data set are compensated for their lag: by each cue's own where that can be seen.
-pub(super) fn lags(recordings: &[&Recording]) -> BTreeMap<DataSet, Compensation> {
-    by_data_set(recordings.iter().copied())
-        .into_iter()
-        .map(|(data_set, own)| {
-            if data_set.rests_around_cues() {
-                return (data_set, Compensation::EachCue);
-            }
-            let estimated = lag::estimate(&own).map(|estimate| estimate.lag_samples);
-            let samples = estimated.unwrap_or(data_set.label_lag());
-            (data_set, Compensation::Constant(samples))
-        })
-        .collect()
 }
 
 fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {

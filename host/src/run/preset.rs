@@ -169,13 +169,14 @@ fn is_paper(median: &Median) -> bool {
 }
 
 /// Lag compensation of labels, which are cues: muscle activity follows them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum LabelLag {
-    /// By each data set's median lag, estimated on its training subjects.
-    Estimated,
     /// By each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
+    #[default]
     EachCue,
+    /// By each data set's median lag, estimated on its training subjects, or on the recordings at hand.
+    Estimated,
     /// None, as in the paper.
     None,
 }

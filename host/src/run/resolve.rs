@@ -10,11 +10,9 @@ use thiserror::Error;
 
 use super::config::{Fold, Lag, ResolvedConfig};
 use super::lineage;
-use super::preset::{LabelLag, Preset};
+use super::preset::Preset;
 use super::template;
 use crate::dataset::folds::{self, Protocol};
-use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::labels::lag;
 use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
 use crate::dataset::{DataSet, Library, Recording, by_data_set};
 use crate::execution::revision::revision;
@@ -270,25 +268,7 @@ fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<D
         .into_iter()
         .map(|(data_set, mut training)| {
             training.retain(|recording| split.role(&recording.subject) == Some(Role::Training));
-            let documented = data_set.label_lag();
-            let lag = match preset.data.label_lag {
-                LabelLag::None => Lag {
-                    compensation: Compensation::NONE,
-                    estimate: None,
-                },
-                LabelLag::EachCue if data_set.rests_around_cues() => Lag {
-                    compensation: Compensation::EachCue,
-                    estimate: None,
-                },
-                LabelLag::EachCue | LabelLag::Estimated => {
-                    let estimate = lag::estimate(&training);
-                    let samples = estimate.map_or(documented, |found| found.lag_samples);
-                    Lag {
-                        compensation: Compensation::Constant(samples),
-                        estimate,
-                    }
-                }
-            };
+            let lag = Lag::of(data_set, &training, preset.data.label_lag);
             (data_set, lag)
         })
         .collect()

@@ -8,7 +8,8 @@ use shared::units::{CHANNELS, Sample};
 
 use super::config::ResolvedConfig;
 use super::error::StepError;
-use super::model_evaluation::lags;
+use super::lag::lags;
+use super::preset::LabelLag;
 use crate::dataset::alignment::{FEWEST_PEOPLE, open_hand, template};
 use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::split::Role;
@@ -46,7 +47,7 @@ pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, u
         .iter()
         .filter(|recording| seen.contains(&recording.subject.as_str()))
         .collect();
-    let lags = lags(&own);
+    let lags = lags(&own, LabelLag::default());
     let opens = opens(own.iter().copied(), |recording| {
         (recording.aligned_samples(), lags[&recording.data_set])
     });

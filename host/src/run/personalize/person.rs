@@ -8,7 +8,8 @@ use super::error::PersonalizeError;
 use crate::dataset::labels::compensation::Compensation;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
-use crate::run::model_evaluation::lags;
+use crate::run::lag::lags;
+use crate::run::preset::LabelLag;
 use crate::run::trials::trial;
 
 /// One recording, in both forms that are needed.
@@ -80,7 +81,7 @@ impl Person {
         let Some(data_set) = used.first().map(|recording| recording.data_set) else {
             return Err(PersonalizeError::NoLabels { subject });
         };
-        let lag = lags(&used)[&data_set];
+        let lag = lags(&used, LabelLag::default())[&data_set];
         let recordings = used
             .into_iter()
             .map(|recording| as_seen(recording, vocabulary, model.preprocessing.normalized, lag))

@@ -4,6 +4,7 @@ use shared::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Pipeline, Reports};
 use shared::stream::alignment::{Alignment, Template};
+use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
 use shared::stream::smoother::Settings;
 use shared::uart_line::alignment::AlignmentReport;
@@ -76,7 +77,11 @@ pub fn run(data: &[u8]) {
     let mut pipeline = pipeline.expect("settings in their range");
     pipeline.preprocess(Preprocessing {
         normalized: bits & 0x10 != 0,
-        median: if bits & 0x20 != 0 { Median::Off } else { Median::Three },
+        median: if bits & 0x20 != 0 {
+            Median::Off
+        } else {
+            Median::Three
+        },
     });
     pipeline.set_template((bits & 0x20 != 0).then(template));
     let mut device = Device {
