@@ -9,7 +9,7 @@ use shared::model::dimensions::{Dimensions, usual_span};
 use shared::model::encoder::{DeviceEncoder, Encoder, HostEncoder};
 use shared::model::file::{Model, random::random_model};
 use shared::model::noise::Noise;
-use shared::stream::preprocess::Preprocessor;
+use shared::stream::preprocess::{Median, Preprocessor};
 use shared::stream::smoother::{Settings, Smoother};
 use shared::units::{LOOK_BACK, PATCH, Patch, Sample, SampleIndex};
 
@@ -67,7 +67,7 @@ fn preprocessing(bench: &mut Criterion) {
     let samples: Vec<Sample> = (0..PATCH)
         .map(|_| core::array::from_fn(|_| noise.bits() as i8))
         .collect();
-    let mut preprocessor = Preprocessor::new();
+    let mut preprocessor = Preprocessor::new(Median::Three);
     bench.bench_function("preprocess ten samples", |bencher| {
         bencher.iter(|| {
             for &sample in black_box(&samples) {

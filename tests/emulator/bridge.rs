@@ -76,7 +76,6 @@ impl Bridge {
     }
 
     /// The run; nothing is carried to the board while somebody has it.
-    #[must_use]
     pub fn run(&self) -> MutexGuard<'_, Run> {
         lock(&self.run)
     }
