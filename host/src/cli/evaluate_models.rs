@@ -68,13 +68,14 @@ pub(in crate::cli) struct Options {
     /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
     #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
-    /// How labels, which are cues, are moved to where the muscle acts.
+    /// How labels, which are cues, are moved to where the muscle acts: by each cue's own lag, where rest around it shows
+    /// it; by one constant a data set, estimated; or none.
     #[arg(
         long,
         value_name = "HOW",
         requires = "data",
-        value_enum,
-        default_value_t
+        default_value = "each-cue",
+        value_parser = label_lag
     )]
     label_lag: LabelLag,
     /// Page to write, the worst person first.
@@ -99,6 +100,16 @@ fn turn(text: &str) -> Result<Turn, String> {
     places
         .map(Turn::By)
         .ok_or_else(|| "expected 0 to 7, or any".to_owned())
+}
+
+/// How labels are compensated for their lag.
+fn label_lag(text: &str) -> Result<LabelLag, String> {
+    match text {
+        "each-cue" => Ok(LabelLag::EachCue),
+        "estimated" => Ok(LabelLag::Estimated),
+        "none" => Ok(LabelLag::None),
+        _ => Err("expected each-cue, estimated or none".to_owned()),
+    }
 }
 
 /// Evaluates model files on the recordings below `data`.

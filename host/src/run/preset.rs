@@ -169,7 +169,7 @@ fn is_paper(median: &Median) -> bool {
 }
 
 /// Lag compensation of labels, which are cues: muscle activity follows them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LabelLag {
     /// By each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
