@@ -33,15 +33,6 @@ impl Stream {
         }
     }
 
-    /// The same, cleaned with this filter.
-    #[must_use]
-    pub fn with_median(self, median: Median) -> Self {
-        Self {
-            emg: clean(self.raw.iter().copied(), median).collect(),
-            ..self
-        }
-    }
-
     /// Whether most of each patch is movement outside the vocabulary; a partial last patch is left out.
     #[must_use]
     pub(crate) fn other_movement_patches(&self) -> Vec<bool> {
@@ -80,6 +71,17 @@ pub struct Corpus {
 }
 
 impl Corpus {
+    /// The same, cleaned with this filter instead of the paper's.
+    #[must_use]
+    pub(crate) fn with_median(mut self, median: Median) -> Self {
+        if median != Median::Three {
+            for stream in &mut self.streams {
+                stream.emg = clean(stream.raw.iter().copied(), median).collect();
+            }
+        }
+        self
+    }
+
     /// Seconds of EMG.
     #[must_use]
     pub(crate) fn seconds(&self) -> f64 {

@@ -104,7 +104,7 @@ impl ResolvedConfig {
         let by_set = by_data_set(self.split.select(&library.recordings, role));
         let subjects = folds::subjects(by_set.values().flatten().copied());
         let most = subjects.values().map(Vec::len).max().unwrap_or(0);
-        let mut streams: Vec<Stream> = Vec::new();
+        let mut streams = Vec::new();
         for (data_set, recordings) in &by_set {
             if data.as_published {
                 streams.extend(recordings.iter().map(|recording| {
@@ -122,11 +122,11 @@ impl ResolvedConfig {
                 streams.extend(spliced.into_iter().map(Stream::from));
             }
         }
-        let cleaned = |stream: Stream| stream.with_median(data.median);
-        Corpus {
+        let corpus = Corpus {
             vocabulary,
             other: self.preset.other(),
-            streams: streams.into_iter().map(cleaned).collect(),
-        }
+            streams,
+        };
+        corpus.with_median(data.median)
     }
 }

@@ -70,9 +70,8 @@ pub fn tune(
 ) -> Result<Vec<u8>, PersonalizeError> {
     let parts = Model::parse(file)?.to_parts();
     let (student, config) = dequantize(&parts, device);
-    let mut corpus = spliced(part, parts.dimensions.other, settings.seed)?;
-    let cleaned = |stream: Stream| stream.with_median(parts.preprocessing.median);
-    corpus.streams = corpus.streams.into_iter().map(cleaned).collect();
+    let corpus = spliced(part, parts.dimensions.other, settings.seed)?
+        .with_median(parts.preprocessing.median);
     let plain = device.clone().inner();
     let targets = (settings.keep > 0.0).then(|| {
         let old = student.valid();
