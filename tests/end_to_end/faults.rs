@@ -1,5 +1,6 @@
 //! Injected faults: the board enters the safe state and restarts.
 
+use myointent::dataset::synthetic::Follower;
 use myointent_tests::emulator::{Fault, Run, Scenario, bench};
 use myointent_tests::output::Pins;
 use serde_json::json;
@@ -23,9 +24,14 @@ fn play(test: &str, fault: Fault) -> anyhow::Result<Option<Restarted>> {
     let Some(bench) = bench(test) else {
         return Ok(None);
     };
-    // Enough for a label, and then for the watchdog to expire.
-    let samples: Vec<Sample> = (0..4000_i32)
-        .map(|n| [(n % 251 * n % 251 - 125) as i8; 8])
+    // Enough for a label, and then for the watchdog to expire. Labels change whatever the model is: a hand that rests, and
+    // opens for 0.6 s out of 1.2 s.
+    let mut person = Follower::new("anna");
+    let samples: Vec<Sample> = (0..4000)
+        .map(|n| match n / 120 % 2 {
+            1 if n >= 600 => person.sample(Intent::Open),
+            _ => person.sample(Intent::Relax),
+        })
         .collect();
     let mut run = bench.start(&Scenario {
         model: &super::model(),

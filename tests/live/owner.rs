@@ -1,5 +1,5 @@
-//! The owner's loop without hardware: an armband that sits turned by three places, the emulated board, a pseudo-terminal, and the
-//! page in a browser; aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
+//! The owner's loop without hardware: an armband that sits turned by three places, a new emulated board, a pseudo-terminal, and the
+//! page in a browser; bound, aligned, a guided session recorded, a model tuned on it, installed over the line, and right.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -17,8 +17,6 @@ use myointent::record::protocol::Protocol;
 use myointent_tests::emulator::{Bridge, Scenario, bench};
 use serde_json::json;
 use shared::intent::Intent;
-use shared::myo::Address;
-use shared::myo::binding::to_record;
 use shared::stream::alignment::Alignment;
 use shared::units::Sample;
 
@@ -29,6 +27,8 @@ use super::viewer::Viewer;
 
 /// The guest's clock is so many times slower than real time: half of a pause of a busy machine is left of it.
 const TIME_SCALE: u32 = 2;
+/// The armband's address.
+const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// How the armband sits.
 const TURNED: Alignment = Alignment::new(3, false);
 /// Two rounds of four openings and four fists, as often as the findings ask for: 62 s.
@@ -184,10 +184,9 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         return Ok(());
     };
     let folder = tempfile::tempdir()?;
-    let armband = Address::parse("FA:12:34:56:78:9A")?;
     let mut run = bench.start(&Scenario {
         model: &shipped(),
-        page: Some(to_record(armband).to_vec()),
+        page: None,
         samples: &[],
         time_scale: TIME_SCALE,
         // What is late catches up.
@@ -196,26 +195,17 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         script: json!([]),
         arguments: vec!["--follow".to_owned()],
     })?;
-    run.wait_for("the stream", |run| run.event_count("mode") > 0)?;
+    run.wait_for("a board that follows none", |run| {
+        let nobody = |comment: &String| comment.starts_with("# follows no armband");
+        run.comments().iter().any(nobody)
+    })?;
     let wearer = Wearer(Arc::new(Mutex::new(Intent::Relax)));
     let worn = wearer.wear(File::options().append(true).open(run.recording())?);
     let line = Bridge::start(run)?;
     let port = line.port().to_owned();
     let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
 
-    // See it: `live`.
-    let live = live::start(Options {
-        source: Source::Port(port.clone()),
-        model: Some(shipped()),
-        listen: "127.0.0.1:0".parse()?,
-        record: None,
-    })?;
-    browser.look(1440, 900, "light", "no-preference");
-    browser.open(live.url());
-    reach(&mut browser, valid, |_| {});
-    live.stop()?;
-
-    // Align it, on the page of `record`.
+    // Bind it, on the page of `record`.
     let protocol = Protocol::parse("session.toml", SESSION)?;
     let live = live::start(Options {
         source: Source::Port(port),
@@ -233,9 +223,15 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     })?;
     browser.look(1440, 960, "light", "no-preference");
     browser.open(live.url());
+    reach(&mut browser, &step("bind", "now"), |_| {});
+    let bound = Part::begin();
+    browser.press("b");
     reach(&mut browser, &step("bind", "done"), |_| {});
-    assert!(browser.text("step-bind").contains("FA:12:34:56:78:9A"));
+    assert!(browser.text("step-bind").contains(ARMBAND));
+    let bound = bound.seconds(TIME_SCALE);
     reach(&mut browser, valid, |_| {});
+
+    // Align it.
     reach(&mut browser, &step("align", "now"), |_| {});
     let aligned = Part::begin();
     browser.press("a");
@@ -336,9 +332,9 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     let main = "document.querySelectorAll('#result button.main').length";
     assert_eq!(browser.value(main), 0, "nothing is left to do");
     println!(
-        "seconds of the board: aligned {aligned:.0}, recorded {recorded:.0}, installed {installed:.0}; \
+        "seconds of the board: bound {bound:.0}, aligned {aligned:.0}, recorded {recorded:.0}, installed {installed:.0}; \
          of the computer: tuned {tuned:.0}; together {:.0}",
-        aligned + recorded + tuned + installed
+        bound + aligned + recorded + tuned + installed
     );
     assert_eq!(browser.complaints, [""; 0]);
     live.stop()?;

@@ -129,7 +129,16 @@ impl<'q> SessionDriver<'q> {
             if let Following::Pinned(_) = following {
                 return Err(Refusal::BuiltIn);
             }
-            self.handle(event);
+            // To bind the armband that is followed and kept changes nothing, and would end its stream.
+            let is_so = match following {
+                Following::Bound(armband) => {
+                    command == BindCommand::Set(armband) && self.kept.get() == Some(armband)
+                }
+                _ => false,
+            };
+            if !is_so {
+                self.handle(event);
+            }
         }
         let session = self.session.borrow();
         Ok(Binding {
