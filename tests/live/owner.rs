@@ -200,7 +200,7 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
         run.comments().iter().any(nobody)
     })?;
     let wearer = Wearer(Arc::new(Mutex::new(Intent::Relax)));
-    let worn = wearer.wear(File::options().append(true).open(run.recording())?);
+    let muscles = File::options().append(true).open(run.recording())?;
     let line = Bridge::start(run)?;
     let port = line.port().to_owned();
     let valid = "document.getElementById('valid')?.dataset.valid === 'yes'";
@@ -229,6 +229,8 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     reach(&mut browser, &step("bind", "done"), |_| {});
     assert!(browser.text("step-bind").contains(ARMBAND));
     let bound = bound.seconds(TIME_SCALE);
+    // What is there before the stream would come with it, and late.
+    let worn = wearer.wear(muscles);
     reach(&mut browser, valid, |_| {});
 
     // Align it.

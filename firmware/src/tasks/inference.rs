@@ -155,9 +155,6 @@ pub async fn run(
             Either3::Second(()) => {
                 let reports = pipeline.tick(now);
                 enqueue(pipeline, reports);
-                if PACKETS.is_empty() {
-                    heartbeat::INFERENCE.beat();
-                }
             }
             Either3::Third(InferenceRequest::Align(command)) => {
                 let done = align(pipeline, command, streams);
@@ -187,6 +184,10 @@ pub async fn run(
                 enqueue(pipeline, Reports::default());
                 requests::INFERENCE.answer(resumed.map(|()| InferenceAnswer::Done));
             }
+        }
+        // After requests too: whoever asks often enough would put the timer off for ever.
+        if PACKETS.is_empty() {
+            heartbeat::INFERENCE.beat();
         }
         if !pipeline.has_model() && absence.is_due(now) {
             uart::enqueue(UartMessage::ModelRefused(absence.reason));

@@ -4,6 +4,7 @@ use super::{registers::Register, straps};
 
 const LOAD: Register = Register::at(0x4000_8000);
 const CONTROL: Register = Register::at(0x4000_8008);
+const CLEAR: Register = Register::at(0x4000_800c);
 const INTERRUPT_AND_RESET: u32 = 0b11;
 const COUNTS_PER_MS: u64 = 25_000;
 
@@ -25,6 +26,8 @@ impl Watchdog {
 
     /// Restarts the period.
     pub fn feed(&mut self) {
+        // A first zero stays in force until it is cleared, and the next one would be the reset.
+        CLEAR.write(1);
         LOAD.write(self.counts);
     }
 }
