@@ -166,8 +166,10 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
             if let Ok(Command::Raw(on)) = command {
                 raw.store(on, Ordering::Relaxed);
             }
-            if let Ok(Command::Align(AlignCommand::Begin)) = command {
-                pipeline.begin_alignment();
+            match command {
+                Ok(Command::Align(AlignCommand::Begin)) => pipeline.begin_alignment(),
+                Ok(Command::Align(AlignCommand::Cancel)) => pipeline.cancel_alignment(),
+                _ => {}
             }
             let may_bind = following.address().is_none();
             if may_bind && command == Ok(Command::Bind(BindCommand::Begin)) {

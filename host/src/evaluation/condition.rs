@@ -9,7 +9,7 @@ use shared::stream::smoother::{AggregationMode, Settings};
 pub enum Truth {
     /// Labels as published: the times of the cues, as in the paper's evaluation.
     Published,
-    /// Lag-compensated labels: shifted by one constant per data set, to the onset of muscle activity.
+    /// Lag-compensated labels: moved to the onset of muscle activity, cue by cue or by one constant a data set.
     LagCompensated,
 }
 

@@ -50,8 +50,9 @@ pub fn write(
 /// What a reader of such a page has to know.
 pub(super) fn notes() -> Vec<String> {
     [
-        "Labels are lag-compensated: those that were cues are shifted by one constant for each data set, estimated on \
-         the recordings at hand. The energy detector has its default threshold.",
+        "Labels are lag-compensated: those that were cues begin where the muscle follows, by each cue's own lag where rest \
+         around it shows it, else by one constant for each data set, estimated on the recordings at hand. The energy \
+         detector has its default threshold.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
          emitted, look-ahead included; a missed gesture counts as infinitely late. Intervals over fewer than about ten people \
          are too narrow.",

@@ -157,8 +157,8 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
-         both labels as published and lag-compensated labels, shifted by one constant per data set that is estimated \
-         on training subjects.",
+         both labels as published and lag-compensated labels: by each cue's own lag, or by one constant for each data \
+         set that is estimated on training subjects.",
         "Every recording is preceded by its own first 50 ms, repeated to 3 s, so that short recordings are \
          evaluated from their first sample; the device emits no label until it has 3 s of contiguous EMG.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \

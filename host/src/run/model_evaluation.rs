@@ -106,9 +106,9 @@ pub struct ModelEvaluation {
 
 /// Evaluates model files on the recordings of a library.
 ///
-/// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. The
-/// label lag of a data set is estimated on all its recordings at hand; labels that were found in the muscle activity have
-/// none. The energy detector is the default one, since there are no training people.
+/// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. Labels
+/// are compensated for their lag as the selection says, by default cue by cue; a constant lag of a data set is estimated on
+/// all its recordings at hand; labels that were found in the muscle activity have none. The energy detector is the default one, since there are no training people.
 ///
 /// # Errors
 /// When a model is refused, models have different classes, a name is unknown, or nobody is left.

@@ -35,7 +35,7 @@ pub(super) fn of_training_people(
 /// A model file with a template of the people whom the model has seen, of whom a library holds recordings; and how many of
 /// them there are. Everything else in the file stays as it is.
 ///
-/// Electrodes are in the common frame of all data sets, as in training. The label lag of a set is estimated on the people seen.
+/// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on the people seen.
 ///
 /// # Errors
 /// When the model is refused, or fewer than three of its people open the hand in the library.

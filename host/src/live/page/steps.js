@@ -7,6 +7,7 @@ const FOLLOWS = ["bound", "built-in", "strongest"];
 const ALIGNED = ["aligned", "set"];
 const FAILED = ["poor-distance", "poor-margin", "timeout", "cancelled", "unavailable"];
 
+const SKIPPED = "alignment is skipped";
 const BIND = "Put yours on, close to the board; keep other people's out of the room, or asleep. The one with the strongest signal of the next 30 s is bound.";
 const ALIGN = "Press Align and rest; open the hand wide for a second, rest for a second, and the same once more. If you know that it sits as in training (bending the wrist back is strongest on electrode 3), it is better left as it is.";
 
@@ -26,7 +27,8 @@ export class Steps {
   #known = {};
   /** Whether the last pairing heard no armband. */
   #missed = false;
-  #skipped = false;
+  /** Kept by the browser until this tab is closed: a page that is loaded again does not ask again. */
+  #skipped = sessionStorage.getItem(SKIPPED) !== null;
   #shown = "";
 
   constructor(say) {
@@ -34,6 +36,7 @@ export class Steps {
     find("align-now").addEventListener("click", () => find("align").click());
     find("skip").addEventListener("click", () => {
       this.#skipped = true;
+      sessionStorage.setItem(SKIPPED, "yes");
       this.#show();
     });
   }

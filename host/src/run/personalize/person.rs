@@ -24,8 +24,8 @@ pub(super) struct Own {
 /// A person's labelled recordings, in path order, as a model sees them: in its vocabulary, normalized to the wearer or not,
 /// labels compensated for their lag.
 ///
-/// The lag is estimated on all of the person's recordings, as `evaluate --model` does: one number, which the part held
-/// back decides too.
+/// As `evaluate --model` does: by each cue's own lag, or by one number that is estimated on all of the person's recordings,
+/// the part held back too.
 pub struct Person {
     subject: String,
     pub(super) vocabulary: Vocabulary,
