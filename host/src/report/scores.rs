@@ -31,7 +31,7 @@ pub fn tables(results: &Results) -> Vec<Table> {
     let spliced = shown(results.spliced.iter(), results.aggregation);
     let mut tables = vec![
         table(
-            "Lag-compensated labels: shifted by each data set's lag, to the onset of muscle activity",
+            "Lag-compensated labels: moved to the onset of muscle activity",
             &compensated,
         ),
         differences(&compensated),
