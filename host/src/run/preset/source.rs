@@ -118,6 +118,13 @@ mod tests {
     }
 
     #[test]
+    fn a_number_that_toml_does_not_have_is_refused() {
+        let text = BUILT_IN[0].1.replace("seed = 42", "seed = 17293822569100607487");
+        let error = Preset::parse("mine", &text).unwrap_err().to_string();
+        assert!(error.contains("too large"), "{error}");
+    }
+
+    #[test]
     fn an_unknown_key_is_refused_with_its_name() {
         let text = format!("nonsense = 1\n{}", BUILT_IN[0].1);
         let error = Preset::parse("mine", &text).unwrap_err().to_string();
