@@ -78,10 +78,13 @@ impl Preset {
     /// # Errors
     /// When a key is unknown or missing, or a value is invalid.
     pub fn parse(name: &str, text: &str) -> Result<Self, PresetError> {
-        let preset: Self = toml::from_str(text).map_err(|error| PresetError::Syntax {
+        let syntax = |error: toml::de::Error| PresetError::Syntax {
             name: name.to_owned(),
             reason: error.to_string(),
-        })?;
+        };
+        let preset: Self = toml::from_str(text).map_err(syntax)?;
+        // TOML's integers have a sign; the line above takes those that fit without one too, and other readers would not.
+        toml::from_str::<toml::Table>(text).map_err(syntax)?;
         match preset.invalid() {
             None => Ok(preset),
             Some(Invalid {
