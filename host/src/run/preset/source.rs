@@ -122,7 +122,9 @@ mod tests {
 
     #[test]
     fn a_number_that_toml_does_not_have_is_refused() {
-        let text = BUILT_IN[0].1.replace("seed = 42", "seed = 17293822569100607487");
+        let text = BUILT_IN[0]
+            .1
+            .replace("seed = 42", "seed = 17293822569100607487");
         let error = Preset::parse("mine", &text).unwrap_err().to_string();
         assert!(error.contains("too large"), "{error}");
     }
