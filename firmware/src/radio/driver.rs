@@ -130,12 +130,8 @@ impl<'q> SessionDriver<'q> {
                 return Err(Refusal::BuiltIn);
             }
             // To bind the armband that is followed and kept changes nothing, and would end its stream.
-            let is_so = match following {
-                Following::Bound(armband) => {
-                    command == BindCommand::Set(armband) && self.kept.get() == Some(armband)
-                }
-                _ => false,
-            };
+            let is_so = matches!(following, Following::Bound(armband)
+                if command == BindCommand::Set(armband) && self.kept.get() == Some(armband));
             if !is_so {
                 self.handle(event);
             }

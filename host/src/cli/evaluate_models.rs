@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use serde::Deserialize as _;
+use serde::de::{IntoDeserializer as _, value};
 
 use crate::cli::arguments::every_recording;
 use crate::dataset::losses::MOST_PERCENT;
@@ -102,14 +104,9 @@ fn turn(text: &str) -> Result<Turn, String> {
         .ok_or_else(|| "expected 0 to 7, or any".to_owned())
 }
 
-/// How labels are compensated for their lag.
-fn label_lag(text: &str) -> Result<LabelLag, String> {
-    match text {
-        "each-cue" => Ok(LabelLag::EachCue),
-        "estimated" => Ok(LabelLag::Estimated),
-        "none" => Ok(LabelLag::None),
-        _ => Err("expected each-cue, estimated or none".to_owned()),
-    }
+/// How labels are compensated for their lag, by the names that presets have.
+fn label_lag(text: &str) -> Result<LabelLag, value::Error> {
+    LabelLag::deserialize(text.into_deserializer())
 }
 
 /// Evaluates model files on the recordings below `data`.
