@@ -8,7 +8,8 @@
 //! ```
 //!
 //! A change of the alignment rearranges the samples of the ring, and the encoder takes them again, a patch with each
-//! sample: the label stays for at most 0.35 s and then is what it would be had the armband always sat so.
+//! sample: the label stays for at most 0.35 s and then is what it would be had the armband always sat so. Where the model
+//! decides on the arm, the encoder takes them twice more before, and the label stays for at most 0.9 s.
 //!
 //! No clock, no log, no hardware: the caller passes the time and handles the reports. Device and
 //! `myointent replay` run the same code, so both write the same UART lines.
@@ -135,8 +136,9 @@ impl<'s, E: Encode> Pipeline<'s, E> {
     /// The armband was disconnected; its alignment is dropped.
     pub fn disconnected(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
-        self.reset_window();
+        // First: a decision between the arms is not interrupted but dropped.
         self.drop_alignment();
+        self.reset_window();
         self.handle(now, Event::Disconnected, &mut reports);
         reports
     }
@@ -190,8 +192,9 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         if self.ring.push(clean, origin).is_some() {
             self.newest_end = window_end;
             self.behind += 1;
+            self.patch_completed();
         }
-        if self.behind == 0 {
+        if self.decide_arm() || self.behind == 0 {
             return;
         }
         let Some(InUse { encoder, smoother }) = &mut self.model else {

@@ -1,9 +1,10 @@
 //! Alignment as a part of the pipeline: which electrode is which, while the stream goes on.
 
 use super::Pipeline;
+use super::in_use::InUse;
 use crate::model::Encode;
 use crate::stream::alignment::{
-    Aligner, Alignment, Fit, GESTURES, Outcome, Poor, Progress, Template,
+    Aligner, Alignment, ArmDecision, Fit, GESTURES, Outcome, Poor, Progress, Template,
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -17,9 +18,32 @@ pub(super) struct Placement {
     pub(super) current: Alignment,
     /// `current` was found or given, and is not only what nothing is known against.
     is_known: bool,
-    aligner: Option<Aligner>,
+    stage: Stage,
     view: View,
     news: Option<News>,
+}
+
+/// Where an alignment stands.
+#[derive(Debug, Default)]
+enum Stage {
+    /// None is in progress.
+    #[default]
+    Idle,
+    /// Gestures are waited for.
+    Gestures(Aligner),
+    /// The model decides on which arm the armband is.
+    Arm(ArmDecision),
+}
+
+impl Stage {
+    /// Gestures found so far; none if no alignment is in progress.
+    const fn gestures(&self) -> Option<u8> {
+        match self {
+            Self::Idle => None,
+            Self::Gestures(aligner) => Some(aligner.gestures()),
+            Self::Arm(_) => Some(GESTURES),
+        }
+    }
 }
 
 /// The stream as the alignment in progress sees it: not normalized, as the template was measured, in patches of its own.
@@ -108,7 +132,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// What an LED may show. An alignment that failed leaves the phase before it.
     #[must_use]
     pub const fn alignment_phase(&self) -> AlignmentPhase {
-        if self.placement.aligner.is_some() {
+        if self.placement.stage.gestures().is_some() {
             AlignmentPhase::Waiting
         } else if self.placement.is_known {
             AlignmentPhase::Aligned
@@ -119,10 +143,11 @@ impl<E: Encode> Pipeline<'_, E> {
 
     /// Begins an alignment, anew if one is in progress. Labels go on meanwhile under the old one.
     pub fn begin_alignment(&mut self) {
+        self.end_alignment();
         let placement = &mut self.placement;
-        placement.aligner = placement.template.is_some().then(Aligner::new);
         placement.view = View::default();
-        let state = if placement.aligner.is_some() {
+        let state = if placement.template.is_some() {
+            placement.stage = Stage::Gestures(Aligner::new());
             AlignmentState::Waiting
         } else {
             AlignmentState::Unavailable
@@ -132,17 +157,26 @@ impl<E: Encode> Pipeline<'_, E> {
 
     /// Ends an alignment in progress; the alignment in force stays.
     pub fn cancel_alignment(&mut self) {
-        if let Some(aligner) = self.placement.aligner.take() {
-            let gestures = aligner.gestures();
+        if let Some(gestures) = self.end_alignment() {
             self.placement.news = Some(News::of(AlignmentState::Cancelled, gestures));
         }
     }
 
     /// Puts an alignment in force, such as one that was stored, and ends one in progress.
     pub fn set_alignment(&mut self, alignment: Alignment) {
-        self.placement.aligner = None;
+        self.end_alignment();
         self.placement.news = Some(News::of(AlignmentState::Set, 0));
         self.realign(alignment);
+    }
+
+    /// Ends an alignment in progress without a word; gives the gestures found so far if there was one.
+    fn end_alignment(&mut self) -> Option<u8> {
+        let stage = core::mem::take(&mut self.placement.stage);
+        if matches!(stage, Stage::Arm(_)) {
+            // The encoder has taken the window in other placements.
+            self.encode_anew();
+        }
+        stage.gestures()
     }
 
     /// What is new about the alignment since the last call, to be written on the UART; to be called after every other
@@ -165,10 +199,10 @@ impl<E: Encode> Pipeline<'_, E> {
 
     /// The armband may have been taken off.
     pub(super) fn drop_alignment(&mut self) {
+        let gestures = self.end_alignment();
         let placement = &mut self.placement;
-        let aligner = placement.aligner.take();
-        if aligner.is_some() || placement.current != Alignment::NONE {
-            let gestures = aligner.map_or(0, |aligner| aligner.gestures());
+        if gestures.is_some() || placement.current != Alignment::NONE {
+            let gestures = gestures.unwrap_or(0);
             placement.news = Some(News::of(AlignmentState::Disconnected, gestures));
             placement.current = Alignment::NONE;
         }
@@ -177,44 +211,98 @@ impl<E: Encode> Pipeline<'_, E> {
 
     /// The next sample does not follow the previous one. The armband need not have moved.
     pub(super) fn interrupt_alignment(&mut self) {
-        if let Some(aligner) = &mut self.placement.aligner {
+        if let Stage::Gestures(aligner) = &mut self.placement.stage {
             aligner.interrupt();
             self.placement.view = View::default();
         }
+        self.interrupt_decision();
+    }
+
+    /// A decision between the arms lacks the samples or the model to go on: neither was shown to be the better one.
+    pub(super) fn interrupt_decision(&mut self) {
+        let Stage::Arm(decision) = &self.placement.stage else {
+            return;
+        };
+        let fits = decision.fits();
+        let undecided = Fit {
+            margin: fits.lead(),
+            ..fits.nearest
+        };
+        self.end_alignment();
+        self.finish(Outcome::Poor(undecided, Poor::Margin));
     }
 
     /// Shows a sample to the alignment in progress.
     pub(super) fn watch(&mut self, sample: Sample) {
         let placement = &mut self.placement;
-        let (Some(aligner), Some(template)) = (&mut placement.aligner, &placement.template) else {
+        let (Stage::Gestures(aligner), Some(template)) =
+            (&mut placement.stage, &placement.template)
+        else {
             return;
         };
         let Some(patch) = placement.view.push(placement.current.apply(sample)) else {
             return;
         };
-        let progress = aligner.push(patch, template);
-        let gestures = aligner.gestures();
-        match progress {
+        match aligner.push(patch, template) {
             Progress::Waiting => {}
             Progress::Gesture => {
+                let gestures = aligner.gestures();
                 placement.news = Some(News::of(AlignmentState::Waiting, gestures));
             }
-            Progress::Done(outcome) => {
-                placement.aligner = None;
-                placement.news = Some(match outcome {
-                    Outcome::Aligned(fit) => News::result(AlignmentState::Aligned, fit),
-                    Outcome::Poor(fit, Poor::Distance) => {
-                        News::result(AlignmentState::PoorDistance, fit)
-                    }
-                    Outcome::Poor(fit, Poor::Margin) => {
-                        News::result(AlignmentState::PoorMargin, fit)
-                    }
-                    Outcome::Timeout => News::of(AlignmentState::Timeout, gestures),
-                });
-                if let Outcome::Aligned(fit) = outcome {
-                    self.realign(self.placement.current.then(fit.alignment));
+            Progress::Undecided(mut decision) => {
+                decision.start(self.ring.complete());
+                placement.stage = Stage::Arm(decision);
+                if self.model.is_none() {
+                    self.interrupt_decision();
                 }
             }
+            Progress::Done(outcome) => self.finish(outcome),
+        }
+    }
+
+    /// Has the encoder take the next patch for a decision between the arms; gives whether there is one.
+    pub(super) fn decide_arm(&mut self) -> bool {
+        let Stage::Arm(decision) = &mut self.placement.stage else {
+            return false;
+        };
+        let Some(InUse { encoder, smoother }) = &self.model else {
+            return false;
+        };
+        let next = decision.next();
+        if next.is_first {
+            encoder.reset(self.state);
+        }
+        let patch = self.ring.before_newest(next.back);
+        let patch = patch.map(|sample| next.alignment.apply(sample));
+        let rows = encoder.step(self.state, &patch);
+        let outputs = encoder.classes() + usize::from(smoother.knows_other());
+        if let Some(outcome) = decision.score(&rows, outputs) {
+            self.end_alignment();
+            self.finish(outcome);
+        }
+        true
+    }
+
+    /// The window has completed a patch.
+    pub(super) const fn patch_completed(&mut self) {
+        if let Stage::Arm(decision) = &mut self.placement.stage {
+            decision.patch_completed();
+        }
+    }
+
+    /// Ends an alignment with an outcome.
+    fn finish(&mut self, outcome: Outcome) {
+        let placement = &mut self.placement;
+        let gestures = placement.stage.gestures().unwrap_or(GESTURES);
+        placement.stage = Stage::Idle;
+        placement.news = Some(match outcome {
+            Outcome::Aligned(fit) => News::result(AlignmentState::Aligned, fit),
+            Outcome::Poor(fit, Poor::Distance) => News::result(AlignmentState::PoorDistance, fit),
+            Outcome::Poor(fit, Poor::Margin) => News::result(AlignmentState::PoorMargin, fit),
+            Outcome::Timeout => News::of(AlignmentState::Timeout, gestures),
+        });
+        if let Outcome::Aligned(fit) = outcome {
+            self.realign(self.placement.current.then(fit.alignment));
         }
     }
 

@@ -55,6 +55,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// far cannot be used, and a new window begins. The alignment is kept if it was found by the template of this model, and
     /// otherwise dropped: what is in its place depends on how each template was measured.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
+        self.interrupt_decision();
         if self.preprocessing != input.preprocessing {
             self.reset_window();
             self.preprocess(input.preprocessing);

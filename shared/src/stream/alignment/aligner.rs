@@ -1,8 +1,10 @@
 //! Alignment in progress: waits for gestures, then chooses a placement or says why not.
 
+use super::arm_decision::{ArmDecision, SURE};
 use super::gesture::GestureDetector;
+use super::outcome::Outcome;
 use super::profile::{COUNT, Profile};
-use super::template::{Fit, Template};
+use super::template::Template;
 use crate::units::{CHANNELS, Patch};
 
 /// Openings of the hand that an alignment takes. A third gains nothing: docs/alignment.md.
@@ -10,11 +12,6 @@ pub const GESTURES: u8 = 2;
 
 /// Patches after which an alignment without gestures ends: 30 s.
 pub const TIMEOUT_PATCHES: u16 = 600;
-
-/// Largest distance of a placement that is accepted: 8 nats, in hundredths.
-const FURTHEST: u32 = 800;
-/// Least margin of a placement that is accepted: 2 nats, in hundredths.
-const LEAST_MARGIN: u32 = 200;
 
 /// Takes the stream while the wearer opens the hand.
 ///
@@ -29,34 +26,16 @@ pub struct Aligner {
 }
 
 /// What a patch led to.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Progress {
     /// Nothing new.
     Waiting,
     /// A gesture was found; more are needed.
     Gesture,
+    /// The end, but for the arm, which the template alone does not tell.
+    Undecided(ArmDecision),
     /// The end.
     Done(Outcome),
-}
-
-/// How an alignment ends.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Outcome {
-    /// The armband sits like this, seen from the alignment in force so far.
-    Aligned(Fit),
-    /// Nothing is to be changed.
-    Poor(Fit, Poor),
-    /// Too few gestures in 30 s.
-    Timeout,
-}
-
-/// Why a placement is not accepted.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Poor {
-    /// No placement looks like an open hand.
-    Distance,
-    /// Another placement, not beside it, looks nearly as much like one.
-    Margin,
 }
 
 impl Aligner {
@@ -82,7 +61,7 @@ impl Aligner {
         self.detector = GestureDetector::new();
     }
 
-    /// Takes the next patch. Not to be called after [`Progress::Done`].
+    /// Takes the next patch. Not to be called after [`Progress::Undecided`] or [`Progress::Done`].
     pub fn push(&mut self, patch: &Patch, template: &Template) -> Progress {
         self.patches = self.patches.saturating_add(1);
         let Some(gesture) = self.detector.push(patch) else {
@@ -100,14 +79,12 @@ impl Aligner {
             return Progress::Gesture;
         }
         let mean = self.means.map(|sum| sum / u32::from(self.gestures));
-        let fit = template.fit(Profile::new(mean));
-        Progress::Done(if fit.distance > FURTHEST {
-            Outcome::Poor(fit, Poor::Distance)
-        } else if fit.margin < LEAST_MARGIN {
-            Outcome::Poor(fit, Poor::Margin)
-        } else {
-            Outcome::Aligned(fit)
-        })
+        let fits = template.fit(Profile::new(mean));
+        let outcome = Outcome::of(fits.nearest);
+        if matches!(outcome, Outcome::Aligned(_)) && fits.lead() < SURE {
+            return Progress::Undecided(ArmDecision::new(fits, self.detector.active()));
+        }
+        Progress::Done(outcome)
     }
 }
 
@@ -120,8 +97,8 @@ impl Default for Aligner {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stream::alignment::Alignment;
-    use crate::stream::alignment::template::tests::{template, template_of};
+    use crate::stream::alignment::template::tests::{template, template_about, template_of};
+    use crate::stream::alignment::{Alignment, Poor};
     use crate::units::PATCH;
 
     /// Means whose profile is the test template's: 20 counts x 2^(mean / 256), less 1.
@@ -137,11 +114,10 @@ mod tests {
             for _ in 0..patches {
                 let progress = aligner.push(&[sample; PATCH], template);
                 taken += 1;
-                if progress != Progress::Waiting {
-                    last = progress;
-                }
-                if matches!(progress, Progress::Done(_)) {
-                    return (last, taken);
+                match progress {
+                    Progress::Waiting => {}
+                    Progress::Gesture => last = progress,
+                    Progress::Undecided(_) | Progress::Done(_) => return (progress, taken),
                 }
             }
         }
@@ -187,6 +163,24 @@ mod tests {
             matches!(flat, Progress::Done(Outcome::Poor(_, Poor::Margin))),
             "{flat:?}"
         );
+    }
+
+    #[test]
+    fn an_opening_that_is_nearly_symmetrical_does_not_tell_the_arm() {
+        let symmetrical = template_about([400, 200, 0, -200, -300, -200, 0, 200], 10);
+        let open = [58, 34, 20, 12, 9, 12, 20, 34];
+        for alignment in Alignment::all() {
+            let other = Alignment::new(alignment.turn(), !alignment.mirrored());
+            match two(&symmetrical, alignment.inverse().apply(open)) {
+                Progress::Undecided(decision) => {
+                    let fits = decision.fits();
+                    let found = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
+                    assert!(found == [alignment, other] || found == [other, alignment]);
+                    assert!(fits.lead() < 10, "{fits:?}");
+                }
+                other => panic!("{alignment:?}: {other:?}"),
+            }
+        }
     }
 
     #[test]

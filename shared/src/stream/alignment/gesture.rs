@@ -26,6 +26,8 @@ pub(super) struct GestureDetector {
     /// The quietest half second so far, as ten patches' sum.
     rest: u32,
     burst: Option<Burst>,
+    /// Which of the newest 64 patches were active in a gesture, the newest in the lowest bit.
+    active: u64,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -60,7 +62,13 @@ impl GestureDetector {
             count: 0,
             rest: u32::MAX,
             burst: None,
+            active: 0,
         }
+    }
+
+    /// Which of the newest 64 patches were active in a gesture, the newest in the lowest bit.
+    pub(super) const fn active(&self) -> u64 {
+        self.active
     }
 
     /// Takes the next patch; gives a gesture when it has ended, or has lasted 3 s.
@@ -69,6 +77,7 @@ impl GestureDetector {
         let newest: u32 = electrodes.iter().sum();
         self.recent[self.count % LONG] = newest;
         self.count += 1;
+        self.active <<= 1;
         if self.count < LONG {
             return None;
         }
@@ -85,12 +94,12 @@ impl GestureDetector {
         let Some(burst) = &mut self.burst else {
             if begins {
                 let mut burst = Burst::new();
-                burst.add(&electrodes, is_active);
+                self.active |= u64::from(burst.add(&electrodes, is_active));
                 self.burst = Some(burst);
             }
             return None;
         };
-        burst.add(&electrodes, is_active);
+        self.active |= u64::from(burst.add(&electrodes, is_active));
         let is_long = burst.gesture.patches >= MOST;
         if ends {
             let burst = self.burst.take()?;
@@ -112,14 +121,16 @@ impl Burst {
         }
     }
 
-    fn add(&mut self, electrodes: &[u32; CHANNELS], is_active: bool) {
+    /// Adds a patch if it counts; gives whether it does.
+    fn add(&mut self, electrodes: &[u32; CHANNELS], is_active: bool) -> bool {
         if !is_active || self.gesture.patches >= MOST {
-            return;
+            return false;
         }
         for (sum, more) in self.gesture.sums.iter_mut().zip(electrodes) {
             *sum += more;
         }
         self.gesture.patches += 1;
+        true
     }
 }
 
@@ -166,6 +177,18 @@ mod tests {
             ]
         );
         assert_eq!(found[0].means(64)[1], 30 * 64);
+    }
+
+    #[test]
+    fn the_active_patches_of_gestures_are_marked_newest_first() {
+        let mut detector = GestureDetector::new();
+        for (level, patches) in [(3, 12), (30, 9), (3, 6), (30, 10), (3, 4)] {
+            for _ in 0..patches {
+                detector.push(&[[level; CHANNELS]; PATCH]);
+            }
+        }
+        // The average over 200 ms is above 1.75 times rest with the first active patch.
+        assert_eq!(detector.active(), (0x1FF << 20) | (0x3FF << 4));
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub struct Template {
     precision: [i16; TRIANGLE],
 }
 
-/// The placement of a profile that a template fits best.
+/// The placement on one arm that a template fits best.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Fit {
     /// The placement.
@@ -35,6 +35,23 @@ pub struct Fit {
     pub distance: u32,
     /// How much further the best placement of the same arm is that lies more than one place away, in hundredths of a nat.
     pub margin: u32,
+}
+
+/// The best placement of a profile, and the best of those on the other arm.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Fits {
+    /// The nearest of the 16 placements.
+    pub nearest: Fit,
+    /// The nearest on the other arm than that.
+    pub other_arm: Fit,
+}
+
+impl Fits {
+    /// How much further the best placement on the other arm is, in hundredths of a nat.
+    #[must_use]
+    pub const fn lead(&self) -> u32 {
+        self.other_arm.distance - self.nearest.distance
+    }
 }
 
 /// Why numbers are no template.
@@ -132,27 +149,40 @@ impl Template {
         (sum.max(0) * 100) / unit
     }
 
-    /// The best of the 16 placements of a profile. Of two equal ones the lower turn, unmirrored before mirrored.
+    /// The best of the 16 placements of a profile, and the best on the other arm. Of two equal ones the lower turn,
+    /// unmirrored before mirrored.
     #[must_use]
-    pub fn fit(&self, profile: Profile) -> Fit {
-        let distance = |alignment: Alignment| self.distance(alignment.apply(profile.0));
-        let mut best = Alignment::NONE;
-        let mut nearest = distance(best);
-        for alignment in Alignment::all() {
-            let found = distance(alignment);
-            if found < nearest {
-                (best, nearest) = (alignment, found);
+    pub fn fit(&self, profile: Profile) -> Fits {
+        let [as_in_training, mirrored] = [false, true].map(|arm| self.fit_on(arm, profile));
+        let (nearest, other_arm) = if mirrored.distance < as_in_training.distance {
+            (mirrored, as_in_training)
+        } else {
+            (as_in_training, mirrored)
+        };
+        Fits { nearest, other_arm }
+    }
+
+    /// The best of the 8 placements on an arm.
+    fn fit_on(&self, mirrored: bool, profile: Profile) -> Fit {
+        let place = |turn: usize| Alignment::new(turn as u8, mirrored);
+        let distances: [u32; CHANNELS] = core::array::from_fn(|turn| {
+            let distance = self.distance(place(turn).apply(profile.0));
+            u32::try_from(distance).unwrap_or(u32::MAX)
+        });
+        let mut best = 0;
+        for turn in 1..CHANNELS {
+            if distances[turn] < distances[best] {
+                best = turn;
             }
         }
-        let elsewhere = Alignment::all()
-            .filter(|other| other.places_from(best).is_some_and(|places| places > 1))
-            .map(distance)
-            .min();
-        let hundredths = |nats: i64| u32::try_from(nats).unwrap_or(u32::MAX);
+        let is_elsewhere = |turn: usize| place(turn).places_from(place(best)) > Some(1);
+        let elsewhere = (0..CHANNELS).filter(|&turn| is_elsewhere(turn));
+        let elsewhere = elsewhere.map(|turn| distances[turn]).min();
+        let nearest = distances[best];
         Fit {
-            alignment: best,
-            distance: hundredths(nearest),
-            margin: hundredths((elsewhere.unwrap_or(nearest) - nearest).max(0)),
+            alignment: place(best),
+            distance: nearest,
+            margin: elsewhere.unwrap_or(nearest) - nearest,
         }
     }
 
@@ -171,11 +201,16 @@ pub(crate) mod tests {
     /// A density as wide in all directions, of this many nats per square octave, about a pattern that falls round the
     /// arm, which its mirror image does not.
     pub(crate) fn template_of(nats: i16) -> Template {
+        template_about([400, 290, 170, 60, -60, -170, -290, -400], nats)
+    }
+
+    /// The same about another pattern.
+    pub(crate) fn template_about(mean: [i16; CHANNELS], nats: i16) -> Template {
         let mut precision = [0; TRIANGLE];
         for row in 0..CHANNELS {
             precision[row * (2 * CHANNELS + 1 - row) / 2] = nats * PRECISION_ONE;
         }
-        Template::new([400, 290, 170, 60, -60, -170, -290, -400], precision).unwrap()
+        Template::new(mean, precision).unwrap()
     }
 
     pub(crate) fn template() -> Template {
@@ -190,9 +225,25 @@ pub(crate) mod tests {
     #[test]
     fn every_placement_is_found() {
         for alignment in Alignment::all() {
-            let fit = template().fit(worn(alignment));
+            let fits = template().fit(worn(alignment));
+            let fit = fits.nearest;
             assert_eq!((fit.alignment, fit.distance), (alignment, 0));
             assert!(fit.margin > 500, "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn the_best_of_the_other_arm_is_told_with_how_much_further_it_is() {
+        for alignment in Alignment::all() {
+            let profile = worn(alignment);
+            let fits = template().fit(profile);
+            let others = Alignment::all().filter(|other| other.mirrored() != alignment.mirrored());
+            let distance = |other: Alignment| template().distance(other.apply(profile.0)) as u32;
+            let nearest = others.min_by_key(|&other| distance(other)).unwrap();
+            assert_eq!(fits.other_arm.alignment, nearest);
+            assert_eq!(fits.other_arm.distance, distance(nearest));
+            assert_eq!(fits.lead(), distance(nearest) - fits.nearest.distance);
+            assert!(fits.lead() > 400, "{fits:?}");
         }
     }
 
@@ -217,14 +268,15 @@ pub(crate) mod tests {
         template.mean = [400, 200, 0, -200, -300, -200, 0, 200];
         for turn in 0..8 {
             let mirrored = Alignment::new(turn, true);
-            let fit = template.fit(Profile(mirrored.inverse().apply(template.mean)));
-            assert_eq!(fit.alignment, Alignment::new(turn, false));
+            let fits = template.fit(Profile(mirrored.inverse().apply(template.mean)));
+            assert_eq!(fits.nearest.alignment, Alignment::new(turn, false));
+            assert_eq!((fits.other_arm.alignment, fits.lead()), (mirrored, 0));
         }
     }
 
     #[test]
     fn a_flat_pattern_has_no_margin() {
-        assert!(template().fit(Profile([0; CHANNELS])).margin < 10);
+        assert!(template().fit(Profile([0; CHANNELS])).nearest.margin < 10);
     }
 
     #[test]
@@ -295,8 +347,10 @@ pub(crate) mod tests {
             let turned = Alignment::new(turn, mirrored);
             let here = template.fit(Profile(profile));
             let there = template.fit(Profile(turned.inverse().apply(profile)));
-            prop_assert_eq!(turned.inverse().then(there.alignment), here.alignment);
-            prop_assert_eq!((here.distance, here.margin), (there.distance, there.margin));
+            for (here, there) in [(here.nearest, there.nearest), (here.other_arm, there.other_arm)] {
+                prop_assert_eq!(turned.inverse().then(there.alignment), here.alignment);
+                prop_assert_eq!((here.distance, here.margin), (there.distance, there.margin));
+            }
         }
 
         /// Whatever is in the file, nothing overflows.
@@ -307,8 +361,9 @@ pub(crate) mod tests {
             profile in prop::array::uniform8(-1793_i16..=1794),
         ) {
             if let Ok(template) = Template::new(mean, precision.try_into().unwrap()) {
-                let fit = template.fit(Profile(profile));
-                prop_assert!(fit.alignment.turn() < 8);
+                let fits = template.fit(Profile(profile));
+                prop_assert!(fits.nearest.distance <= fits.other_arm.distance);
+                prop_assert_ne!(fits.nearest.alignment.mirrored(), fits.other_arm.alignment.mirrored());
             }
         }
     }

@@ -1,0 +1,294 @@
+//! Which arm, where the template cannot tell: the model's logits for the openings decide with it.
+//!
+//! The open hand of one person in eight is nearly symmetrical round the arm. Then the best placements of both arms are
+//! nearly as near to the template, but the model does not take them for the same: it has seen more than the means of
+//! electrodes. The encoder takes the same patches in both placements, one after the other, each from a fresh state; the
+//! placement in which the logit of `open` is further above all others has the model's voice. Nats of the template and
+//! logits are both logarithms of ratios of probabilities, so they are added, with a weight that was measured:
+//! docs/alignment.md.
+//!
+//! The order of the sums is part of the definition: patches in time order, rows newest first, in f32.
+
+use super::outcome::Outcome;
+use super::placement::Alignment;
+use super::template::Fits;
+use crate::intent::{Intent, MAX_LOGITS};
+use crate::units::{LOOK_BACK, PATCH, WINDOW_PATCHES};
+
+/// Lead of a placement over those on the other arm that the model may overrule: 4 nats, in hundredths.
+pub(super) const SURE: u32 = 400;
+
+/// Nats, in hundredths, that a difference of one logit in the mean is worth.
+const WEIGHT: f32 = 150.0;
+
+/// Most patches that the encoder takes in each placement: those that are still in the window when it takes the last
+/// placement's first one.
+const MOST: usize = 53;
+
+// With a sample for each patch, MOST.div_ceil(PATCH) patches have come then; of a window of 60 one is being overwritten.
+const _: () = assert!(MOST + (MOST + 1).div_ceil(PATCH) < WINDOW_PATCHES);
+
+/// A decision in progress.
+///
+/// One call of [`ArmDecision::next`] and one of [`ArmDecision::score`] for each patch that the encoder takes: at most 106.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ArmDecision {
+    fits: Fits,
+    /// Which patches are of the openings, the newest when it began in the lowest bit; 0 from `patches` on.
+    opening: u64,
+    /// Patches to be taken in each placement.
+    patches: usize,
+    /// Of these, those that are yet to be taken in the present placement.
+    remaining: usize,
+    /// Patches that have completed since it began.
+    completed: usize,
+    /// That of the nearest placement, summed up, once it is known.
+    nearest_score: Option<f32>,
+    /// Sum over rows that refer to the openings of how far `open` is above the other logits, in the present placement.
+    score: f32,
+    /// Number of these rows so far; as many in each placement.
+    rows: u32,
+}
+
+/// What the encoder is to take.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Next {
+    /// How its electrodes are to be arranged, seen from the alignment in force.
+    pub alignment: Alignment,
+    /// The patch that is so many older than the newest complete one.
+    pub back: usize,
+    /// Whether the state is to be made fresh before.
+    pub is_first: bool,
+}
+
+impl ArmDecision {
+    /// Before the first patch. In `active`, bits mark the patches that were active in a gesture, the newest lowest.
+    #[must_use]
+    pub const fn new(fits: Fits, active: u64) -> Self {
+        Self {
+            fits,
+            // The window's patches and the alignment's begin at different samples: each lies in two of the others.
+            opening: active & (active >> 1),
+            patches: 0,
+            remaining: 0,
+            completed: 0,
+            nearest_score: None,
+            score: 0.0,
+            rows: 0,
+        }
+    }
+
+    /// Sets out with the complete patches that the window holds: at least one, for it holds a gesture.
+    pub fn start(&mut self, complete: usize) {
+        self.patches = complete.clamp(1, MOST);
+        self.remaining = self.patches;
+        self.opening &= (1 << self.patches) - 1;
+    }
+
+    /// What both arms' best placements are.
+    #[must_use]
+    pub const fn fits(&self) -> Fits {
+        self.fits
+    }
+
+    /// To be called when the window has completed another patch.
+    pub const fn patch_completed(&mut self) {
+        self.completed += 1;
+    }
+
+    /// What the encoder is to take next.
+    #[must_use]
+    pub const fn next(&self) -> Next {
+        let fit = match self.nearest_score {
+            None => self.fits.nearest,
+            Some(_) => self.fits.other_arm,
+        };
+        Next {
+            alignment: fit.alignment,
+            back: self.completed + self.remaining - 1,
+            is_first: self.remaining == self.patches,
+        }
+    }
+
+    /// Takes the logits of the patch of [`ArmDecision::next`], of which `outputs` columns are the model's; gives the end.
+    pub fn score(
+        &mut self,
+        rows: &[[f32; MAX_LOGITS]; LOOK_BACK],
+        outputs: usize,
+    ) -> Option<Outcome> {
+        self.remaining -= 1;
+        for (back, row) in rows.iter().enumerate() {
+            // Patches before the first one are in no bit.
+            if self.opening >> (self.remaining + back) & 1 == 1 {
+                self.score += evidence(&row[..outputs]);
+                self.rows += 1;
+            }
+        }
+        if self.remaining > 0 {
+            return None;
+        }
+        let Some(nearest) = self.nearest_score else {
+            self.nearest_score = Some(self.score);
+            self.score = 0.0;
+            self.rows = 0;
+            self.remaining = self.patches;
+            return None;
+        };
+        // The means' difference, times the number of rows: no division, and without a row the template decides.
+        let is_overruled =
+            WEIGHT * (self.score - nearest) > self.fits.lead() as f32 * self.rows as f32;
+        let fit = if is_overruled {
+            self.fits.other_arm
+        } else {
+            self.fits.nearest
+        };
+        Some(Outcome::of(fit))
+    }
+}
+
+/// How far the logit of `open` is above the largest other one.
+fn evidence(logits: &[f32]) -> f32 {
+    let open = Intent::Open.class();
+    let mut largest = f32::NEG_INFINITY;
+    for (column, &logit) in logits.iter().enumerate() {
+        if column != open && logit > largest {
+            largest = logit;
+        }
+    }
+    logits.get(open).map_or(0.0, |own| own - largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::alignment::{Fit, Poor};
+    use crate::units::{PATCH, WINDOW_PATCHES};
+    use alloc::vec::Vec;
+
+    const NEAREST: Fit = Fit {
+        alignment: Alignment::new(3, false),
+        distance: 200,
+        margin: 500,
+    };
+    /// 1 nat further.
+    const OTHER_ARM: Fit = Fit {
+        alignment: Alignment::new(5, true),
+        distance: 300,
+        margin: 500,
+    };
+    const FITS: Fits = Fits {
+        nearest: NEAREST,
+        other_arm: OTHER_ARM,
+    };
+    /// The ten newest patches but the two last are of an opening.
+    const ACTIVE: u64 = 0x3FC;
+
+    /// Logits in whose rows `open` is so far above the others of three classes, of which one is at -1.
+    fn rows(lead: f32) -> [[f32; MAX_LOGITS]; LOOK_BACK] {
+        [[-3.0, lead - 1.0, -1.0, 99.0, 99.0, 99.0, 99.0]; LOOK_BACK]
+    }
+
+    /// The outcome if `open` leads by so much in each placement.
+    fn outcome(fits: Fits, active: u64, leads: [f32; 2]) -> Option<Outcome> {
+        let mut decision = ArmDecision::new(fits, active);
+        decision.start(20);
+        for lead in leads {
+            for taken in 0..20 {
+                let next = decision.next();
+                assert_eq!((next.is_first, next.back), (taken == 0, 19 - taken));
+                let outcome = decision.score(&rows(lead), 3);
+                if outcome.is_some() {
+                    assert_eq!(taken, 19);
+                    return outcome;
+                }
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_logit_of_difference_outweighs_one_and_a_half_nats() {
+        // 1 nat is 0.67 logits.
+        for (leads, expected) in [
+            ([0.0, 0.0], NEAREST),
+            ([2.0, 2.6], NEAREST),
+            ([2.0, 2.7], OTHER_ARM),
+            ([-2.0, -1.3], OTHER_ARM),
+            ([9.0, -9.0], NEAREST),
+        ] {
+            let found = outcome(FITS, ACTIVE, leads);
+            assert_eq!(found, Some(Outcome::Aligned(expected)), "{leads:?}");
+        }
+    }
+
+    #[test]
+    fn without_an_opening_in_the_window_the_template_decides() {
+        let older_than_twenty = ACTIVE << 20;
+        for active in [0, 1, older_than_twenty] {
+            let found = outcome(FITS, active, [-9.0, 9.0]);
+            assert_eq!(found, Some(Outcome::Aligned(NEAREST)));
+        }
+    }
+
+    #[test]
+    fn a_placement_that_is_poor_is_not_accepted_because_the_model_likes_it() {
+        let other_arm = Fit {
+            margin: 99,
+            ..OTHER_ARM
+        };
+        let fits = Fits { other_arm, ..FITS };
+        let found = outcome(fits, ACTIVE, [-9.0, 9.0]);
+        assert_eq!(found, Some(Outcome::Poor(other_arm, Poor::Margin)));
+    }
+
+    #[test]
+    fn rows_count_that_refer_to_patches_wholly_within_an_opening() {
+        // Of the window's patches, the third and the fourth of the newest.
+        let mut decision = ArmDecision::new(FITS, 0b1_1100);
+        decision.start(20);
+        let mut counted = Vec::new();
+        for _ in 0..19 {
+            let before = decision.rows;
+            decision.score(&rows(1.0), 3);
+            counted.push(decision.rows - before);
+        }
+        assert_eq!(counted[..16], [0; 16]);
+        assert_eq!(counted[16..], [1, 2, 2]);
+    }
+
+    #[test]
+    fn both_placements_are_judged_by_the_same_patches_and_all_are_in_the_window() {
+        for complete in 1..=WINDOW_PATCHES {
+            for filled in 0..PATCH {
+                // A window that completes a patch with every tenth sample, patches numbered from 0.
+                let mut decision = ArmDecision::new(FITS, ACTIVE);
+                decision.start(complete);
+                let mut newest = complete - 1;
+                let mut taken = Vec::new();
+                for sample in 1.. {
+                    if (filled + sample) % PATCH == 0 {
+                        newest += 1;
+                        decision.patch_completed();
+                    }
+                    let next = decision.next();
+                    assert!(next.back < WINDOW_PATCHES - 1, "{complete} {filled}");
+                    taken.push((next.alignment, newest - next.back));
+                    if decision.score(&rows(0.0), 3).is_some() {
+                        break;
+                    }
+                }
+                let patches = complete.min(53);
+                let expected = [NEAREST, OTHER_ARM].into_iter().flat_map(|fit| {
+                    (complete - patches..complete).map(move |patch| (fit.alignment, patch))
+                });
+                assert!(taken.iter().copied().eq(expected), "{complete} {filled}");
+            }
+        }
+    }
+
+    #[test]
+    fn other_movement_is_one_of_the_logits_that_open_is_above() {
+        assert_eq!(evidence(&[1.0, 3.0, -1.0]), 2.0);
+        assert_eq!(evidence(&[1.0, 3.0, -1.0, 2.5]), 0.5);
+    }
+}
