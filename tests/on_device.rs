@@ -130,7 +130,7 @@ fn counts_add_up(image: &Path) -> Result<()> {
         waiting > 0 && waiting < total + total / 20,
         "a patch while waiting {waiting}, else {total}"
     );
-    for name in ["align-end", "align-again"] {
+    for name in ["align-end", "align-again", "align-arm"] {
         let largest = table.part(name).context("a part")?.largest;
         ensure!(
             largest > encoder / 2 && largest < total + total / 4,

@@ -912,7 +912,7 @@ fn placements(people: &BTreeMap<String, Vec<Labelled>>) -> BTreeMap<&str, Option
         .enumerate()
         .filter_map(|(number, (subject, own))| {
             let openings = openings(&borrowed(own))?;
-            let outcome = match openings.outcome(&templates[number % 4]).0 {
+            let outcome = match openings.outcome(&templates[number % 4]) {
                 Outcome::Aligned(fit) => Some(fit.alignment),
                 Outcome::Poor(..) | Outcome::Timeout => None,
             };

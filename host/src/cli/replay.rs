@@ -1,6 +1,7 @@
 //! `myointent replay`: one recording through the device's own pipeline.
 
 use std::io::{BufWriter, Write};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -8,11 +9,11 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
+use shared::units::{Millis, Sample};
 
 use crate::cli::read_model;
 use crate::dataset::{LoadOptions, Recording, load};
-use crate::inference::stream::pipeline;
+use crate::inference::stream::{feed, pipeline};
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
@@ -116,28 +117,22 @@ fn replay(
     if let Some(report) = pipeline.take_alignment_report() {
         output(&report.to_string())?;
     }
-    for (index, pair) in samples.chunks(2).enumerate() {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "a recording is shorter than 49 days"
-        )]
-        let now = Millis(index as u32 * 2 * SAMPLE_PERIOD_MS);
+    let wait = |now: Millis| {
         if let Some(start) = start {
-            std::thread::sleep(
-                (start + Duration::from_millis(now.0.into()))
-                    .saturating_duration_since(Instant::now()),
-            );
+            let due = start + Duration::from_millis(now.0.into());
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }
-        for &sample in pair {
-            for report in pipeline.sample(now, sample) {
-                output(&report.to_string())?;
-            }
-            if let Some(report) = pipeline.take_alignment_report() {
-                output(&report.to_string())?;
-            }
+    };
+    let written = feed(&mut pipeline, samples, wait, |line| {
+        match output(&line.to_string()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => ControlFlow::Break(error),
         }
+    });
+    match written {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(error) => Err(error.into()),
     }
-    Ok(())
 }
 
 /// The recording at a path, by name if there are several.

@@ -1,10 +1,19 @@
 //! A stream through the device's own pipeline, sample by sample, as the device runs it.
 
+use std::fmt;
+use std::ops::ControlFlow;
+
 use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::SettingsError;
+use shared::uart_line::Report;
+use shared::uart_line::alignment::AlignmentReport;
+use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
+
+/// Samples of a notification of the armband.
+const TOGETHER: usize = 2;
 
 /// The pipeline of a model as a board sets it up at its start; `encoder` is that of the model.
 ///
@@ -20,4 +29,46 @@ pub(crate) fn pipeline<'s, E: Encode>(
     pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(model.header.template);
     Ok(pipeline)
+}
+
+/// A line that a board writes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Line {
+    /// A label, or a change of state.
+    Report(Report),
+    /// What is new about the alignment.
+    Alignment(AlignmentReport),
+}
+
+impl fmt::Display for Line {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Report(report) => report.fmt(formatter),
+            Self::Alignment(report) => report.fmt(formatter),
+        }
+    }
+}
+
+/// Passes a recording through a pipeline as an armband sends it, two samples every 10 ms. `wait` is called with the time
+/// before each two, `output` with each line, until it breaks off.
+pub(crate) fn feed<E: Encode, B>(
+    pipeline: &mut Pipeline<'_, E>,
+    samples: &[Sample],
+    mut wait: impl FnMut(Millis),
+    mut output: impl FnMut(Line) -> ControlFlow<B>,
+) -> ControlFlow<B> {
+    let mut now = Millis(0);
+    for pair in samples.chunks(TOGETHER) {
+        wait(now);
+        for &sample in pair {
+            for report in pipeline.sample(now, sample) {
+                output(Line::Report(report))?;
+            }
+            if let Some(report) = pipeline.take_alignment_report() {
+                output(Line::Alignment(report))?;
+            }
+        }
+        now = now.plus(TOGETHER as u32 * SAMPLE_PERIOD_MS);
+    }
+    ControlFlow::Continue(())
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use shared::model::file::ModelError;
+use shared::stream::smoother::SettingsError;
 use thiserror::Error;
 
 use crate::dataset::split::SplitError;
@@ -118,6 +119,9 @@ pub enum StepError {
     /// The model file is invalid.
     #[error("the model file is refused")]
     Model(#[from] ModelError),
+    /// The settings in the model file are for no board.
+    #[error("the smoother's settings in the model file are refused")]
+    Smoother(#[from] SettingsError),
     /// The models cannot be evaluated.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),

@@ -147,7 +147,7 @@ pub fn evaluate_models(
                 people: left_out_openings.len(),
             });
         }
-        aligned = align(&named, &people, &worn);
+        aligned = align(&named, &people, &worn)?;
         leave_out_openings(&mut trials, &people, &aligned.taken);
         trials.retain(|trial| people.contains_key(&trial.subject));
     }

@@ -260,6 +260,15 @@ impl<E: Encode> Pipeline<'_, E> {
         }
     }
 
+    /// A decision between the arms in progress.
+    #[cfg(test)]
+    pub(super) const fn arm_decision(&self) -> Option<&ArmDecision> {
+        match &self.placement.stage {
+            Stage::Arm(decision) => Some(decision),
+            Stage::Idle | Stage::Gestures(_) => None,
+        }
+    }
+
     /// Has the encoder take the next patch for a decision between the arms; gives whether there is one.
     pub(super) fn decide_arm(&mut self) -> bool {
         let Stage::Arm(decision) = &mut self.placement.stage else {

@@ -360,4 +360,5 @@ proptest! {
 }
 
 mod alignment;
+mod arm;
 mod wrap;

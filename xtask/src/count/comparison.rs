@@ -58,19 +58,31 @@ impl fmt::Display for Comparison<'_> {
             )?;
         }
         let alignment = ALIGNMENT.map(|name| table.part(name));
-        if let [Some(waiting), Some(end), Some(again), Some(fit), Some(turn)] = alignment {
+        if let [
+            Some(waiting),
+            Some(end),
+            Some(again),
+            Some(fit),
+            Some(turn),
+            Some(arm),
+        ] = alignment
+        {
             let (waiting, fit, turn) = (waiting.mean, fit.mean, turn.mean);
             writeln!(
                 f,
                 "alignment: {waiting} a patch while gestures are waited for\n\
                  alignment: {} for the sample that ends it, about {:.1} ms: {fit} for the fit, {turn} to turn the window, \
                  and a patch\n\
-                 alignment: {} for each of the next 66 samples, at most {}, about {:.1} ms",
+                 alignment: {} for each of the next 66 samples, at most {}, about {:.1} ms\n\
+                 alignment: {} for each of 106 samples while the model decides on the arm, at most {}, about {:.1} ms",
                 end.largest,
                 milliseconds(end.largest),
                 again.mean,
                 again.largest,
                 milliseconds(again.largest),
+                arm.mean,
+                arm.largest,
+                milliseconds(arm.largest),
             )?;
         }
         writeln!(f, "state of the encoder: {} bytes", table.state)?;

@@ -24,11 +24,16 @@ use table::milliseconds;
 /// Emulating some hundred patches takes seconds.
 const TIMEOUT: Duration = Duration::from_secs(120);
 /// What keeps the radio's tasks waiting, and for how many milliseconds at most. While the encoder takes the window again
-/// after an alignment, a sample must be done before the next one comes.
-const WAITS: [(&str, &str, f64); 3] = [
+/// for an alignment or after one, a sample must be done before the next one comes.
+const WAITS: [(&str, &str, f64); 4] = [
     ("a slice of the full recompute", "slice", 10.0),
     ("the end of an alignment", "align-end", 10.0),
     ("a sample after an alignment", "align-again", 5.0),
+    (
+        "a sample while the model decides on the arm",
+        "align-arm",
+        5.0,
+    ),
 ];
 /// Percent by which the total may rise without `--accept`.
 const TOLERANCE: f64 = 2.0;

@@ -19,13 +19,15 @@ pub const PARTS: [(&str, f64); 8] = [
 pub const MORE: [&str; 4] = ["total", "encoder", "recompute", "slice"];
 
 /// What is counted of an alignment: a patch while gestures are waited for; the sample that ends it; each sample with which
-/// the encoder takes the window again; the fit alone; the change of the window alone. Older counts lack them.
-pub const ALIGNMENT: [&str; 5] = [
+/// the encoder takes the window again; the fit alone; the change of the window alone; each sample while the model decides on
+/// the arm. Older counts lack them.
+pub const ALIGNMENT: [&str; 6] = [
     "align-patch",
     "align-end",
     "align-again",
     "align-fit",
     "align-turn",
+    "align-arm",
 ];
 
 /// Milliseconds of so many instructions at 64 MHz, by the cycles an instruction of the encoder's largest parts.

@@ -65,26 +65,44 @@ pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Opening
 }
 
 impl Openings {
-    /// What the device's alignment makes of them, a timeout if they are too few for it, and how many it took.
+    /// What the armband would send: rest, then each gesture with rest behind it, and rest until the last one is decided on.
     #[must_use]
-    pub fn outcome(&self, template: &Template) -> (Outcome, usize) {
+    pub fn stream(&self) -> Vec<Sample> {
         let mut stream = self.rest.clone();
-        // Where each gesture with its rest ends.
-        let mut ends = Vec::new();
         for gesture in &self.gestures {
             stream.extend(gesture);
             stream.extend(&self.rest);
-            ends.push(stream.len());
         }
-        let emg: Vec<_> = clean(stream, Median::Three).collect();
+        stream.extend(&self.rest);
+        stream
+    }
+
+    /// How many of them the first `samples` of the stream take part of.
+    #[must_use]
+    pub fn within(&self, samples: usize) -> usize {
+        let mut begins = self.rest.len();
+        let begun = self.gestures.iter().take_while(|gesture| {
+            let has_begun = begins < samples;
+            begins += gesture.len() + self.rest.len();
+            has_begun
+        });
+        begun.count()
+    }
+
+    /// What a template makes of them without a model, which has no voice where both arms are nearly as good; a timeout if
+    /// they are too few.
+    #[must_use]
+    pub fn outcome(&self, template: &Template) -> Outcome {
+        let emg: Vec<_> = clean(self.stream(), Median::Three).collect();
         let mut aligner = Aligner::new();
-        for (at, patch) in emg.as_chunks::<PATCH>().0.iter().enumerate() {
-            if let Progress::Done(outcome) = aligner.push(patch, template) {
-                let whole = ends.iter().filter(|&&end| end < (at + 1) * PATCH).count();
-                return (outcome, (whole + 1).min(ends.len()));
+        for patch in emg.as_chunks::<PATCH>().0 {
+            match aligner.push(patch, template) {
+                Progress::Waiting | Progress::Gesture => {}
+                Progress::Undecided(decision) => return Outcome::Aligned(decision.fits().nearest),
+                Progress::Done(outcome) => return outcome,
             }
         }
-        (Outcome::Timeout, ends.len())
+        Outcome::Timeout
     }
 
     /// The samples of a recording that are part of the first `count` openings.
@@ -139,9 +157,15 @@ mod tests {
         let (samples, labels) = recording(6, worn.inverse().apply([58, 43, 31, 22, 16, 12, 8, 6]));
         let own = openings(&[(&samples, &labels)]).unwrap();
         match own.outcome(&template) {
-            (Outcome::Aligned(fit), 2) => assert_eq!(fit.alignment, worn),
+            Outcome::Aligned(fit) => assert_eq!(fit.alignment, worn),
             other => panic!("{other:?}"),
         }
+        // A second of rest, then gestures of 500 samples with a second behind each.
+        assert_eq!(own.stream().len(), 200 + 4 * 700 + 200);
+        assert_eq!(
+            [200, 201, 900, 901, 9999].map(|end| own.within(end)),
+            [0, 1, 1, 2, 4]
+        );
         let used: Vec<_> = own.used(0, 3).collect();
         assert_eq!(used, [200..700, 800..1300, 1400..1900]);
         assert_eq!(own.used(1, 3).count(), 0);

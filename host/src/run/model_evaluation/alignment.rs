@@ -1,18 +1,22 @@
 //! How people wear the armband, and what alignment makes of it.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use serde::Serialize;
 use shared::intent::Intent;
+use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::stream::alignment::{Alignment, Outcome, Poor};
+use shared::stream::alignment::Alignment;
+use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
 use crate::dataset::alignment::{Openings, openings};
 use crate::evaluation::{Candidate, Trial};
 use crate::inference::integer_logits;
+use crate::inference::stream::{Line, feed, pipeline};
 use crate::run::error::StepError;
 
 /// How the armband sits, after the data set's own frame is accounted for.
@@ -97,54 +101,81 @@ pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<u
         .collect()
 }
 
-/// What each model's template makes of each person's openings.
+/// What a board with each model makes of each person's openings.
+///
+/// # Errors
+/// When a board would refuse a model.
 pub(super) fn align(
     models: &[(&NamedModel, &Model<'_>)],
     people: &BTreeMap<String, (Openings, Vec<usize>)>,
     worn: &BTreeMap<String, Alignment>,
-) -> Aligned {
-    let mut results = Vec::new();
-    let mut found = Vec::new();
-    let mut taken: BTreeMap<String, usize> = BTreeMap::new();
+) -> Result<Aligned, StepError> {
+    let mut aligned = Aligned::default();
     for (named, model) in models {
+        let answers = people
+            .par_iter()
+            .map(|(subject, (openings, _))| Ok((subject, answer(model, openings)?)))
+            .collect::<Result<Vec<_>, StepError>>()?;
         let mut own = BTreeMap::new();
-        for (subject, (openings, _)) in people {
-            let (outcome, count) = model
-                .header
-                .template
-                .as_ref()
-                .map_or((None, 0), |template| {
-                    let (outcome, count) = openings.outcome(template);
-                    (Some(outcome), count)
-                });
-            let most = taken.entry(subject.clone()).or_default();
+        for (subject, (report, count)) in answers {
+            let most = aligned.taken.entry(subject.clone()).or_default();
             *most = count.max(*most);
-            let (name, fit) = match outcome {
-                None => ("unavailable", None),
-                Some(Outcome::Timeout) => ("timeout", None),
-                Some(Outcome::Aligned(fit)) => ("aligned", Some(fit)),
-                Some(Outcome::Poor(fit, Poor::Distance)) => ("poor-distance", Some(fit)),
-                Some(Outcome::Poor(fit, Poor::Margin)) => ("poor-margin", Some(fit)),
-            };
-            let applied = fit.filter(|_| name == "aligned").map(|fit| fit.alignment);
             let truth = worn.get(subject).copied().unwrap_or_default();
-            results.push(AlignedSubject {
+            let state = report.map_or(AlignmentState::Timeout, |report| report.state);
+            let applied = report.filter(|report| report.state == AlignmentState::Aligned);
+            let applied = applied.map(|report| report.alignment);
+            aligned.results.push(AlignedSubject {
                 model: named.name.clone(),
                 subject: subject.clone(),
-                outcome: name,
+                outcome: state.name(),
                 places_off: applied.and_then(|found| found.places_from(truth)),
                 wrong_arm: applied.is_some_and(|found| found.mirrored() != truth.mirrored()),
-                quality: fit.map(|fit| (fit.distance, fit.margin)),
+                quality: report.and_then(|report| report.quality),
             });
             own.insert(subject.clone(), applied.unwrap_or_default());
         }
-        found.push(own);
+        aligned.found.push(own);
     }
-    Aligned {
-        results,
-        found,
-        taken,
+    Ok(aligned)
+}
+
+/// The line with which a board ends an alignment by these openings, or none if it still waits for more at their end; and
+/// how many of them it took. The board was switched on with their first sample.
+///
+/// # Errors
+/// When the board would refuse the model.
+fn answer(
+    model: &Model<'_>,
+    openings: &Openings,
+) -> Result<(Option<AlignmentReport>, usize), StepError> {
+    let encoder = HostEncoder::new(model)?;
+    let mut state = encoder.fresh();
+    let mut pipeline = pipeline(model, encoder, &mut state)?;
+    let end = |report: AlignmentReport| report.state != AlignmentState::Waiting;
+    pipeline.begin_alignment();
+    if let Some(unavailable) = pipeline
+        .take_alignment_report()
+        .filter(|&report| end(report))
+    {
+        return Ok((Some(unavailable), 0));
     }
+    let stream = openings.stream();
+    let ended = feed(
+        &mut pipeline,
+        &stream,
+        |_| (),
+        |line| match line {
+            Line::Alignment(report) if end(report) => ControlFlow::Break(report),
+            Line::Alignment(_) | Line::Report(_) => ControlFlow::Continue(()),
+        },
+    );
+    Ok(match ended {
+        ControlFlow::Break(report) => {
+            let samples = report.emitted.0 as usize + 1;
+            (Some(report), openings.within(samples))
+        }
+        ControlFlow::Continue(()) => (None, openings.within(stream.len())),
+    })
 }
 
 /// The labels of the openings that were taken, in all trials of these people, become none: they are not scored.

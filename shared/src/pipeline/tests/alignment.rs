@@ -12,7 +12,7 @@ use crate::stream::safe_state::Cause;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
 use crate::units::LOOK_BACK;
 
-type SmallEncoder = Encoder<'static, 16, 54>;
+pub(super) type SmallEncoder = Encoder<'static, 16, 54>;
 type SmallPipeline = Pipeline<'static, SmallEncoder>;
 
 /// A label for each patch without a gate, so that no label depends on when the first one was due.
@@ -22,7 +22,7 @@ const SETTINGS: Settings = Settings {
 };
 
 /// A pipeline of a random model with the template of a ramp round the arm.
-fn real() -> SmallPipeline {
+pub(super) fn real() -> SmallPipeline {
     let dimensions = Dimensions {
         width: 16,
         layers: 2,
@@ -42,8 +42,12 @@ fn real() -> SmallPipeline {
 /// Samples of noise, whose amplitude falls round the arm as the template does, on the electrodes of an armband placed
 /// like this; gestures are four times as strong as the rest between.
 fn stream(alignment: Alignment, count: u32) -> Vec<Sample> {
+    stream_of([118, 86, 62, 44, 32, 24, 16, 12], alignment, count)
+}
+
+/// The same with gestures of another amplitude round the arm, from sample 800 on in the first half of every 400 samples.
+pub(super) fn stream_of(open: [i32; CHANNELS], alignment: Alignment, count: u32) -> Vec<Sample> {
     let mut noise = Noise(9);
-    let open = [118, 86, 62, 44, 32, 24, 16, 12];
     (0..count)
         .map(|index| {
             let is_active = index >= 800 && index % 400 < 200;
@@ -70,7 +74,7 @@ fn run(
     (reports, news)
 }
 
-fn labels(reports: &[Report]) -> Vec<(u32, Status)> {
+pub(super) fn labels(reports: &[Report]) -> Vec<(u32, Status)> {
     let labels = reports.iter().filter(|report| report.kind == Kind::Label);
     labels
         .map(|report| (report.instant.0, report.status))
@@ -290,7 +294,7 @@ fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
 }
 
 /// What the encoder and the smoother of a model are made of.
-fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
+pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
     let dimensions = Dimensions {
         width: 16,
         layers: 2,

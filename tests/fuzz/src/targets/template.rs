@@ -21,11 +21,16 @@ pub fn run(data: &[u8]) {
             .into_iter()
             .all(|value| (-1793..=1794).contains(&value))
     );
-    let fit = template.fit(profile);
-    assert!(fit.alignment.turn() < 8);
-    assert!(Alignment::all().any(|one| one == fit.alignment));
-    // An armband turned by the answer fits best as it is, and as well.
+    let fits = template.fit(profile);
+    let fit = fits.nearest;
+    for arm in [fit, fits.other_arm] {
+        assert!(Alignment::all().any(|one| one == arm.alignment));
+    }
+    assert_ne!(fit.alignment.mirrored(), fits.other_arm.alignment.mirrored());
+    assert_eq!(fits.lead(), fits.other_arm.distance - fit.distance);
+    // An armband turned by the answer fits best as it is, and as well; so does the other arm.
     let turned = fit.alignment.apply(means);
     let again = template.fit(Profile::new(turned));
-    assert_eq!(again.distance, fit.distance);
+    assert_eq!(again.nearest.distance, fit.distance);
+    assert_eq!(again.other_arm.distance, fits.other_arm.distance);
 }

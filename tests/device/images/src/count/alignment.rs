@@ -1,4 +1,5 @@
-//! Instructions of an alignment: while gestures are waited for, at its end, and while the encoder takes the window again.
+//! Instructions of an alignment: while gestures are waited for, while the model decides on the arm, at its end, and while
+//! the encoder takes the window again.
 
 use core::hint::black_box;
 
@@ -13,6 +14,8 @@ use crate::spans::{Clock, Spans};
 
 /// Amplitude of a gesture round the arm, in counts; a ratio of about 1.37 from one electrode to the next.
 const GESTURE: [i32; CHANNELS] = [118, 86, 62, 44, 32, 24, 16, 12];
+/// That of one which does not tell the arm.
+const SYMMETRICAL: [i32; CHANNELS] = [118, 68, 40, 23, 17, 23, 40, 68];
 /// Amplitude of rest.
 const REST: i32 = 4;
 /// What the wearer does, in samples: rest until the window is full, then two gestures of a second.
@@ -22,6 +25,8 @@ const BEGINS: usize = 801;
 const SAMPLES: usize = 2000;
 /// Samples after the end in each of which the encoder takes a patch: 60 that were there, and those that come meanwhile.
 const AGAIN: usize = 66;
+/// Samples of a decision between the arms, in each of which the encoder takes a patch: 53 for either.
+const DECISION: usize = 106;
 
 /// Instructions of an alignment.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,35 +41,44 @@ pub struct Counts {
     fit: Spans,
     /// Another order of the window's electrodes alone, and the encoder's memory cleared.
     turn: Spans,
+    /// The whole pipeline for each sample while the model decides on the arm, the first and the last one included.
+    arm: Spans,
 }
 
 impl Counts {
     /// With their names.
-    pub fn named(&self) -> [(&'static str, Spans); 5] {
+    pub fn named(&self) -> [(&'static str, Spans); 6] {
         [
             ("align-patch", self.waiting),
             ("align-end", self.end),
             ("align-again", self.again),
             ("align-fit", self.fit),
             ("align-turn", self.turn),
+            ("align-arm", self.arm),
         ]
     }
 }
 
-/// A template that falls round the arm as the gesture does, 2 nats per square octave in every direction.
+/// A template that falls round the arm as the gesture does.
 fn ramp() -> Template {
+    about(core::array::from_fn(|electrode| {
+        400 - 115 * electrode as i16
+    }))
+}
+
+/// A template of this mean, 2 nats per square octave in every direction.
+fn about(mean: [i16; CHANNELS]) -> Template {
     let mut precision = [0; CHANNELS * (CHANNELS + 1) / 2];
     let mut diagonal = 0;
     for row in 0..CHANNELS {
         precision[diagonal] = 2 * PRECISION_ONE;
         diagonal += CHANNELS - row;
     }
-    let mean = core::array::from_fn(|electrode| 400 - 115 * electrode as i16);
     Template::new(mean, precision).expect("means below 8 octaves, a positive diagonal")
 }
 
 /// The stream of an armband that is turned by three places.
-fn samples() -> impl Iterator<Item = Sample> {
+fn samples(gesture: [i32; CHANNELS]) -> impl Iterator<Item = Sample> {
     let worn = Alignment::new(3, false).inverse();
     let mut state = 1_u64;
     let mut noise = move |amplitude: i32| {
@@ -76,7 +90,7 @@ fn samples() -> impl Iterator<Item = Sample> {
     };
     (0..SAMPLES).map(move |index| {
         let is_gesture = GESTURES.iter().any(|gesture| gesture.contains(&index));
-        let sample = GESTURE.map(|most| noise(if is_gesture { most } else { REST }) as i8);
+        let sample = gesture.map(|most| noise(if is_gesture { most } else { REST }) as i8);
         worn.apply(sample)
     })
 }
@@ -97,7 +111,7 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
     let mut patch = 0;
     let mut ended = None;
     let mut now = Millis(0);
-    for (index, sample) in samples().enumerate() {
+    for (index, sample) in samples(GESTURE).enumerate() {
         if index == BEGINS {
             pipeline.begin_alignment();
         }
@@ -133,5 +147,38 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
     counts.fit.push(fit);
     let ((), turn) = clock.span(|| pipeline.set_alignment(Alignment::NONE));
     counts.turn.push(turn);
+    counts.arm = arm(encoder, model, &clock);
+    counts
+}
+
+/// Counts a decision between the arms.
+///
+/// # Panics
+/// If there is none.
+fn arm<E: Encode + Copy>(encoder: E, model: &Model<'_>, clock: &Clock) -> Spans {
+    let settings = model.header.smoother.in_patches();
+    let mut memory = encoder.fresh();
+    let mut pipeline =
+        Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
+    pipeline.preprocess(model.header.preprocessing);
+    pipeline.set_template(Some(about([400, 200, 0, -200, -300, -200, 0, 200])));
+    pipeline.begin_alignment();
+    let mut newest = [0; DECISION];
+    let mut now = Millis(0);
+    for (index, sample) in samples(SYMMETRICAL).enumerate() {
+        now = now.plus(SAMPLE_PERIOD_MS);
+        let sample = black_box(sample);
+        let (_, instructions) = clock.span(|| black_box(pipeline.sample(now, sample)));
+        newest[index % DECISION] = instructions;
+        if pipeline.alignment_phase() != AlignmentPhase::Waiting {
+            break;
+        }
+    }
+    let mut counts = Spans::default();
+    for instructions in newest {
+        counts.push(instructions);
+    }
+    // Between patches the encoder rests unless there is a decision.
+    assert!(counts.mean() > 50_000, "no decision");
     counts
 }

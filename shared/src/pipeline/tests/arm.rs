@@ -1,0 +1,417 @@
+//! On which arm the armband is, where the model decides.
+
+use super::alignment::{labels, model_of, real, stream_of};
+use super::*;
+use crate::stream::alignment::{Alignment, Template};
+use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
+
+/// A model to which a hand opens where electrode 1 is stronger than electrode 7, or the other way round. On the other arm
+/// these two change places.
+#[derive(Clone, Copy)]
+struct Sided {
+    mirrored: bool,
+}
+
+impl Encode for Sided {
+    type State = u32;
+
+    fn classes(&self) -> usize {
+        3
+    }
+
+    fn fresh(&self) -> u32 {
+        0
+    }
+
+    fn reset(&self, state: &mut u32) {
+        *state = 0;
+    }
+
+    fn step(&self, state: &mut u32, patch: &Patch) -> LookBackLogits {
+        *state += 1;
+        let sum = |electrode: usize| -> f32 {
+            let values = patch.iter().map(|sample| f32::from(sample[electrode]));
+            values.sum()
+        };
+        let open = if self.mirrored {
+            sum(7) - sum(1)
+        } else {
+            sum(1) - sum(7)
+        };
+        let mut rows = [[0.0; MAX_LOGITS]; LOOK_BACK];
+        for row in &mut rows {
+            row[Intent::Open.class()] = open;
+        }
+        rows
+    }
+}
+
+/// An open hand that is the same on both arms.
+fn symmetrical() -> Template {
+    let mut bytes = [0; crate::stream::alignment::TEMPLATE_BYTES];
+    let mean: [i16; CHANNELS] = [400, 200, 0, -200, -300, -200, 0, 200];
+    let mut diagonal = CHANNELS;
+    for (electrode, value) in mean.into_iter().enumerate() {
+        bytes[2 * electrode..][..2].copy_from_slice(&value.to_le_bytes());
+        // 2 nats per square octave.
+        bytes[2 * diagonal..][..2].copy_from_slice(&128_i16.to_le_bytes());
+        diagonal += CHANNELS - electrode;
+    }
+    Template::from_bytes(&bytes).unwrap()
+}
+
+/// Two openings of it that end at the samples 1000 and 1400, stronger on electrode 1 than on electrode 7.
+fn stream(worn: Alignment, count: u32) -> Vec<Sample> {
+    stream_of([118, 82, 40, 23, 17, 23, 40, 58], worn, count)
+}
+
+fn sided(mirrored: bool) -> Pipeline<'static, Sided> {
+    let model = Sided { mirrored };
+    let settings = Settings {
+        hold: 1,
+        ..Settings::PAPER_IN_PATCHES
+    };
+    let state = Box::leak(Box::new(model.fresh()));
+    let mut pipeline = Pipeline::new(model, state, settings, Start::Boot).unwrap();
+    pipeline.set_template(Some(symmetrical()));
+    pipeline
+}
+
+/// A pipeline with a real encoder, which has some opinion of the openings.
+fn undecided() -> Pipeline<'static, super::alignment::SmallEncoder> {
+    let mut pipeline = real();
+    pipeline.set_template(Some(symmetrical()));
+    pipeline
+}
+
+/// What comes of samples, and of the alignment meanwhile.
+fn run<E: Encode>(
+    pipeline: &mut Pipeline<'_, E>,
+    samples: &[Sample],
+    range: core::ops::Range<usize>,
+) -> (Vec<Report>, Vec<AlignmentReport>) {
+    let mut reports = Vec::new();
+    let mut news = Vec::new();
+    for index in range {
+        reports.extend(pipeline.sample(at(index as u32), samples[index]));
+        news.extend(pipeline.take_alignment_report());
+    }
+    (reports, news)
+}
+
+/// The sample with which the decision begins, in a stream whose alignment begins with the first sample.
+fn begins<E: Encode>(mut pipeline: Pipeline<'_, E>) -> usize {
+    pipeline.begin_alignment();
+    let samples = stream(Alignment::NONE, 2000);
+    let first = (0..2000).find(|&index| {
+        run(&mut pipeline, &samples, index..index + 1);
+        pipeline.arm_decision().is_some()
+    });
+    first.expect("a decision")
+}
+
+#[test]
+fn the_model_tells_the_arm_that_the_template_does_not_however_the_armband_is_turned() {
+    for worn in Alignment::all() {
+        let mirrored = Alignment::new(worn.turn(), !worn.mirrored());
+        for (model, expected) in [(false, worn), (true, mirrored)] {
+            let mut pipeline = sided(model);
+            pipeline.begin_alignment();
+            let (_, news) = run(&mut pipeline, &stream(worn, 2000), 0..2000);
+            let last = news[2];
+            assert_eq!((last.state, last.gestures), (AlignmentState::Aligned, 2));
+            assert_eq!((last.alignment, pipeline.alignment()), (expected, expected));
+        }
+    }
+}
+
+#[test]
+fn the_alignment_in_force_is_what_both_placements_are_seen_from() {
+    let worn = Alignment::new(5, true);
+    for before in Alignment::all() {
+        let mut pipeline = sided(false);
+        pipeline.set_alignment(before);
+        pipeline.begin_alignment();
+        run(&mut pipeline, &stream(worn, 2000), 0..2000);
+        assert_eq!(pipeline.alignment(), worn);
+    }
+}
+
+/// The mean over the rows that refer to the openings, as plainly as it can be computed: all patches at once, from a list.
+fn naive<E: Encode>(encoder: &E, patches: &[Patch], placed: Alignment, openings: &[bool]) -> f32 {
+    let mut state = encoder.fresh();
+    let mut sum = 0.0;
+    let mut rows = 0;
+    for (newest, patch) in patches.iter().enumerate() {
+        let logits = encoder.step(&mut state, &patch.map(|sample| placed.apply(sample)));
+        for (back, row) in logits.iter().enumerate().take(newest + 1) {
+            if openings[newest - back] {
+                sum += row[1] - row[0].max(row[2]);
+                rows += 1;
+            }
+        }
+    }
+    sum / rows as f32
+}
+
+#[test]
+fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
+    let start = begins(undecided());
+    for worn in [Alignment::NONE, Alignment::new(6, true)] {
+        let samples = stream(worn, 2000);
+        let mut pipeline = undecided();
+        pipeline.begin_alignment();
+        run(&mut pipeline, &samples, 0..start + 1);
+        // The window then: the encoder has just taken its first patch.
+        let patches: Vec<Patch> = pipeline.ring.patches().copied().collect();
+        let patches = &patches[patches.len() - 53..];
+        // A patch of 10 samples, of which the newest is `newest_end`, wholly within patches that the alignment saw active.
+        let first = pipeline.newest_end.0 as usize + 1 - 530;
+        let is_open = |patch: usize| {
+            let begin = first + 10 * patch;
+            let within = |end: usize| begin + 9 < end && begin + 200 >= end;
+            within(1000) || within(1400)
+        };
+        let openings: Vec<bool> = (0..53).map(is_open).collect();
+        assert!(openings.iter().filter(|&&open| open).count() > 20);
+        let fits = pipeline.arm_decision().unwrap().fits();
+        let places = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
+        let (encoder, ..) = model_of(3);
+        let [nearest, other] = places.map(|placed| naive(&encoder, patches, placed, &openings));
+        let (nats, lead) = (1.5 * (other - nearest), fits.lead() as f32 / 100.0);
+        assert!((nats - lead).abs() > 0.01, "a choice that is no choice");
+        run(&mut pipeline, &samples, start + 1..2000);
+        assert_eq!(pipeline.alignment(), places[usize::from(nats > lead)]);
+    }
+}
+
+#[test]
+fn no_sample_is_lost_while_the_model_decides_and_labels_are_those_of_an_armband_in_place() {
+    let samples = stream(Alignment::new(2, false), 3000);
+    let mut pipeline = undecided();
+    pipeline.begin_alignment();
+    let (reports, news) = run(&mut pipeline, &samples, 0..3000);
+    let found = pipeline.alignment();
+    let done = news[2].emitted.0;
+    let begun = begins(undecided()) as u32;
+    // A patch with each sample: 53 for each arm.
+    assert_eq!(done, begun + 105);
+
+    let mut always = undecided();
+    always.set_alignment(found);
+    let expected = labels(&run(&mut always, &samples, 0..3000).0);
+    let after = |labels: Vec<(u32, Status)>, from: u32| -> Vec<_> {
+        let labels = labels.into_iter();
+        labels.filter(|&(instant, _)| instant >= from).collect()
+    };
+    let found = after(labels(&reports), done);
+    assert!(found[0].0 <= done + 30, "{} {done}", found[0].0);
+    assert_eq!(found, after(expected, found[0].0));
+    let emitted: Vec<u32> = reports
+        .iter()
+        .filter(|report| report.kind == Kind::Label)
+        .map(|report| report.emitted.0)
+        .collect();
+    let longest = emitted.windows(2).map(|two| two[1] - two[0]).max();
+    assert!(longest <= Some(180), "{longest:?}");
+    assert!(pipeline.status().valid());
+    assert_eq!(pipeline.counters, Counters::default());
+}
+
+#[test]
+fn samples_that_are_filled_in_do_not_end_a_decision() {
+    let start = begins(sided(false));
+    let worn = Alignment::new(4, true);
+    let samples = stream(worn, 2000);
+    let mut pipeline = sided(false);
+    pipeline.begin_alignment();
+    run(&mut pipeline, &samples, 0..start + 30);
+    let _ = pipeline.gap(at(start as u32 + 34), 5);
+    assert!(pipeline.arm_decision().is_some());
+    run(&mut pipeline, &samples, start + 35..2000);
+    assert_eq!(pipeline.alignment(), worn);
+}
+
+/// What happens to a pipeline while it decides.
+type Event = fn(&mut Pipeline<'static, super::alignment::SmallEncoder>, Millis);
+
+/// Events that end a decision with nothing changed; the state that the line then says.
+const ENDS: [(&str, Event, AlignmentState); 8] = [
+    (
+        "a gap",
+        |pipeline, now| {
+            let _ = pipeline.gap(now, 6);
+        },
+        AlignmentState::PoorMargin,
+    ),
+    (
+        "silence",
+        |pipeline, now| {
+            let _ = pipeline.tick(now.plus(600));
+        },
+        AlignmentState::PoorMargin,
+    ),
+    (
+        "a stall",
+        |pipeline, now| {
+            let _ = pipeline.stalled(now);
+        },
+        AlignmentState::PoorMargin,
+    ),
+    (
+        "disconnection",
+        |pipeline, now| {
+            let _ = pipeline.disconnected(now);
+        },
+        AlignmentState::Disconnected,
+    ),
+    (
+        "installation",
+        |pipeline, now| {
+            let _ = pipeline.suspend(now);
+        },
+        AlignmentState::Cancelled,
+    ),
+    (
+        "a refused model",
+        |pipeline, now| {
+            let _ = pipeline.refuse_model(now);
+        },
+        AlignmentState::Cancelled,
+    ),
+    (
+        "a command",
+        |pipeline, _| pipeline.cancel_alignment(),
+        AlignmentState::Cancelled,
+    ),
+    (
+        "another beginning",
+        |pipeline, _| pipeline.begin_alignment(),
+        AlignmentState::Waiting,
+    ),
+];
+
+/// Samples after the beginning of a decision: in its first patch, in the first placement, between both, in the second, in
+/// the last patch.
+const WHEN: [usize; 5] = [1, 20, 53, 80, 105];
+
+#[test]
+fn what_ends_a_decision_changes_nothing() {
+    let start = begins(undecided());
+    let samples = stream(Alignment::new(3, true), 3000);
+    for (name, event, state) in ENDS {
+        for later in WHEN {
+            let end = start + later;
+            let [mut deciding, mut plain] = [(); 2].map(|()| undecided());
+            deciding.begin_alignment();
+            let _ = deciding.take_alignment_report();
+            run(&mut deciding, &samples, 0..end);
+            run(&mut plain, &samples, 0..end);
+            assert!(deciding.arm_decision().is_some(), "{name} {later}");
+            assert_eq!(deciding.alignment_phase(), AlignmentPhase::Waiting);
+            for pipeline in [&mut deciding, &mut plain] {
+                event(pipeline, at(end as u32 - 1));
+            }
+            assert!(!deciding.arm_decision().is_some(), "{name} {later}");
+            let news = deciding.take_alignment_report().unwrap();
+            assert_eq!(news.state, state, "{name} {later}");
+            assert_eq!(news.alignment, Alignment::NONE, "{name}");
+            assert_eq!(news.quality.is_some(), state == AlignmentState::PoorMargin);
+            let waits = state == AlignmentState::Waiting;
+            let phase = [AlignmentPhase::None, AlignmentPhase::Waiting][usize::from(waits)];
+            assert_eq!(deciding.alignment_phase(), phase, "{name}");
+            deciding.cancel_alignment();
+            plain.cancel_alignment();
+            if !plain.has_model() {
+                for pipeline in [&mut deciding, &mut plain] {
+                    let (encoder, smoother, input) = model_of(4);
+                    let input = Input {
+                        template: Some(symmetrical()),
+                        ..input
+                    };
+                    pipeline.resume(at(end as u32 - 1), encoder, smoother, input);
+                }
+            }
+            // As if there had been no alignment, once the encoder has taken the window again.
+            let after = |pipeline: &mut Pipeline<'_, _>| -> Vec<_> {
+                let lines = labels(&run(pipeline, &samples, end..2400).0).into_iter();
+                lines.filter(|line| line.0 as usize > end + 30).collect()
+            };
+            let (found, expected) = (after(&mut deciding), after(&mut plain));
+            assert!(!found.is_empty(), "{name}");
+            assert_eq!(found, expected, "{name} {later}");
+            assert_eq!(deciding.alignment(), Alignment::NONE);
+        }
+    }
+}
+
+#[test]
+fn an_alignment_that_is_set_stands_in_place_of_a_decision() {
+    let start = begins(undecided());
+    let samples = stream(Alignment::new(3, true), 3000);
+    for given in [Alignment::NONE, Alignment::new(6, true)] {
+        for later in WHEN {
+            let end = start + later;
+            let mut deciding = undecided();
+            deciding.begin_alignment();
+            run(&mut deciding, &samples, 0..end);
+            assert!(deciding.arm_decision().is_some());
+            deciding.set_alignment(given);
+            let news = deciding.take_alignment_report().unwrap();
+            assert_eq!((news.state, news.alignment), (AlignmentState::Set, given));
+            assert_eq!(deciding.alignment_phase(), AlignmentPhase::Aligned);
+            let mut always = undecided();
+            always.set_alignment(given);
+            run(&mut always, &samples, 0..end);
+            let after = |pipeline: &mut Pipeline<'_, _>| -> Vec<_> {
+                let lines = labels(&run(pipeline, &samples, end..2400).0).into_iter();
+                lines.filter(|line| line.0 as usize > end + 30).collect()
+            };
+            assert_eq!(after(&mut deciding), after(&mut always), "{later}");
+        }
+    }
+}
+
+#[test]
+fn without_a_model_nobody_decides() {
+    let mut pipeline = undecided();
+    let samples = stream(Alignment::new(3, true), 2000);
+    let _ = pipeline.suspend(Millis(0));
+    pipeline.begin_alignment();
+    let (_, news) = run(&mut pipeline, &samples, 0..2000);
+    let states: Vec<_> = news.iter().map(|news| news.state).collect();
+    let waiting = AlignmentState::Waiting;
+    assert_eq!(states, [waiting, waiting, AlignmentState::PoorMargin]);
+    assert_eq!(pipeline.alignment(), Alignment::NONE);
+}
+
+#[test]
+fn after_an_interrupted_decision_two_more_openings_align() {
+    let start = begins(sided(false));
+    let worn = Alignment::new(7, true);
+    let samples = stream(worn, 4000);
+    let mut pipeline = sided(false);
+    pipeline.begin_alignment();
+    run(&mut pipeline, &samples, 0..start + 60);
+    let _ = pipeline.gap(at(start as u32 + 70), 10);
+    assert_eq!(pipeline.alignment(), Alignment::NONE);
+    pipeline.begin_alignment();
+    run(&mut pipeline, &samples, start + 70..4000);
+    assert_eq!(pipeline.alignment(), worn);
+}
+
+#[test]
+fn a_window_that_is_not_full_is_taken_as_far_as_it_goes() {
+    // A gap just before the second opening.
+    let worn = Alignment::new(1, true);
+    let samples = stream(worn, 2000);
+    let mut pipeline = sided(false);
+    pipeline.begin_alignment();
+    run(&mut pipeline, &samples, 0..1080);
+    let _ = pipeline.gap(at(1090), 10);
+    let (_, news) = run(&mut pipeline, &samples, 1090..2000);
+    assert_eq!(pipeline.alignment(), worn);
+    // Some 33 patches for each arm instead of 53.
+    let done = news.last().unwrap().emitted.0;
+    assert!(done < 1440 + 2 * 40, "{done}");
+}
