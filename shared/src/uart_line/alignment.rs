@@ -9,7 +9,8 @@
 //! state    = "waiting"         open the hand, with rest before and after
 //!          | "aligned"         the electrodes are as `turn` and `mirrored` say from here on
 //!          | "poor-distance"   nothing changed: the gestures look like no open hand
-//!          | "poor-margin"     nothing changed: two placements look nearly as good
+//!          | "poor-margin"     nothing changed: two placements look nearly as good; or, where these are on different
+//!                              arms, samples were lost while the model decided
 //!          | "timeout"         nothing changed: fewer than two gestures in 30 s
 //!          | "cancelled"       nothing changed: on request
 //!          | "disconnected"    the armband may have been taken off: as in training again

@@ -52,6 +52,12 @@ impl Alignment {
         if self.turn == 0 && !self.mirrored {
             return armband;
         }
+        self.rearranged(armband)
+    }
+
+    /// [`Alignment::apply`] where something changes. Not inlined: it has seven callers, and 100 bytes of flash.
+    #[inline(never)]
+    fn rearranged<T: Copy>(self, armband: [T; CHANNELS]) -> [T; CHANNELS] {
         core::array::from_fn(|electrode| armband[self.source(electrode)])
     }
 
