@@ -281,8 +281,8 @@ impl<E: Encode> Pipeline<'_, E> {
         if next.is_first {
             encoder.reset(self.state);
         }
-        let patch = self.ring.before_newest(next.back);
-        let patch = patch.map(|sample| next.alignment.apply(sample));
+        let mut patch = *self.ring.before_newest(next.back);
+        next.alignment.apply_to_all(&mut patch);
         let rows = encoder.step(self.state, &patch);
         let outputs = encoder.classes() + usize::from(smoother.knows_other());
         if let Some(outcome) = decision.score(&rows, outputs) {

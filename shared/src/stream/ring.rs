@@ -97,9 +97,7 @@ impl SampleRing {
 
     /// Electrodes of all samples in another order, as if they had come in it.
     pub(crate) fn rearrange(&mut self, alignment: Alignment) {
-        for sample in self.patches.as_flattened_mut() {
-            *sample = alignment.apply(*sample);
-        }
+        alignment.apply_to_all(self.patches.as_flattened_mut());
     }
 
     /// How many complete patches it holds, at most 60.

@@ -55,10 +55,18 @@ impl Alignment {
         self.rearranged(armband)
     }
 
-    /// [`Alignment::apply`] where something changes. Not inlined: it has seven callers, and 100 bytes of flash.
+    /// [`Alignment::apply`] where something changes. Not inlined: it has five callers, and 100 bytes of flash.
     #[inline(never)]
     fn rearranged<T: Copy>(self, armband: [T; CHANNELS]) -> [T; CHANNELS] {
         core::array::from_fn(|electrode| armband[self.source(electrode)])
+    }
+
+    /// [`Alignment::apply`] to many at once, which finds the order of the electrodes only once.
+    pub(crate) fn apply_to_all<T: Copy>(self, samples: &mut [[T; CHANNELS]]) {
+        for sample in samples {
+            let armband = *sample;
+            *sample = core::array::from_fn(|electrode| armband[self.source(electrode)]);
+        }
     }
 
     /// The alignment that applies this one and then `next`.
@@ -135,6 +143,9 @@ mod tests {
             assert!(!orders[..index].contains(&orders[index]));
             assert_eq!(own.inverse().apply(own.apply(NUMBERS)), NUMBERS);
             assert_eq!(own.then(own.inverse()), Alignment::NONE);
+            let mut all = [NUMBERS; 3];
+            own.apply_to_all(&mut all);
+            assert_eq!(all, [own.apply(NUMBERS); 3]);
         }
         assert_eq!(orders.len(), 16);
     }
