@@ -4,6 +4,7 @@
 mod small;
 
 use std::fs;
+use std::io::BufRead as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
@@ -262,6 +263,35 @@ fn another_teacher_share_makes_another_student() {
     succeeds(&bench.on("distill", "run", &["--teacher-share", "0.25"]));
     succeeds(&bench.on("distill", "run", &["--resume"]));
     succeeds(&bench.on("quantize", "run", &[]));
+}
+
+#[test]
+fn an_ensemble_goes_on_where_it_was_interrupted() {
+    let bench = Bench::new("ensemble");
+    let edited = bench.edited(&[(
+        "temperature = 2.0",
+        "temperature = 2.0\nensemble = { members = 2, epochs = 2 }",
+    )]);
+    let preset = edited.to_str().unwrap();
+    succeeds(&bench.begin_with("quickstart", preset, "run", &[]));
+    let run = bench.path("run");
+    let content = |name: &str| fs::read(run.join(name)).unwrap();
+    assert!(!run.join("teacher.bpk").exists());
+    assert_ne!(content("member-1.bpk"), content("member-2.bpk"));
+    assert_eq!(content("member-1.jsonl").as_slice().lines().count(), 2);
+    assert_eq!(content("student.jsonl").as_slice().lines().count(), 1);
+    let names = ["member-1.bpk", "member-2.bpk", "student.bpk"];
+    let whole = names.map(content);
+    for name in ["member-2", "student"] {
+        for ending in ["bpk", "checkpoint", "jsonl"] {
+            fs::remove_file(run.join(format!("{name}.{ending}"))).unwrap();
+        }
+    }
+    succeeds(&bench.on("distill", "run", &["--resume"]));
+    assert!(names.map(content) == whole);
+    // With nothing to learn from the ensemble it is another student.
+    succeeds(&bench.on("distill", "run", &["--teacher-share", "0"]));
+    assert_ne!(content("student.bpk"), whole[2]);
 }
 
 #[test]

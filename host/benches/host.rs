@@ -12,7 +12,7 @@ use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::inference::integer_logits;
 use myointent::run::preset::{BUILT_IN, Preset};
 use myointent::student::distillation;
-use myointent::student::learner::StudentLearner;
+use myointent::student::learner::{StudentLearner, Teaching};
 use myointent::teacher::learner::TeacherLearner;
 use myointent::training::learner::Learner;
 use myointent::training::optimizer::{gradients, optimizer};
@@ -95,7 +95,7 @@ fn training(criterion: &mut Criterion) {
                 distillation::NAME,
                 preset.student.span,
                 &corpus,
-                None,
+                Teaching::Labels,
                 &corpus,
                 &preset.distillation,
                 &device,

@@ -15,7 +15,7 @@ use burn::tensor::{Device, Tensor};
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::run::preset::Preset;
-use myointent::student::learner::StudentLearner;
+use myointent::student::learner::{StudentLearner, Teaching};
 use myointent::student::model::Student;
 use myointent::teacher::learner::TeacherLearner;
 use myointent::teacher::model::TeacherInput;
@@ -77,7 +77,7 @@ fn main() -> anyhow::Result<()> {
         "student",
         span,
         &corpus,
-        None,
+        Teaching::Labels,
         &corpus,
         distillation,
         &device,

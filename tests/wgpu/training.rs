@@ -14,7 +14,7 @@ use myointent::cli::arguments::Backend;
 use myointent::dataset::corpus::{Corpus, Stream};
 use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::run::preset::Preset;
-use myointent::student::learner::StudentLearner;
+use myointent::student::learner::{StudentLearner, Teaching};
 use myointent::teacher::learner::TeacherLearner;
 use myointent::teacher::masking::Task;
 use myointent::training::learner::{Learner, WeightedMetric};
@@ -325,7 +325,7 @@ fn a_student_is_distilled_as_on_the_cpu() {
             "student",
             span,
             &corpus,
-            Some(soft_targets.clone()),
+            Teaching::Teacher(soft_targets.clone()),
             &corpus,
             settings,
             device,

@@ -55,7 +55,7 @@ use crate::run::resolve::ConfigError;
                   myointent distill --run runs/mine\n  \
                   myointent quantize --run runs/mine\n  \
                   myointent evaluate --run runs/mine\n\n\
-                  Preset cpu has teacher_share = 0: its student learns from the labels alone. `quickstart --preset cpu` trains\n\
+                  With preset cpu the student learns from four other students and the labels. `quickstart --preset cpu` trains\n\
                   no teacher. Step by step, `train` makes the run folder, with a teacher that this student does not use.\n\
                   docs/presets.md explains every setting of a preset.\n\n\
                   Exit codes: 0 done, 1 failed, 2 wrong arguments, 3 `personalize` keeps the old model, 130 interrupted."

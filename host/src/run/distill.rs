@@ -1,17 +1,21 @@
-//! Step 2: the student, from the labels and, if the preset says so, the teacher's soft targets.
+//! Step 2: the student, from the labels and, if the preset says so, soft targets of the teacher or of an ensemble of students.
 
+use burn::module::Module as _;
 use shared::units::CleanSample;
 
 use super::context::RunContext;
 use super::error::StepError;
 use super::preflight::refuse_impossible;
 use super::soft_targets::soft_targets;
-use crate::student::distillation;
-use crate::student::learner::StudentLearner;
+use crate::dataset::corpus::Corpus;
+use crate::student::distillation::{self, Distillation, MEMBERS};
+use crate::student::ensemble::Ensemble;
+use crate::student::learner::{StudentLearner, Teaching};
+use crate::student::model::Student;
 use crate::teacher;
 use crate::training::fit::fit;
 
-/// Trains the student.
+/// Trains the student, and before it the ensemble that it learns from, if there is one.
 ///
 /// # Errors
 /// When the teacher is missing, the folder cannot be written or the user interrupts.
@@ -27,31 +31,56 @@ pub fn train_on_labels(context: &RunContext) -> Result<(), StepError> {
     train(context, distillation::LABELS_ONLY)
 }
 
+/// The streams of a run's students.
+struct Streams {
+    training: Corpus,
+    validation: Corpus,
+}
+
 fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
-    let preset = &context.config.preset;
-    let config = &context.config.distillation(name);
-    refuse_impossible(preset, &context.inference_device())?;
+    let config = context.config.distillation(name);
+    refuse_impossible(&context.config.preset, &context.inference_device())?;
     if config.needs_teacher() && !context.has(teacher::training::NAME) {
         let path = context.folder.weights_path(teacher::training::NAME);
         return Err(StepError::NoTeacher { path });
     }
-    let made_from = context.config.student_lineage(name, &context.folder)?;
-    let corpus = context.config.training(&context.library);
-    let validation = context.config.validation(&context.library);
-    if validation.streams.is_empty() {
+    // Before the streams are made: a teacher of another run is refused at once.
+    context.config.student_lineage(name, &context.folder)?;
+    let streams = Streams {
+        training: context.config.training(&context.library),
+        validation: context.config.validation(&context.library),
+    };
+    if streams.validation.streams.is_empty() {
         return Err(StepError::NoValidation);
     }
-    let targets = if config.teacher_share > 0.0 {
-        let streams: Vec<&[CleanSample]> = corpus
-            .streams
-            .iter()
-            .map(|stream| stream.emg.as_slice())
-            .collect();
-        Some(soft_targets(context, &streams)?)
+    if config.needs_teacher() {
+        let all = streams.training.streams.iter();
+        let emg: Vec<&[CleanSample]> = all.map(|stream| stream.emg.as_slice()).collect();
+        let targets = soft_targets(context, &emg)?;
+        student(context, name, &streams, Teaching::Teacher(targets))?;
+    } else if let Some(ensemble) = config.teaching_ensemble() {
+        let members = MEMBERS[..ensemble.members].iter().map(|&member| {
+            student(context, member, &streams, Teaching::Labels).map(|student| student.valid())
+        });
+        let ensemble = Ensemble::new(members.collect::<Result<_, _>>()?);
+        student(context, name, &streams, Teaching::Ensemble(&ensemble))?;
     } else {
-        None
-    };
-    let seed = preset.seed;
+        student(context, name, &streams, Teaching::Labels)?;
+    }
+    Ok(())
+}
+
+/// Trains a student of this name.
+fn student(
+    context: &RunContext,
+    name: &'static str,
+    streams: &Streams,
+    teaching: Teaching<'_>,
+) -> Result<Student, StepError> {
+    let preset = &context.config.preset;
+    let config: &Distillation = &context.config.distillation(name);
+    let seed = context.config.student_seed(name);
+    let made_from = context.config.student_lineage(name, &context.folder)?;
     context.device.seed(seed);
     let model = preset
         .student
@@ -59,17 +88,16 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let learner = StudentLearner::new(
         name,
         preset.student.span,
-        &corpus,
-        targets,
-        &validation,
+        &streams.training,
+        teaching,
+        &streams.validation,
         config,
         &context.device,
     );
-    fit(
+    Ok(fit(
         &learner,
         model,
         config.train_config(seed),
         &context.training(made_from),
-    )?;
-    Ok(())
+    )?)
 }

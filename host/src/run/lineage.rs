@@ -103,11 +103,23 @@ impl ResolvedConfig {
 
     /// The settings that a student is trained with, by the name of its files.
     pub(super) fn distillation(&self, name: &str) -> Distillation {
-        let mut settings = self.preset.distillation.clone();
-        if name != distillation::NAME {
-            settings.teacher_share = 0.0;
+        let settings = &self.preset.distillation;
+        match settings.ensemble {
+            _ if name == distillation::NAME => settings.clone(),
+            Some(ensemble) if distillation::MEMBERS.contains(&name) => Distillation {
+                epochs: ensemble.epochs,
+                ..settings.on_labels()
+            },
+            _ => settings.on_labels(),
         }
-        settings
+    }
+
+    /// The seed of a student's weights and batches, by the name of its files: each member of an ensemble has its own.
+    pub(super) fn student_seed(&self, name: &str) -> u64 {
+        let member = distillation::MEMBERS.iter().position(|own| *own == name);
+        let offset = member.map_or(0, |member| member as u64 + 1);
+        // Far from the seeds that somebody would give to a next run.
+        self.preset.seed.wrapping_add(offset << 32)
     }
 
     /// Fingerprint of the weights that the run's student learns from, the teacher's.
@@ -124,8 +136,8 @@ impl ResolvedConfig {
         Fingerprint::of(&self.teacher_inputs())
     }
 
-    /// What a student of `run` is made from, by the name of its files. With soft targets that includes the weights of
-    /// the teacher there.
+    /// What a student of `run` is made from, by the name of its files. With a teacher that includes the weights of the
+    /// teacher there. An ensemble is made from nothing else than the student itself.
     ///
     /// # Errors
     /// When that teacher is missing or not this run's.
@@ -135,7 +147,7 @@ impl ResolvedConfig {
         run: &RunFolder,
     ) -> Result<Fingerprint, RunError> {
         let distillation = self.distillation(name);
-        let teacher = if distillation.teacher_share > 0.0 {
+        let teacher = if distillation.needs_teacher() {
             Some(self.teaching_weights(run)?)
         } else {
             None
@@ -144,7 +156,7 @@ impl ResolvedConfig {
             streams: self.streams(),
             student: &self.preset.student,
             distillation: &distillation,
-            seed: self.preset.seed,
+            seed: self.student_seed(name),
             teacher,
         }))
     }

@@ -17,18 +17,12 @@ pub struct Batch {
     pub(super) label_mask: Tensor<3>,
     /// Number of outputs that the label loss is a mean over.
     pub(super) labelled: f64,
-    /// The teacher's logits, if there is a teacher.
-    pub(super) soft_targets: Option<SoftTargets>,
-}
-
-/// The teacher's logits as targets.
-pub(super) struct SoftTargets {
-    /// `[b, patches, 6, outputs of a row]`.
-    pub(super) logits: Tensor<4>,
-    /// Distillation mask: 1 where there are logits, `[b, patches, 6]`.
-    pub(super) mask: Tensor<3>,
+    /// 1 where a teacher can be asked: after the context, for patches after the lead-in, `[b, patches, 6]`.
+    pub(super) distillation_mask: Tensor<3>,
     /// Number of outputs that the distillation loss is a mean over.
     pub(super) distilled: f64,
+    /// The teacher's logits of the recordings, if there are any, `[b, patches, 6, outputs of a row]`.
+    pub(super) soft_targets: Option<Tensor<4>>,
 }
 
 /// Sizes that every batch of a training shares.
@@ -84,9 +78,9 @@ impl Batch {
                         label_mask[output] = 1.0;
                         labelled += 1.0;
                     }
+                    distillation_mask[output] = 1.0;
+                    distilled += 1.0;
                     if let Some(soft_targets) = &sequence.soft_targets {
-                        distillation_mask[output] = 1.0;
-                        distilled += 1.0;
                         logits[output * row_outputs..(output + 1) * row_outputs].copy_from_slice(
                             &soft_targets[patch - WINDOW_PATCHES][back][..row_outputs],
                         );
@@ -106,13 +100,14 @@ impl Batch {
             ),
             label_mask: Tensor::from_data(TensorData::new(label_mask, outputs), device),
             labelled,
-            soft_targets: has_teacher.then(|| SoftTargets {
-                logits: Tensor::from_data(
-                    TensorData::new(logits, [b, patches, LOOK_BACK, row_outputs]),
-                    device,
-                ),
-                mask: Tensor::from_data(TensorData::new(distillation_mask, outputs), device),
-                distilled,
+            distillation_mask: Tensor::from_data(
+                TensorData::new(distillation_mask, outputs),
+                device,
+            ),
+            distilled,
+            soft_targets: has_teacher.then(|| {
+                let shape = [b, patches, LOOK_BACK, row_outputs];
+                Tensor::from_data(TensorData::new(logits, shape), device)
             }),
         }
     }
@@ -217,13 +212,12 @@ mod tests {
     fn soft_targets_are_those_of_the_patch() {
         let device = Device::default();
         let batch = Batch::new(&sequence(), &[excerpt(62)], SHAPE, &device);
-        let soft_targets = batch.soft_targets.unwrap();
-        assert_eq!(soft_targets.distilled, batch.labelled);
+        assert_eq!(batch.distilled, batch.labelled);
         assert_eq!(
-            read_back(soft_targets.mask),
+            read_back(batch.distillation_mask),
             read_back(batch.label_mask.clone())
         );
-        let logits = read_back(soft_targets.logits);
+        let logits = read_back(batch.soft_targets.unwrap());
         for patch in 3..18 {
             for back in 0..LOOK_BACK {
                 let output = patch * LOOK_BACK + back;

@@ -6,8 +6,9 @@ use rand_chacha::ChaCha8Rng;
 use shared::model::LookBackLogits;
 use shared::units::LOOK_BACK;
 
-use super::batch::{Batch, BatchShape, SoftTargets};
+use super::batch::{Batch, BatchShape};
 use super::distillation::Distillation;
+use super::ensemble::Ensemble;
 use super::model::Student;
 use super::sequence::{Excerpt, Sequence, sequences};
 use crate::dataset::corpus::Corpus;
@@ -16,6 +17,16 @@ use crate::training::learner::{Learner, SHARDS, WeightedMetric};
 use crate::training::loss::cross_entropy;
 use crate::training::tensor::read_back;
 
+/// Who sets a student's soft targets.
+pub enum Teaching<'a> {
+    /// Nobody: it learns from the labels alone.
+    Labels,
+    /// A teacher: its logits at every patch of the recordings, stream by stream.
+    Teacher(Vec<Vec<LookBackLogits>>),
+    /// Students, who are asked about each batch.
+    Ensemble(&'a Ensemble),
+}
+
 /// What a student is trained on and validated with.
 pub struct StudentLearner<'a> {
     name: &'static str,
@@ -23,23 +34,27 @@ pub struct StudentLearner<'a> {
     shape: BatchShape,
     sequences: Vec<Sequence>,
     validation_sequences: Vec<Sequence>,
+    ensemble: Option<&'a Ensemble>,
     device: &'a Device,
 }
 
 impl<'a> StudentLearner<'a> {
     /// The corpora as sequences, for a student whose files are called `name` and whose layers attend to `span` patches.
-    ///
-    /// `soft_targets` are the teacher's logits at every patch, stream by stream.
     #[must_use]
     pub fn new(
         name: &'static str,
         span: usize,
         corpus: &Corpus,
-        soft_targets: Option<Vec<Vec<LookBackLogits>>>,
+        teaching: Teaching<'a>,
         validation: &Corpus,
         config: &'a Distillation,
         device: &'a Device,
     ) -> Self {
+        let (soft_targets, ensemble) = match teaching {
+            Teaching::Labels => (None, None),
+            Teaching::Teacher(logits) => (Some(logits), None),
+            Teaching::Ensemble(ensemble) => (None, Some(ensemble)),
+        };
         Self {
             name,
             config,
@@ -50,6 +65,7 @@ impl<'a> StudentLearner<'a> {
             },
             sequences: sequences(corpus, soft_targets),
             validation_sequences: sequences(validation, None),
+            ensemble,
             device,
         }
     }
@@ -81,23 +97,23 @@ fn label_loss(logits: &Tensor<4>, batch: &Batch) -> Tensor<1> {
     )
 }
 
-/// Kullback-Leibler divergence from the teacher's distribution at a temperature, mean over distilled outputs.
+/// Kullback-Leibler divergence from a teacher's distribution at a temperature, mean over distilled outputs.
 ///
 /// The factor of the temperature squared keeps the size of its gradient (Hinton et al., arXiv 1503.02531).
 fn distillation_loss(
     logits: &Tensor<4>,
-    soft_targets: &SoftTargets,
+    teacher: &Tensor<4>,
+    batch: &Batch,
     temperature: f64,
 ) -> Tensor<1> {
     let inverse = 1.0 / temperature;
-    let teacher = &soft_targets.logits;
     let target = softmax(teacher.clone() * inverse, 3);
     let target_log = log_softmax(teacher.clone() * inverse, 3);
     let divergence = (target * (target_log - log_softmax(logits.clone() * inverse, 3)))
         .sum_dim(3)
         .squeeze_dim::<3>(3);
-    (divergence * soft_targets.mask.clone()).sum()
-        * (temperature.powi(2) / soft_targets.distilled.max(1.0))
+    (divergence * batch.distillation_mask.clone()).sum()
+        * (temperature.powi(2) / batch.distilled.max(1.0))
 }
 
 impl Learner for StudentLearner<'_> {
@@ -130,18 +146,15 @@ impl Learner for StudentLearner<'_> {
             .collect();
         // Losses are means over the whole batch, as if it were computed in one part.
         let labelled = shards.iter().map(|batch| batch.labelled).sum();
-        let soft = |batch: &Batch| batch.soft_targets.as_ref().map_or(0.0, |s| s.distilled);
-        let distilled = shards.iter().map(soft).sum();
+        let distilled = shards.iter().map(|batch| batch.distilled).sum();
         for batch in &mut shards {
             batch.labelled = labelled;
-            if let Some(soft_targets) = &mut batch.soft_targets {
-                soft_targets.distilled = distilled;
-            }
+            batch.distilled = distilled;
         }
         shards
     }
 
-    fn loss(&self, model: &Student, batch: Batch) -> (Tensor<1>, Vec<WeightedMetric>) {
+    fn loss(&self, model: &Student, mut batch: Batch) -> (Tensor<1>, Vec<WeightedMetric>) {
         let logits = model.forward(batch.emg.clone());
         let label = label_loss(&logits, &batch);
         let metric = |name, loss: &Tensor<1>| WeightedMetric {
@@ -151,9 +164,14 @@ impl Learner for StudentLearner<'_> {
         };
         let mut metrics = vec![metric("label", &label)];
         let share = self.config.teacher_share;
-        let total = match &batch.soft_targets {
-            Some(soft_targets) if share > 0.0 => {
-                let divergence = distillation_loss(&logits, soft_targets, self.config.temperature);
+        let teacher = match self.ensemble {
+            Some(ensemble) => Some(ensemble.logits(batch.emg.clone())),
+            None => batch.soft_targets.take(),
+        };
+        let total = match teacher {
+            Some(teacher) if share > 0.0 => {
+                let temperature = self.config.temperature;
+                let divergence = distillation_loss(&logits, &teacher, &batch, temperature);
                 metrics.push(metric("teacher", &divergence));
                 divergence * share + label * (1.0 - share)
             }

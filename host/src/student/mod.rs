@@ -4,6 +4,7 @@ mod batch;
 pub(crate) mod config;
 pub(crate) mod dequantization;
 pub mod distillation;
+pub mod ensemble;
 mod forward;
 #[cfg(feature = "flex")]
 mod fused;

@@ -16,7 +16,7 @@ pub struct Arguments {
     /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Weight of the soft targets in the loss, instead of the preset's (cpu 0, quickstart and paper 0.5); 0 trains on
+    /// Weight of the soft targets in the loss, instead of the preset's (cpu 0.8, quickstart and paper 0.5); 0 trains on
     /// the labels alone. Changes the run's configuration: results and model file of the student before are no longer
     /// this run's.
     #[arg(long, value_name = "0..1", value_parser = share)]

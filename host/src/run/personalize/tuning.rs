@@ -15,7 +15,7 @@ use crate::execution::revision::revision;
 use crate::inference::student_logits;
 use crate::student::dequantization::dequantize;
 use crate::student::distillation::Distillation;
-use crate::student::learner::StudentLearner;
+use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::quantization::quantize;
 use crate::training::augmentation::Augmentation;
 use crate::training::tune;
@@ -73,11 +73,13 @@ pub fn tune(
     let corpus = spliced(part, parts.dimensions.other, settings.seed)?
         .with_median(parts.preprocessing.median);
     let plain = device.clone().inner();
-    let targets = (settings.keep > 0.0).then(|| {
+    let teaching = if settings.keep > 0.0 {
         let old = student.valid();
         let own = |stream: &Stream| student_logits(&old, &stream.emg, &plain);
-        corpus.streams.iter().map(own).collect()
-    });
+        Teaching::Teacher(corpus.streams.iter().map(own).collect())
+    } else {
+        Teaching::Labels
+    };
     let training = Distillation {
         epochs: 1,
         steps: settings.steps,
@@ -88,6 +90,7 @@ pub fn tune(
         weight_decay: 0.0,
         ema_decay: 0.0,
         teacher_share: settings.keep,
+        ensemble: None,
         temperature: 1.0,
         augmentation: Some(Augmentation {
             gain: GAIN,
@@ -100,7 +103,7 @@ pub fn tune(
         streams: Vec::new(),
     };
     let span = config.span;
-    let learner = StudentLearner::new(NAME, span, &corpus, targets, &nothing, &training, device);
+    let learner = StudentLearner::new(NAME, span, &corpus, teaching, &nothing, &training, device);
     let fit = training.train_config(settings.seed);
     let tuned = tune::tune(&learner, student, fit, interrupt, report)
         .map_err(PersonalizeError::Training)?

@@ -7,6 +7,7 @@ use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
 
 use super::memory::LIMIT;
 use super::{EntryMargins, Preset};
+use crate::student::distillation::MEMBERS;
 
 /// Most epochs of a training.
 const EPOCHS: usize = 1_000_000;
@@ -162,10 +163,18 @@ impl Preset {
                 "0 to 1",
             ),
             require(
-                !self.other() || distillation.teacher_share == 0.0,
+                !self.other() || !distillation.needs_teacher(),
                 "distillation.teacher_share",
                 distillation.teacher_share,
-                "0 with data.other_movement = \"class\", which no teacher knows",
+                "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows",
+            ),
+            require(
+                distillation.ensemble.is_none_or(|ensemble| {
+                    (2..=MEMBERS.len()).contains(&ensemble.members) && ensemble.epochs > 0
+                }),
+                "distillation.ensemble",
+                distillation.ensemble,
+                "2 to 8 members, epochs of 1 or more",
             ),
             require(
                 distillation.temperature.is_finite() && distillation.temperature > 0.0,
@@ -240,6 +249,10 @@ impl Preset {
             ("teacher_training.epochs", self.teacher_training.epochs),
             ("fine_tuning.epochs", self.fine_tuning.epochs),
             ("distillation.epochs", self.distillation.epochs),
+            (
+                "distillation.ensemble.epochs",
+                self.distillation.ensemble.map_or(0, |own| own.epochs),
+            ),
         ];
         epochs
             .into_iter()
@@ -353,6 +366,16 @@ mod tests {
                 "feed_forward = 256",
                 "feed_forward = 0",
                 "teacher.feed_forward",
+            ),
+            (
+                "temperature = 2.0",
+                "temperature = 2.0\nensemble = { members = 9, epochs = 3 }",
+                "distillation.ensemble",
+            ),
+            (
+                "temperature = 2.0",
+                "temperature = 2.0\nensemble = { members = 2, epochs = 1000001 }",
+                "distillation.ensemble.epochs",
             ),
         ] {
             assert_eq!(refused(from, to), key, "{to}");

@@ -40,13 +40,14 @@ const VALUES: [&str; 32] = [
     "{ gain = 4.0, rotation = 9 }",
 ];
 /// Keys that no built-in preset has.
-const LINES: [&str; 6] = [
+const LINES: [&str; 7] = [
     "balance = 0.5",
     "normalize = true",
     "other_movement = \"class\"",
     "other_margin = -1.0",
     "aggregation = \"same-instant\"",
     "lora = { rank = 4, alpha = 8.0 }",
+    "ensemble = { members = 3, epochs = 2 }",
 ];
 
 /// A byte for the kind: a text as it is, or changes of a preset that comes with the program.
