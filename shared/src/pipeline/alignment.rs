@@ -1,7 +1,8 @@
 //! Alignment as a part of the pipeline: which electrode is which, while the stream goes on.
 
+mod arm;
+
 use super::Pipeline;
-use super::in_use::InUse;
 use crate::model::Encode;
 use crate::stream::alignment::{
     Aligner, Alignment, ArmDecision, Fit, GESTURES, Outcome, Poor, Progress, Template,
@@ -218,20 +219,6 @@ impl<E: Encode> Pipeline<'_, E> {
         self.interrupt_decision();
     }
 
-    /// A decision between the arms lacks the samples or the model to go on: neither was shown to be the better one.
-    pub(super) fn interrupt_decision(&mut self) {
-        let Stage::Arm(decision) = &self.placement.stage else {
-            return;
-        };
-        let fits = decision.fits();
-        let undecided = Fit {
-            margin: fits.lead(),
-            ..fits.nearest
-        };
-        self.end_alignment();
-        self.finish(Outcome::Poor(undecided, Poor::Margin));
-    }
-
     /// Shows a sample to the alignment in progress.
     pub(super) fn watch(&mut self, sample: Sample) {
         let placement = &mut self.placement;
@@ -257,45 +244,6 @@ impl<E: Encode> Pipeline<'_, E> {
                 }
             }
             Progress::Done(outcome) => self.finish(outcome),
-        }
-    }
-
-    /// A decision between the arms in progress.
-    #[cfg(test)]
-    pub(super) const fn arm_decision(&self) -> Option<&ArmDecision> {
-        match &self.placement.stage {
-            Stage::Arm(decision) => Some(decision),
-            Stage::Idle | Stage::Gestures(_) => None,
-        }
-    }
-
-    /// Has the encoder take the next patch for a decision between the arms; gives whether there is one.
-    pub(super) fn decide_arm(&mut self) -> bool {
-        let Stage::Arm(decision) = &mut self.placement.stage else {
-            return false;
-        };
-        let Some(InUse { encoder, smoother }) = &self.model else {
-            return false;
-        };
-        let next = decision.next();
-        if next.is_first {
-            encoder.reset(self.state);
-        }
-        let mut patch = *self.ring.before_newest(next.back);
-        next.alignment.apply_to_all(&mut patch);
-        let rows = encoder.step(self.state, &patch);
-        let outputs = encoder.classes() + usize::from(smoother.knows_other());
-        if let Some(outcome) = decision.score(&rows, outputs) {
-            self.end_alignment();
-            self.finish(outcome);
-        }
-        true
-    }
-
-    /// The window has completed a patch.
-    pub(super) const fn patch_completed(&mut self) {
-        if let Stage::Arm(decision) = &mut self.placement.stage {
-            decision.patch_completed();
         }
     }
 

@@ -103,7 +103,9 @@ mod tests {
     }
 
     fn fit(template: &Template, open: [f64; CHANNELS]) -> shared::stream::alignment::Fit {
-        template.fit(Profile::new(open.map(|mean| mean as u32)))
+        template
+            .fit(Profile::new(open.map(|mean| mean as u32)))
+            .nearest
     }
 
     #[test]

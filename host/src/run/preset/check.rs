@@ -1,5 +1,6 @@
 //! Which values of a preset are valid.
 
+mod distillation;
 mod numbers;
 
 use shared::intent::Vocabulary;
@@ -7,7 +8,6 @@ use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
 
 use super::memory::LIMIT;
 use super::{EntryMargins, Preset};
-use crate::student::distillation::MEMBERS;
 
 /// Most epochs of a training.
 const EPOCHS: usize = 1_000_000;
@@ -137,56 +137,6 @@ impl Preset {
                 "student.span",
                 student.receptive_field(),
                 "layers * (span - 1) + 1 of at most 55 patches",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .next()
-    }
-
-    fn invalid_distillation(&self) -> Option<Invalid> {
-        let distillation = &self.distillation;
-        [
-            require(
-                distillation.patches > self.student.span
-                    && distillation.batch > 0
-                    && distillation.steps > 0
-                    && distillation.epochs > 0,
-                "distillation",
-                distillation.patches,
-                "patches above the span; batch, steps and epochs of 1 or more",
-            ),
-            require(
-                (0.0..=1.0).contains(&distillation.teacher_share),
-                "distillation.teacher_share",
-                distillation.teacher_share,
-                "0 to 1",
-            ),
-            require(
-                !self.other() || !distillation.needs_teacher(),
-                "distillation.teacher_share",
-                distillation.teacher_share,
-                "0, or an ensemble, with data.other_movement = \"class\", which no teacher knows",
-            ),
-            require(
-                distillation.ensemble.is_none_or(|ensemble| {
-                    (2..=MEMBERS.len()).contains(&ensemble.members) && ensemble.epochs > 0
-                }),
-                "distillation.ensemble",
-                distillation.ensemble,
-                "2 to 8 members, epochs of 1 or more",
-            ),
-            require(
-                distillation.temperature.is_finite() && distillation.temperature > 0.0,
-                "distillation.temperature",
-                distillation.temperature,
-                "a positive number",
-            ),
-            require(
-                (0.0..1.0).contains(&distillation.ema_decay),
-                "distillation.ema_decay",
-                distillation.ema_decay,
-                "0 or more, below 1",
             ),
         ]
         .into_iter()

@@ -170,7 +170,10 @@ fn people_who_open_the_hand_make_a_template_and_others_none() {
     let config = ResolvedConfig::new(preset, &openers(), None, false, None).unwrap();
     let template = config.alignment_template().unwrap();
     let open = [70, 54, 35, 25, 14, 12, 8, 6].map(|mean| 64 * mean);
-    assert_eq!(template.fit(Profile::new(open)).alignment, Alignment::NONE);
+    assert_eq!(
+        template.fit(Profile::new(open)).nearest.alignment,
+        Alignment::NONE
+    );
     // Nobody of the plain library opens the hand.
     let without = resolve(&["synthetic/p1"], &["synthetic/p2"]).unwrap();
     assert_eq!(without.alignment_template(), None);

@@ -312,7 +312,7 @@ fn what_ends_a_decision_changes_nothing() {
             for pipeline in [&mut deciding, &mut plain] {
                 event(pipeline, at(end as u32 - 1));
             }
-            assert!(!deciding.arm_decision().is_some(), "{name} {later}");
+            assert!(deciding.arm_decision().is_none(), "{name} {later}");
             let news = deciding.take_alignment_report().unwrap();
             assert_eq!(news.state, state, "{name} {later}");
             assert_eq!(news.alignment, Alignment::NONE, "{name}");
