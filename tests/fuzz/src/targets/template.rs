@@ -26,7 +26,10 @@ pub fn run(data: &[u8]) {
     for arm in [fit, fits.other_arm] {
         assert!(Alignment::all().any(|one| one == arm.alignment));
     }
-    assert_ne!(fit.alignment.mirrored(), fits.other_arm.alignment.mirrored());
+    assert_ne!(
+        fit.alignment.mirrored(),
+        fits.other_arm.alignment.mirrored()
+    );
     assert_eq!(fits.lead(), fits.other_arm.distance - fit.distance);
     // An armband turned by the answer fits best as it is, and as well; so does the other arm.
     let turned = fit.alignment.apply(means);
