@@ -1,6 +1,5 @@
 //! A stream through the device's own pipeline, sample by sample, as the device runs it.
 
-use std::fmt;
 use std::ops::ControlFlow;
 
 use shared::model::Encode;
@@ -8,8 +7,7 @@ use shared::model::file::Model;
 use shared::pipeline::Pipeline;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::SettingsError;
-use shared::uart_line::Report;
-use shared::uart_line::alignment::AlignmentReport;
+use shared::uart_line::line::Line;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
 
 /// Samples of a notification of the armband.
@@ -31,31 +29,14 @@ pub(crate) fn pipeline<'s, E: Encode>(
     Ok(pipeline)
 }
 
-/// A line that a board writes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Line {
-    /// A label, or a change of state.
-    Report(Report),
-    /// What is new about the alignment.
-    Alignment(AlignmentReport),
-}
-
-impl fmt::Display for Line {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Report(report) => report.fmt(formatter),
-            Self::Alignment(report) => report.fmt(formatter),
-        }
-    }
-}
-
 /// Passes a recording through a pipeline as an armband sends it, two samples every 10 ms. `wait` is called with the time
-/// before each two, `output` with each line, until it breaks off.
+/// before each two, `output` with each line that a board writes, a report or what is new about the alignment, until it
+/// breaks off.
 pub(crate) fn feed<E: Encode, B>(
     pipeline: &mut Pipeline<'_, E>,
     samples: &[Sample],
     mut wait: impl FnMut(Millis),
-    mut output: impl FnMut(Line) -> ControlFlow<B>,
+    mut output: impl FnMut(Line<'_>) -> ControlFlow<B>,
 ) -> ControlFlow<B> {
     let mut now = Millis(0);
     for pair in samples.chunks(TOGETHER) {

@@ -8,7 +8,7 @@ use super::error::StepError;
 use super::preflight::refuse_impossible;
 use super::soft_targets::soft_targets;
 use crate::dataset::corpus::Corpus;
-use crate::student::distillation::{self, Distillation, MEMBERS};
+use crate::student::distillation::{self, MEMBERS};
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
@@ -40,12 +40,14 @@ struct Streams {
 fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let config = context.config.distillation(name);
     refuse_impossible(&context.config.preset, &context.inference_device())?;
-    if config.needs_teacher() && !context.has(teacher::training::NAME) {
-        let path = context.folder.weights_path(teacher::training::NAME);
-        return Err(StepError::NoTeacher { path });
+    if config.needs_teacher() {
+        if !context.has(teacher::training::NAME) {
+            let path = context.folder.weights_path(teacher::training::NAME);
+            return Err(StepError::NoTeacher { path });
+        }
+        // A teacher of another run is refused before the streams are made.
+        context.config.teaching_weights(&context.folder)?;
     }
-    // Before the streams are made: a teacher of another run is refused at once.
-    context.config.student_lineage(name, &context.folder)?;
     let streams = Streams {
         training: context.config.training(&context.library),
         validation: context.config.validation(&context.library),
@@ -78,7 +80,7 @@ fn student(
     teaching: Teaching<'_>,
 ) -> Result<Student, StepError> {
     let preset = &context.config.preset;
-    let config: &Distillation = &context.config.distillation(name);
+    let config = &context.config.distillation(name);
     let seed = context.config.student_seed(name);
     let made_from = context.config.student_lineage(name, &context.folder)?;
     context.device.seed(seed);

@@ -104,14 +104,16 @@ impl ResolvedConfig {
     /// The settings that a student is trained with, by the name of its files.
     pub(super) fn distillation(&self, name: &str) -> Distillation {
         let settings = &self.preset.distillation;
-        match settings.ensemble {
-            _ if name == distillation::NAME => settings.clone(),
-            Some(ensemble) if distillation::MEMBERS.contains(&name) => Distillation {
-                epochs: ensemble.epochs,
-                ..settings.on_labels()
-            },
-            _ => settings.on_labels(),
+        if name == distillation::NAME {
+            return settings.clone();
         }
+        let mut own = settings.on_labels();
+        if let Some(ensemble) = settings.ensemble
+            && distillation::MEMBERS.contains(&name)
+        {
+            own.epochs = ensemble.epochs;
+        }
+        own
     }
 
     /// The seed of a student's weights and batches, by the name of its files: each member of an ensemble has its own.

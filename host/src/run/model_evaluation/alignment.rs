@@ -10,13 +10,14 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::stream::alignment::Alignment;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::line::Line;
 use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
 use crate::dataset::alignment::{Openings, openings};
 use crate::evaluation::{Candidate, Trial};
 use crate::inference::integer_logits;
-use crate::inference::stream::{Line, feed, pipeline};
+use crate::inference::stream::{feed, pipeline};
 use crate::run::error::StepError;
 
 /// How the armband sits, after the data set's own frame is accounted for.
@@ -166,7 +167,7 @@ fn answer(
         |_| (),
         |line| match line {
             Line::Alignment(report) if end(report) => ControlFlow::Break(report),
-            Line::Alignment(_) | Line::Report(_) => ControlFlow::Continue(()),
+            _ => ControlFlow::Continue(()),
         },
     );
     Ok(match ended {

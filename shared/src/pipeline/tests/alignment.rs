@@ -74,6 +74,16 @@ fn run(
     (reports, news)
 }
 
+/// Most samples from one label to the next.
+pub(super) fn longest_pause(reports: &[Report]) -> Option<u32> {
+    let emitted: Vec<u32> = reports
+        .iter()
+        .filter(|report| report.kind == Kind::Label)
+        .map(|report| report.emitted.0)
+        .collect();
+    emitted.windows(2).map(|two| two[1] - two[0]).max()
+}
+
 pub(super) fn labels(reports: &[Report]) -> Vec<(u32, Status)> {
     let labels = reports.iter().filter(|report| report.kind == Kind::Label);
     labels
@@ -116,12 +126,7 @@ fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
             wanted.iter().any(|label| label.1 != wanted[0].1),
             "labels differ"
         );
-        let emitted: Vec<u32> = reports
-            .iter()
-            .filter(|report| report.kind == Kind::Label)
-            .map(|report| report.emitted.0)
-            .collect();
-        let longest = emitted.windows(2).map(|two| two[1] - two[0]).max();
+        let longest = longest_pause(&reports);
         assert!(longest <= Some(80), "{longest:?}");
         assert!(pipeline.status().valid());
     }

@@ -1,6 +1,6 @@
 //! On which arm the armband is, where the model decides.
 
-use super::alignment::{labels, model_of, real, stream_of};
+use super::alignment::{labels, longest_pause, model_of, real, stream_of};
 use super::*;
 use crate::stream::alignment::{Alignment, Template};
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -207,12 +207,7 @@ fn no_sample_is_lost_while_the_model_decides_and_labels_are_those_of_an_armband_
     let found = after(labels(&reports), done);
     assert!(found[0].0 <= done + 30, "{} {done}", found[0].0);
     assert_eq!(found, after(expected, found[0].0));
-    let emitted: Vec<u32> = reports
-        .iter()
-        .filter(|report| report.kind == Kind::Label)
-        .map(|report| report.emitted.0)
-        .collect();
-    let longest = emitted.windows(2).map(|two| two[1] - two[0]).max();
+    let longest = longest_pause(&reports);
     assert!(longest <= Some(180), "{longest:?}");
     assert!(pipeline.status().valid());
     assert_eq!(pipeline.counters, Counters::default());
