@@ -15,6 +15,8 @@ use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::file::Model;
 use shared::model::file::random::random_model;
+use shared::stream::alignment::Template;
+use shared::units::CHANNELS;
 use small::{folder, myointent, recordings};
 
 /// A small model that has seen these people.
@@ -257,6 +259,42 @@ fn alignment_finds_the_same_however_the_armband_is_turned_and_its_openings_are_n
         ]
     ));
     assert!(fs::read_to_string(text).unwrap().contains("one, aligned"));
+}
+
+#[test]
+fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
+    let folder = folder("evaluate-arm-told");
+    recordings(&folder);
+    let file = folder.join("one.intent");
+    model(&file, &[], Vocabulary::Three);
+    // And a template whose electrodes run the other way round: one of the two is on the wrong arm.
+    let bytes = fs::read(&file).unwrap();
+    let template = Model::parse(&bytes).unwrap().header.template.unwrap();
+    let mut reversed = template.to_bytes();
+    reversed[..2 * CHANNELS].as_chunks_mut::<2>().0.reverse();
+    let reversed = Template::from_bytes(&reversed).unwrap();
+    let wrong = |mirrored, arm_told| {
+        let selection = Selection {
+            worn: Worn {
+                turn: Turn::By(0),
+                mirrored,
+            },
+            align: true,
+            arm_told,
+            ..Selection::default()
+        };
+        let count = |template| {
+            fs::write(&file, Model::with_template(&bytes, Some(template)).unwrap()).unwrap();
+            let results = evaluated(&folder, &file, &selection).results;
+            let alignments = results.alignments.iter();
+            alignments.filter(|own| own.wrong_arm).count()
+        };
+        count(&template) + count(&reversed)
+    };
+    for mirrored in [false, true] {
+        assert!(wrong(mirrored, false) > 0);
+        assert_eq!(wrong(mirrored, true), 0);
+    }
 }
 
 #[test]

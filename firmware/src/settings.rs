@@ -1,6 +1,7 @@
 //! What a builder of a device may want to change. Pins are in `board/nrf52/wiring.rs`.
 
 use shared::myo::{Address, EmgMode, Settings};
+use shared::stream::alignment::Arm;
 
 /// The one armband to connect to, as `MYOINTENT_ARMBAND=F1:23:45:67:89:AB` when the program is
 /// built; without it, the one that is bound at run time.
@@ -34,6 +35,20 @@ pub const ALIGN_ON_CONNECTION: bool = match option_env!("MYOINTENT_ALIGN") {
         b"connect" => true,
         b"button" => false,
         _ => panic!("MYOINTENT_ALIGN is neither connect nor button"),
+    },
+};
+
+/// What an alignment is told of the arm, as `MYOINTENT_MIRRORED=0` or `1` when the program is built: whether the electrodes
+/// run the other way round than in training, on the other arm. A command may tell otherwise.
+///
+/// Without it that is found too. For one person in eight an open hand does not tell the arms apart (docs/alignment.md): tell
+/// it where it does not change.
+pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
+    None => Arm::Unknown,
+    Some(text) => match text.as_bytes() {
+        b"0" => Arm::Known { mirrored: false },
+        b"1" => Arm::Known { mirrored: true },
+        _ => panic!("MYOINTENT_MIRRORED is neither 0 nor 1"),
     },
 };
 

@@ -4,7 +4,7 @@ use shared::model::Encode;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
 use shared::pipeline::{self, Pipeline, Reports, Smoother};
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
@@ -21,7 +21,7 @@ pub enum Input<'s> {
     /// Nothing arrives for so long.
     Silence(Millis),
     /// The button is pressed.
-    Align,
+    Align(Arm),
     /// A command ends an alignment in progress.
     CancelAlignment,
     /// A command puts this alignment in force.
@@ -85,8 +85,8 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 pipeline.resume(now, encoder, smoother, input);
                 Reports::default()
             }
-            Input::Align => {
-                pipeline.begin_alignment();
+            Input::Align(arm) => {
+                pipeline.begin_alignment(arm);
                 Reports::default()
             }
             Input::CancelAlignment => {

@@ -11,9 +11,10 @@ use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::random::random_model;
 use shared::model::noise::Noise;
-use shared::stream::alignment::{Alignment, PRECISION_ONE, Template};
+use shared::stream::alignment::{Alignment, Arm, PRECISION_ONE, Template};
 use shared::stream::safe_state::Cause;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::command::{AlignCommand, Command};
 use shared::units::{CHANNELS, Sample};
 
 /// Half the usual: while the encoder takes the window again, it has a patch with each sample.
@@ -68,11 +69,13 @@ fn worn(samples: &[Sample], placement: Alignment) -> Vec<Sample> {
         .collect()
 }
 
-/// Streams, and presses the button at the first of it; compares all lines, and gives those of the alignment.
+/// Streams, and presses the button at the first of it, or has a command tell the arm; compares all lines, and gives those of
+/// the alignment.
 fn align(
     bench: &Bench,
     model: &[u8],
     samples: &[Sample],
+    arm: Arm,
 ) -> anyhow::Result<(Run, Vec<AlignmentReport>)> {
     let mut run = bench.start(&Scenario {
         model,
@@ -88,7 +91,13 @@ fn align(
     run.wait_for("the stream", |run| {
         run.pins().last().is_some_and(|pins| pins.armband)
     })?;
-    run.set_button(true)?;
+    match arm {
+        Arm::Unknown => run.set_button(true)?,
+        Arm::Known { .. } => {
+            let begin = Command::Align(AlignCommand::Begin(arm));
+            assert_eq!(run.ask(&begin.to_string())?, "OK,ALIGN,begin");
+        }
+    }
     run.wait_for("an alignment to begin", |run| {
         run.alignments().is_ok_and(|news| !news.is_empty())
     })?;
@@ -112,7 +121,7 @@ fn align(
         model,
         &[
             Input::Samples(before),
-            Input::Align,
+            Input::Align(arm),
             Input::Samples(after),
             Input::Disconnected,
         ],
@@ -146,7 +155,7 @@ fn finds(test: &str, placement: Alignment) -> anyhow::Result<()> {
         return Ok(());
     };
     let samples = worn(&two_openings(RAMP), placement);
-    let news = lines_and_led(&bench, &model(None), &samples)?;
+    let news = lines_and_led(&bench, &model(None), &samples, Arm::Unknown)?;
     assert_eq!(news[2].alignment, placement);
     Ok(())
 }
@@ -156,8 +165,9 @@ fn lines_and_led(
     bench: &Bench,
     model: &[u8],
     samples: &[Sample],
+    arm: Arm,
 ) -> anyhow::Result<Vec<AlignmentReport>> {
-    let (run, news) = align(bench, model, samples)?;
+    let (run, news) = align(bench, model, samples, arm)?;
     let states: Vec<_> = news
         .iter()
         .map(|news| (news.state, news.gestures))
@@ -208,10 +218,30 @@ fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_e
     };
     let open = [118, 68, 40, 23, 17, 23, 40, 68];
     let samples = worn(&two_openings(open), Alignment::new(3, false));
-    let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples)?;
+    let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, Arm::Unknown)?;
     // The second gesture ends at 1400 and is over 20 samples later; then the encoder takes a patch with each of 106 samples.
     let decided = news[2].emitted.0;
     assert!((1520..1560).contains(&decided), "decided at {decided}");
+    Ok(())
+}
+
+#[test]
+fn the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the_pipelines()
+-> anyhow::Result<()> {
+    let test =
+        "the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the_pipelines";
+    let Some(bench) = bench(test) else {
+        return Ok(());
+    };
+    let placement = Alignment::new(3, true);
+    let open = [118, 68, 40, 23, 17, 23, 40, 68];
+    let samples = worn(&two_openings(open), placement);
+    let arm = Arm::Known { mirrored: true };
+    let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, arm)?;
+    assert_eq!(news[2].alignment, placement);
+    // With the end of the second gesture.
+    let decided = news[2].emitted.0;
+    assert!((1400..1450).contains(&decided), "decided at {decided}");
     Ok(())
 }
 
@@ -242,7 +272,7 @@ fn a_recorded_persons_turned_armband_is_aligned_and_the_lines_equal_the_pipeline
     let recording = one_recording(&path, None)?;
     let placement = Alignment::new(3, false);
     let samples = worn(&two_openings_of(&recording, 5), placement);
-    let (run, news) = align(&bench, &super::model(), &samples)?;
+    let (run, news) = align(&bench, &super::model(), &samples, Arm::Unknown)?;
     let aligned: Vec<_> = news
         .iter()
         .filter(|news| news.state == AlignmentState::Aligned)

@@ -6,6 +6,7 @@ use std::time::Duration;
 use myointent_tests::emulator::{Bench, Fault, Run, Scenario, bench};
 use serde_json::json;
 use shared::myo::Address;
+use shared::stream::alignment::Arm;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Sample;
 
@@ -78,7 +79,7 @@ fn an_unbound_board_follows_nobody_and_can_be_bound_and_made_to_forget() -> anyh
     let connected =
         |run: &Run| run.event_count("connected") + run.event_count("stranger-connected");
     assert_eq!(connected(&run), 0, "{}", run.tails());
-    let align = Command::Align(AlignCommand::Begin);
+    let align = Command::Align(AlignCommand::Begin(Arm::Unknown));
     assert_eq!(run.ask(&align.to_string())?, "ERR,no-stream");
 
     let armband = Address::parse(ARMBAND)?;

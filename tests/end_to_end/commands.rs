@@ -3,7 +3,7 @@
 use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, board, expected_lines};
 use serde_json::json;
 use shared::model::noise::Noise;
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::Cause;
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentState;
@@ -111,7 +111,7 @@ fn without_a_model_a_command_is_refused_with_the_reason() -> anyhow::Result<()> 
     let Some(board) = board(test) else {
         return Ok(());
     };
-    let align = Command::Align(AlignCommand::Begin).to_string();
+    let align = Command::Align(AlignCommand::Begin(Arm::Unknown)).to_string();
     let mut run = board.start_without_armband(&[0xff; 100])?;
     run.wait_for("the start", |run| !run.comments().is_empty())?;
     assert!(

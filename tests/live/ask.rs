@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use myointent::board::{Board as Asked, BoardError};
 use serial2::SerialPort;
+use shared::stream::alignment::Arm;
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
@@ -40,7 +41,7 @@ fn each_command_is_answered_among_labels() {
         _ => None,
     };
     assert_eq!(asked.ask(state, gate).unwrap(), Gate::default());
-    let begin = Command::Align(AlignCommand::Begin);
+    let begin = Command::Align(AlignCommand::Begin(Arm::Unknown));
     let accepted = |answer: &Answer<'_>| matches!(answer, Answer::Align(_)).then_some(());
     asked.ask(begin, accepted).unwrap();
     let news = asked.wait(Duration::from_secs(10), |line| match line {

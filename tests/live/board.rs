@@ -167,7 +167,7 @@ fn run(mut wire: Wire, mut following: Following, stop: &AtomicBool, raw: &Atomic
                 raw.store(on, Ordering::Relaxed);
             }
             match command {
-                Ok(Command::Align(AlignCommand::Begin)) => pipeline.begin_alignment(),
+                Ok(Command::Align(AlignCommand::Begin(arm))) => pipeline.begin_alignment(arm),
                 Ok(Command::Align(AlignCommand::Cancel)) => pipeline.cancel_alignment(),
                 _ => {}
             }

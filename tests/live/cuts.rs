@@ -10,7 +10,7 @@ use myointent::live::Source;
 use rand::seq::IndexedRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
@@ -38,7 +38,7 @@ fn ask(link: &Path, command: Command) -> Result<bool, BoardError> {
         (Command::Gate(_), Answer::Gate(gate)) => Some(*gate == Gate::default()),
         _ => None,
     })?;
-    if command == Command::Align(AlignCommand::Begin) {
+    if command == Command::Align(AlignCommand::Begin(Arm::Unknown)) {
         let waiting = board.wait(Duration::from_secs(10), |line| {
             matches!(line, Line::Alignment(_)).then_some(())
         })?;
@@ -56,7 +56,7 @@ fn a_line_pulled_at_100_random_moments_of_commands_gives_right_answers_or_says_t
         Command::Identify,
         Command::Counters,
         Command::Raw(true),
-        Command::Align(AlignCommand::Begin),
+        Command::Align(AlignCommand::Begin(Arm::Unknown)),
         Command::Align(AlignCommand::Set(Alignment::new(3, true))),
         Command::Gate(GateCommand::State),
         // Built into this board: refused.

@@ -8,7 +8,7 @@ use myointent_tests::emulator::{Input, expected_lines};
 use myointent_tests::simulation::{self, Inputs, Ran};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::Cause;
 use shared::stream::smoother::Gate;
 use shared::units::Sample;
@@ -161,7 +161,7 @@ fn framed(body: &str) -> String {
 /// What a command does to the labels.
 fn effect(body: &str) -> Option<Input<'static>> {
     Some(match body {
-        "ALIGN,begin" => Input::Align,
+        "ALIGN,begin" => Input::Align(Arm::Unknown),
         "ALIGN,cancel" => Input::CancelAlignment,
         "ALIGN,set,3,1" => Input::SetAlignment(Alignment::new(3, true)),
         "ALIGN,set,0,0" => Input::SetAlignment(Alignment::new(0, false)),

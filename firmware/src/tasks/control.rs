@@ -6,6 +6,7 @@ use embassy_futures::{
 };
 use embassy_time::{Duration, Ticker};
 use shared::button::{self, Press};
+use shared::stream::alignment::Arm;
 use shared::uart_line::answer::{Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 
@@ -37,7 +38,7 @@ pub async fn run(mut port: CommandPort, mut button: Button) -> ! {
             Either::First(()) => match contact.look(now(), button.is_down()) {
                 // Refused without a stream: there is nothing to align.
                 Some(Press::Pressed) => {
-                    let begin = InferenceRequest::Align(AlignCommand::Begin);
+                    let begin = InferenceRequest::Align(AlignCommand::Begin(Arm::Unknown));
                     let _ = requests::INFERENCE.ask(begin).await;
                 }
                 // An address that was given at build time stays.

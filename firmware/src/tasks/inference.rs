@@ -7,7 +7,7 @@ use embassy_futures::{
 use embassy_time::{Duration, Instant, Timer};
 use shared::model::encoder::{DeviceEncoder, DeviceState};
 use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
-use shared::stream::alignment::Trigger;
+use shared::stream::alignment::{Arm, Trigger};
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::Start;
 use shared::stream::smoother::Gate;
@@ -29,7 +29,7 @@ use crate::messages::{
 };
 use crate::model_region::{self, Loaded, ModelRefused};
 use crate::reset_reason::ResetReason;
-use crate::settings::ALIGN_ON_CONNECTION;
+use crate::settings::{ALIGN_ON_CONNECTION, ARM};
 
 /// The encoder's state, the largest variable in RAM.
 static STATE: ConstStaticCell<DeviceState> = ConstStaticCell::new(DeviceState::fresh());
@@ -139,7 +139,7 @@ pub async fn run(
                 streams = received.samples.is_some();
                 let is_full = pipeline.status().valid();
                 if streams && trigger.begins(is_full) {
-                    pipeline.begin_alignment();
+                    pipeline.begin_alignment(ARM);
                     enqueue(pipeline, Reports::default());
                 }
                 if dead_man.has_expired() {
@@ -219,8 +219,9 @@ fn align(
 ) -> Result<InferenceAnswer, Refusal> {
     match command {
         AlignCommand::State => return Ok(InferenceAnswer::Alignment(pipeline.alignment())),
-        AlignCommand::Begin if !streams => return Err(Refusal::NoStream),
-        AlignCommand::Begin => pipeline.begin_alignment(),
+        AlignCommand::Begin(_) if !streams => return Err(Refusal::NoStream),
+        AlignCommand::Begin(Arm::Unknown) => pipeline.begin_alignment(ARM),
+        AlignCommand::Begin(arm) => pipeline.begin_alignment(arm),
         AlignCommand::Cancel => pipeline.cancel_alignment(),
         AlignCommand::Set(alignment) => pipeline.set_alignment(alignment),
     }

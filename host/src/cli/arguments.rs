@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
+use shared::stream::alignment::Arm;
 
 pub use backend::{Backend, BackendArguments, BackendError};
 
@@ -16,6 +17,15 @@ use crate::execution::run_folder::RunFolder;
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
 use crate::run::preset::Preset;
+
+/// What an alignment is told of the arm.
+pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
+    match text {
+        "0" => Ok(Arm::Known { mirrored: false }),
+        "1" => Ok(Arm::Known { mirrored: true }),
+        _ => Err("0 or 1".to_owned()),
+    }
+}
 
 /// Which recordings to read.
 #[derive(Clone, Debug, Args)]

@@ -67,6 +67,9 @@ pub(in crate::cli) struct Options {
     /// without two are left out, and those openings are not scored.
     #[arg(long, requires = "data")]
     align: bool,
+    /// Tell each alignment on which arm the armband is.
+    #[arg(long, requires = "align")]
+    arm_told: bool,
     /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
     #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
@@ -138,6 +141,7 @@ pub(in crate::cli) fn run(
             mirrored: options.mirror,
         },
         align: options.align,
+        arm_told: options.arm_told,
         lost_percent: options.lose,
         label_lag: options.label_lag,
         ..options.people.selection()

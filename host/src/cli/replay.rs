@@ -9,8 +9,10 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
+use shared::stream::alignment::Arm;
 use shared::units::{Millis, Sample};
 
+use crate::cli::arguments::mirrored;
 use crate::cli::read_model;
 use crate::dataset::{LoadOptions, Recording, load};
 use crate::inference::stream::{feed, pipeline};
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Begin an alignment with the first sample: the wearer opens the hand twice, with rest before and after.
     #[arg(long, conflicts_with = "speed")]
     align: bool,
+    /// Tell the alignment whether the armband is on the other arm than in training, 0 or 1, instead of having it found.
+    #[arg(long, value_name = "0|1", requires = "align", value_parser = mirrored)]
+    mirrored: Option<Arm>,
     /// Print how many times faster than real time the pipeline runs, instead of the lines.
     #[arg(long, conflicts_with = "real_time")]
     speed: bool,
@@ -58,7 +63,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.speed {
         let start = Instant::now();
         let mut lines = 0_usize;
-        replay(&model, &recording.samples, None, false, |_| {
+        replay(&model, &recording.samples, None, None, |_| {
             lines += 1;
             Ok(())
         })?;
@@ -72,7 +77,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let start = arguments.real_time.then(Instant::now);
-    replay(&model, &recording.samples, start, arguments.align, |line| {
+    let align = arguments
+        .align
+        .then(|| arguments.mirrored.unwrap_or_default());
+    replay(&model, &recording.samples, start, align, |line| {
         out.write_all(line.as_bytes())?;
         if arguments.real_time {
             out.flush()
@@ -91,7 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     let model = Model::parse(model)?;
     let mut lines = String::new();
-    replay(&model, samples, None, false, |line| {
+    replay(&model, samples, None, None, |line| {
         lines.push_str(line);
         Ok(())
     })?;
@@ -104,15 +112,15 @@ fn replay(
     model: &Model<'_>,
     samples: &[Sample],
     start: Option<Instant>,
-    align: bool,
+    align: Option<Arm>,
     mut output: impl FnMut(&str) -> std::io::Result<()>,
 ) -> anyhow::Result<()> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
     let mut pipeline = pipeline(model, encoder, &mut state)?;
     output(&pipeline.state_report().to_string())?;
-    if align {
-        pipeline.begin_alignment();
+    if let Some(arm) = align {
+        pipeline.begin_alignment(arm);
     }
     if let Some(report) = pipeline.take_alignment_report() {
         output(&report.to_string())?;
@@ -190,7 +198,7 @@ mod tests {
             let bytes = parts.to_bytes().unwrap();
             let model = Model::parse(&bytes).unwrap();
             let mut lines = Vec::new();
-            replay(&model, &[[0; 8]; 4], None, true, |line| {
+            replay(&model, &[[0; 8]; 4], None, Some(Arm::Unknown), |line| {
                 lines.push(line.to_owned());
                 Ok(())
             })

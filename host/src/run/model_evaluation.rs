@@ -46,6 +46,8 @@ pub struct Selection {
     /// Whether each model is also evaluated after alignment. Only people who open the hand twice are then, and those openings
     /// are not scored.
     pub align: bool,
+    /// Whether alignments are told on which arm the armband is.
+    pub arm_told: bool,
     /// Percent of the notifications that are lost and bridged, 0 to 66.
     pub lost_percent: u8,
     /// How labels are compensated for their lag.
@@ -147,7 +149,7 @@ pub fn evaluate_models(
                 people: left_out_openings.len(),
             });
         }
-        aligned = align(&named, &people, &worn)?;
+        aligned = align(&named, &people, &worn, selection.arm_told)?;
         leave_out_openings(&mut trials, &people, &aligned.taken);
         trials.retain(|trial| people.contains_key(&trial.subject));
     }

@@ -5,7 +5,7 @@ mod arm;
 use super::Pipeline;
 use crate::model::Encode;
 use crate::stream::alignment::{
-    Aligner, Alignment, ArmDecision, Fit, GESTURES, Outcome, Poor, Progress, Template,
+    Aligner, Alignment, Arm, ArmDecision, Fit, GESTURES, Outcome, Poor, Progress, Template,
 };
 use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -142,13 +142,15 @@ impl<E: Encode> Pipeline<'_, E> {
         }
     }
 
-    /// Begins an alignment, anew if one is in progress. Labels go on meanwhile under the old one.
-    pub fn begin_alignment(&mut self) {
+    /// Begins an alignment, anew if one is in progress. Labels go on meanwhile under the old one. `arm` is what is known of the
+    /// arm, whatever the alignment in force says.
+    pub fn begin_alignment(&mut self, arm: Arm) {
         self.end_alignment();
         let placement = &mut self.placement;
         placement.view = View::default();
         let state = if placement.template.is_some() {
-            placement.stage = Stage::Gestures(Aligner::new());
+            let arm = arm.seen_from(placement.current);
+            placement.stage = Stage::Gestures(Aligner::new(arm));
             AlignmentState::Waiting
         } else {
             AlignmentState::Unavailable

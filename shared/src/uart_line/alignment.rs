@@ -149,11 +149,7 @@ impl AlignmentReport {
             gestures: gestures.map_err(|_| wrong("gestures"))?,
             alignment: Alignment::new(
                 turn.ok_or(wrong("turn"))?,
-                match mirrored {
-                    "0" => false,
-                    "1" => true,
-                    _ => return Err(wrong("mirrored")),
-                },
+                self::mirrored(mirrored).ok_or(wrong("mirrored"))?,
             ),
             quality: match (distance, margin) {
                 ("-", "-") => None,
@@ -187,12 +183,17 @@ impl fmt::Display for AlignmentReport {
 pub(super) fn placement(text: &str) -> Option<Alignment> {
     let (turn, mirrored) = text.split_once(',')?;
     let turn = u8::try_from(number(turn, "turn").ok()?).ok()?;
-    let mirrored = match mirrored {
-        "0" => false,
-        "1" => true,
-        _ => return None,
-    };
+    let mirrored = self::mirrored(mirrored)?;
     (turn < 8).then(|| Alignment::new(turn, mirrored))
+}
+
+/// Reads `mirrored`.
+pub(super) fn mirrored(text: &str) -> Option<bool> {
+    match text {
+        "0" => Some(false),
+        "1" => Some(true),
+        _ => None,
+    }
 }
 
 /// `turn,mirrored`

@@ -275,6 +275,7 @@ impl fmt::Display for Listed<'_> {
 mod tests {
     use super::*;
     use crate::myo::AddressKind;
+    use crate::stream::alignment::Arm;
     use alloc::{format, string::ToString};
 
     const IDENTITY: Identity<'_> = Identity {
@@ -338,7 +339,10 @@ mod tests {
                 Answer::Counts(counts),
                 "OK,COUNTERS,1,0,0,0,0,0,0,0,0,0,0,0,13,14,15,4294967295",
             ),
-            (Answer::Align(AlignCommand::Begin), "OK,ALIGN,begin"),
+            (
+                Answer::Align(AlignCommand::Begin(Arm::Unknown)),
+                "OK,ALIGN,begin",
+            ),
             (Answer::Align(AlignCommand::Cancel), "OK,ALIGN,cancel"),
             (Answer::Align(set), "OK,ALIGN,set"),
             (

@@ -5,6 +5,7 @@
 //! body     = "IDENTIFY"                          program, model, armband
 //!          | "COUNTERS"                          what was lost and dropped since the start
 //!          | "ALIGN,begin" | "ALIGN,cancel"      an alignment, as the button begins it
+//!          | "ALIGN,begin," mirrored             the same, told on which arm the armband is
 //!          | "ALIGN,set," turn "," mirrored      an alignment that is known already
 //!          | "ALIGN,state"                       change nothing
 //!          | "RAW,on" | "RAW,off"                the raw stream; off after a start
@@ -34,14 +35,14 @@
 
 use core::fmt;
 
-use super::alignment::{Placed, placement};
+use super::alignment::{Placed, mirrored, placement};
 use super::gate::{GateCommand, Margins};
 use super::install::{self, Begun, Numbered, Wrong};
 use super::refusal::Refusal;
 use super::{ParseError, unframed, write_framed};
 use crate::installation::{Block, Transfer};
 use crate::myo::Address;
-use crate::stream::alignment::Alignment;
+use crate::stream::alignment::{Alignment, Arm};
 
 /// Most bytes of a command's line, without its end: a block's.
 pub const MAX_COMMAND_BYTES: usize = 112;
@@ -86,8 +87,8 @@ pub enum BindCommand {
 /// A command about the alignment.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum AlignCommand {
-    /// Begin one, as the button does.
-    Begin,
+    /// Begin one; where nothing is told of the arm, as the button does.
+    Begin(Arm),
     /// End the one in progress; nothing changes.
     Cancel,
     /// Put this one in force.
@@ -101,7 +102,7 @@ impl AlignCommand {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Begin => "begin",
+            Self::Begin(_) => "begin",
             Self::Cancel => "cancel",
             Self::Set(_) => "set",
             Self::State => "state",
@@ -171,10 +172,14 @@ fn is_own(body: &str) -> bool {
 
 fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
     match arguments {
-        "begin" => return Ok(AlignCommand::Begin),
+        "begin" => return Ok(AlignCommand::Begin(Arm::Unknown)),
         "cancel" => return Ok(AlignCommand::Cancel),
         "state" => return Ok(AlignCommand::State),
         _ => {}
+    }
+    if let Some(told) = arguments.strip_prefix("begin,") {
+        let mirrored = mirrored(told).ok_or(Refusal::Arguments)?;
+        return Ok(AlignCommand::Begin(Arm::Known { mirrored }));
     }
     let placement = arguments.strip_prefix("set,").and_then(placement);
     placement.map(AlignCommand::Set).ok_or(Refusal::Arguments)
@@ -201,6 +206,10 @@ impl fmt::Display for Command {
             Self::Align(AlignCommand::Set(alignment)) => {
                 write_framed(formatter, format_args!("ALIGN,set,{}", Placed(*alignment)))
             }
+            Self::Align(AlignCommand::Begin(Arm::Known { mirrored })) => write_framed(
+                formatter,
+                format_args!("ALIGN,begin,{}", u8::from(*mirrored)),
+            ),
             Self::Align(command) => {
                 write_framed(formatter, format_args!("ALIGN,{}", command.name()))
             }
@@ -441,7 +450,10 @@ mod tests {
             bind,
             Just(Command::Identify),
             Just(Command::Counters),
-            Just(Command::Align(AlignCommand::Begin)),
+            Just(Command::Align(AlignCommand::Begin(Arm::Unknown))),
+            any::<bool>().prop_map(|mirrored| {
+                Command::Align(AlignCommand::Begin(Arm::Known { mirrored }))
+            }),
             Just(Command::Align(AlignCommand::Cancel)),
             Just(Command::Align(AlignCommand::State)),
             set,

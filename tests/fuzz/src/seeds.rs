@@ -9,7 +9,7 @@ use shared::model::dimensions::Dimensions;
 use shared::model::file::{Model, random};
 use shared::myo::binding::to_record;
 use shared::myo::{Address, Characteristic, Following};
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::safe_state::{Cause, Status};
 use shared::stream::smoother::Gate;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -138,7 +138,7 @@ fn commands() -> Vec<Vec<u8>> {
         Command::Identify,
         Command::Counters,
         Command::Raw(true),
-        Command::Align(AlignCommand::Begin),
+        Command::Align(AlignCommand::Begin(Arm::Unknown)),
         Command::Align(AlignCommand::Set(Alignment::new(5, true))),
         Command::Align(AlignCommand::State),
         Command::Bind(BindCommand::Set(address(1))),
@@ -152,6 +152,7 @@ fn commands() -> Vec<Vec<u8>> {
             checksum: 0x577b_d53b,
         }),
         Command::Block(1355, Block(std::array::from_fn(|place| (7 * place) as u8))),
+        Command::Align(AlignCommand::Begin(Arm::Known { mirrored: true })),
     ];
     let line = |command: &Command| command.to_string().into_bytes();
     let body = |command: &Command| {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use clap::{Args, Subcommand};
 use shared::myo::{Address, Following};
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::Gate as Margins;
 use shared::uart_line::alignment::AlignmentState;
 use shared::uart_line::answer::Answer;
@@ -20,6 +20,7 @@ use shared::uart_line::line::Line;
 
 use self::words::{Bound, Counted, Identified, Placed, why};
 use crate::board::{self, Board, ModelFile};
+use crate::cli::arguments::mirrored;
 use crate::cli::read_model;
 use crate::execution::progress;
 
@@ -79,7 +80,11 @@ enum Request {
 #[derive(Debug, Subcommand)]
 enum Align {
     /// Begin one, as the button does, and wait for its result.
-    Begin,
+    Begin {
+        /// Tell whether the armband is on the other arm than in training, 0 or 1, instead of having it found.
+        #[arg(long, value_name = "0|1", value_parser = mirrored)]
+        mirrored: Option<Arm>,
+    },
     /// End the one in progress.
     Cancel,
     /// Put one in force that is known.
@@ -176,7 +181,7 @@ fn run_install(port: &Path, path: &Path) -> anyhow::Result<()> {
 
 fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     let command = match *align {
-        Align::Begin => AlignCommand::Begin,
+        Align::Begin { mirrored } => AlignCommand::Begin(mirrored.unwrap_or_default()),
         Align::Cancel => AlignCommand::Cancel,
         Align::Set { turn, mirrored } => AlignCommand::Set(Alignment::new(turn, mirrored)),
         Align::State => {
@@ -196,7 +201,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     };
     board.ask(Command::Align(command), accepted)?;
     let mut out = std::io::stdout();
-    if command != AlignCommand::Begin {
+    if !matches!(command, AlignCommand::Begin(_)) {
         writeln!(out, "done")?;
         return Ok(());
     }

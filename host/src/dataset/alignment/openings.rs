@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use shared::intent::Intent;
-use shared::stream::alignment::{Aligner, Outcome, Progress, Template};
+use shared::stream::alignment::{Aligner, Arm, Outcome, Progress, Template};
 use shared::stream::preprocess::{Median, clean};
 use shared::units::{PATCH, Sample};
 
@@ -94,7 +94,7 @@ impl Openings {
     #[must_use]
     pub fn outcome(&self, template: &Template) -> Outcome {
         let emg: Vec<_> = clean(self.stream(), Median::Three).collect();
-        let mut aligner = Aligner::new();
+        let mut aligner = Aligner::new(Arm::Unknown);
         for patch in emg.as_chunks::<PATCH>().0 {
             match aligner.push(patch, template) {
                 Progress::Waiting | Progress::Gesture => {}

@@ -13,6 +13,7 @@ use serial2::SerialPort;
 use shared::model::Encode;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
+use shared::stream::alignment::Arm;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Millis;
 
@@ -193,7 +194,7 @@ impl<E: Encode> Session<'_, '_, E> {
         }
         while let Ok(request) = self.context.requests.try_recv() {
             self.send(match request {
-                Request::Align => Command::Align(AlignCommand::Begin),
+                Request::Align => Command::Align(AlignCommand::Begin(Arm::Unknown)),
                 Request::CancelAlignment => Command::Align(AlignCommand::Cancel),
                 Request::Bind => Command::Bind(BindCommand::Begin),
                 Request::Install(model) => {

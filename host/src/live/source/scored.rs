@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::{Pipeline, Reports};
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::{Settings, SettingsError};
 use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
@@ -123,7 +123,7 @@ impl<'r, E: Encode> Scored<'r, E> {
     pub(super) fn requests(&mut self, context: &Context) {
         while let Ok(request) = context.requests.try_recv() {
             match request {
-                Request::Align => self.pipeline.begin_alignment(),
+                Request::Align => self.pipeline.begin_alignment(Arm::Unknown),
                 Request::CancelAlignment => self.pipeline.cancel_alignment(),
                 // There is no board.
                 Request::Bind | Request::Install(_) => {}

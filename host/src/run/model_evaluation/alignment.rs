@@ -8,7 +8,7 @@ use serde::Serialize;
 use shared::intent::Intent;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
-use shared::stream::alignment::Alignment;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::line::Line;
 use shared::units::{CHANNELS, Sample};
@@ -102,7 +102,7 @@ pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<u
         .collect()
 }
 
-/// What a board with each model makes of each person's openings.
+/// What a board with each model makes of each person's openings; `arm_told`: it is told on which arm the armband is.
 ///
 /// # Errors
 /// When a board would refuse a model.
@@ -110,18 +110,28 @@ pub(super) fn align(
     models: &[(&NamedModel, &Model<'_>)],
     people: &BTreeMap<String, (Openings, Vec<usize>)>,
     worn: &BTreeMap<String, Alignment>,
+    arm_told: bool,
 ) -> Result<Aligned, StepError> {
     let mut aligned = Aligned::default();
+    let placed = |subject: &str| worn.get(subject).copied().unwrap_or_default();
     for (named, model) in models {
         let answers = people
             .par_iter()
-            .map(|(subject, (openings, _))| Ok((subject, answer(model, openings)?)))
+            .map(|(subject, (openings, _))| {
+                let mirrored = placed(subject).mirrored();
+                let arm = if arm_told {
+                    Arm::Known { mirrored }
+                } else {
+                    Arm::Unknown
+                };
+                Ok((subject, answer(model, openings, arm)?))
+            })
             .collect::<Result<Vec<_>, StepError>>()?;
         let mut own = BTreeMap::new();
         for (subject, (report, count)) in answers {
             let most = aligned.taken.entry(subject.clone()).or_default();
             *most = count.max(*most);
-            let truth = worn.get(subject).copied().unwrap_or_default();
+            let truth = placed(subject);
             let state = report.map_or(AlignmentState::Timeout, |report| report.state);
             let applied = report.filter(|report| report.state == AlignmentState::Aligned);
             let applied = applied.map(|report| report.alignment);
@@ -148,12 +158,13 @@ pub(super) fn align(
 fn answer(
     model: &Model<'_>,
     openings: &Openings,
+    arm: Arm,
 ) -> Result<(Option<AlignmentReport>, usize), StepError> {
     let encoder = HostEncoder::new(model)?;
     let mut state = encoder.fresh();
     let mut pipeline = pipeline(model, encoder, &mut state)?;
     let end = |report: AlignmentReport| report.state != AlignmentState::Waiting;
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(arm);
     if let Some(unavailable) = pipeline
         .take_alignment_report()
         .filter(|&report| end(report))

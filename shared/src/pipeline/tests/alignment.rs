@@ -6,7 +6,7 @@ use crate::model::dimensions::Dimensions;
 use crate::model::encoder::{Encoder, EncoderState};
 use crate::model::file::{Model, random::random_model};
 use crate::model::noise::Noise;
-use crate::stream::alignment::Alignment;
+use crate::stream::alignment::{Alignment, Arm};
 use crate::stream::preprocess::{Median, Preprocessing};
 use crate::stream::safe_state::Cause;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
@@ -97,7 +97,7 @@ fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
     let in_place = labels(&run(&mut expected, &stream(Alignment::NONE, 3000), 0).0);
     for worn in [Alignment::new(3, false), Alignment::new(6, true)] {
         let mut pipeline = real();
-        pipeline.begin_alignment();
+        pipeline.begin_alignment(Arm::Unknown);
         let (reports, news) = run(&mut pipeline, &stream(worn, 3000), 0);
         let states: Vec<_> = news
             .iter()
@@ -136,7 +136,7 @@ fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
 fn sequence_numbers_are_one_count() {
     let mut pipeline = real();
     let mut sequences = Vec::from([pipeline.state_report().sequence]);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     for (index, &sample) in (0..).zip(&stream(Alignment::NONE, 1600)) {
         sequences.extend(
             pipeline
@@ -182,7 +182,7 @@ fn a_gap_keeps_the_alignment_and_a_disconnection_drops_it() {
 fn without_a_template_nothing_begins_and_on_request_it_ends() {
     let mut pipeline = real();
     pipeline.set_template(None);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     assert_eq!(
         pipeline.take_alignment_report().map(|news| news.state),
         Some(AlignmentState::Unavailable)
@@ -190,7 +190,7 @@ fn without_a_template_nothing_begins_and_on_request_it_ends() {
     pipeline.cancel_alignment();
     assert_eq!(pipeline.take_alignment_report(), None);
     let mut pipeline = real();
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     pipeline.cancel_alignment();
     assert_eq!(
         pipeline.take_alignment_report().map(|news| news.state),
@@ -206,7 +206,7 @@ fn an_alignment_is_seen_from_the_one_in_force() {
     let mut pipeline = real();
     // One place off.
     pipeline.set_alignment(Alignment::new(4, true));
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     run(&mut pipeline, &stream(worn, 1600), 0);
     assert_eq!(pipeline.alignment(), worn);
 }
@@ -249,15 +249,15 @@ proptest! {
 fn the_phase_is_that_of_the_newest_alignment_that_succeeded() {
     let mut pipeline = real();
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Waiting);
     pipeline.cancel_alignment();
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     // In place: nothing is turned, and yet it is known now.
     run(&mut pipeline, &stream(Alignment::NONE, 1600), 0);
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Aligned);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     pipeline.cancel_alignment();
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::Aligned);
     pipeline.disconnected(Millis(9000));

@@ -2,7 +2,7 @@
 
 use super::alignment::{labels, longest_pause, model_of, real, stream_of};
 use super::*;
-use crate::stream::alignment::{Alignment, Template};
+use crate::stream::alignment::{Alignment, Arm, Template};
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
 
 /// A model to which a hand opens where electrode 1 is stronger than electrode 7, or the other way round. On the other arm
@@ -101,7 +101,7 @@ fn run<E: Encode>(
 
 /// The sample with which the decision begins, in a stream whose alignment begins with the first sample.
 fn begins<E: Encode>(mut pipeline: Pipeline<'_, E>) -> usize {
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let samples = stream(Alignment::NONE, 2000);
     let first = (0..2000).find(|&index| {
         run(&mut pipeline, &samples, index..index + 1);
@@ -116,11 +116,32 @@ fn the_model_tells_the_arm_that_the_template_does_not_however_the_armband_is_tur
         let mirrored = Alignment::new(worn.turn(), !worn.mirrored());
         for (model, expected) in [(false, worn), (true, mirrored)] {
             let mut pipeline = sided(model);
-            pipeline.begin_alignment();
+            pipeline.begin_alignment(Arm::Unknown);
             let (_, news) = run(&mut pipeline, &stream(worn, 2000), 0..2000);
             let last = news[2];
             assert_eq!((last.state, last.gestures), (AlignmentState::Aligned, 2));
             assert_eq!((last.alignment, pipeline.alignment()), (expected, expected));
+        }
+    }
+}
+
+#[test]
+fn the_arm_that_is_told_is_not_asked_of_the_model_whatever_is_in_force() {
+    for worn in Alignment::all() {
+        for in_force in [Alignment::NONE, Alignment::new(3, true)] {
+            // The model takes the other arm's.
+            let mut pipeline = sided(true);
+            pipeline.set_alignment(in_force);
+            pipeline.begin_alignment(Arm::Known {
+                mirrored: worn.mirrored(),
+            });
+            let (_, news) = run(&mut pipeline, &stream(worn, 1500), 0..1500);
+            assert!(pipeline.arm_decision().is_none());
+            let last = news.last().unwrap();
+            assert_eq!(
+                (last.state, last.alignment),
+                (AlignmentState::Aligned, worn)
+            );
         }
     }
 }
@@ -131,7 +152,7 @@ fn the_alignment_in_force_is_what_both_placements_are_seen_from() {
     for before in Alignment::all() {
         let mut pipeline = sided(false);
         pipeline.set_alignment(before);
-        pipeline.begin_alignment();
+        pipeline.begin_alignment(Arm::Unknown);
         run(&mut pipeline, &stream(worn, 2000), 0..2000);
         assert_eq!(pipeline.alignment(), worn);
     }
@@ -160,7 +181,7 @@ fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
     for worn in [Alignment::NONE, Alignment::new(6, true)] {
         let samples = stream(worn, 2000);
         let mut pipeline = undecided();
-        pipeline.begin_alignment();
+        pipeline.begin_alignment(Arm::Unknown);
         run(&mut pipeline, &samples, 0..start + 1);
         // The window then: the encoder has just taken its first patch.
         let patches: Vec<Patch> = pipeline.ring.patches().copied().collect();
@@ -189,7 +210,7 @@ fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
 fn no_sample_is_lost_while_the_model_decides_and_labels_are_those_of_an_armband_in_place() {
     let samples = stream(Alignment::new(2, false), 3000);
     let mut pipeline = undecided();
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let (reports, news) = run(&mut pipeline, &samples, 0..3000);
     let found = pipeline.alignment();
     let done = news[2].emitted.0;
@@ -219,7 +240,7 @@ fn samples_that_are_filled_in_do_not_end_a_decision() {
     let worn = Alignment::new(4, true);
     let samples = stream(worn, 2000);
     let mut pipeline = sided(false);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     run(&mut pipeline, &samples, 0..start + 30);
     let _ = pipeline.gap(at(start as u32 + 34), 5);
     assert!(pipeline.arm_decision().is_some());
@@ -281,7 +302,7 @@ const ENDS: [(&str, Event, AlignmentState); 8] = [
     ),
     (
         "another beginning",
-        |pipeline, _| pipeline.begin_alignment(),
+        |pipeline, _| pipeline.begin_alignment(Arm::Unknown),
         AlignmentState::Waiting,
     ),
 ];
@@ -298,7 +319,7 @@ fn what_ends_a_decision_changes_nothing() {
         for later in WHEN {
             let end = start + later;
             let [mut deciding, mut plain] = [(); 2].map(|()| undecided());
-            deciding.begin_alignment();
+            deciding.begin_alignment(Arm::Unknown);
             let _ = deciding.take_alignment_report();
             run(&mut deciding, &samples, 0..end);
             run(&mut plain, &samples, 0..end);
@@ -348,7 +369,7 @@ fn an_alignment_that_is_set_stands_in_place_of_a_decision() {
         for later in WHEN {
             let end = start + later;
             let mut deciding = undecided();
-            deciding.begin_alignment();
+            deciding.begin_alignment(Arm::Unknown);
             run(&mut deciding, &samples, 0..end);
             assert!(deciding.arm_decision().is_some());
             deciding.set_alignment(given);
@@ -372,7 +393,7 @@ fn without_a_model_nobody_decides() {
     let mut pipeline = undecided();
     let samples = stream(Alignment::new(3, true), 2000);
     let _ = pipeline.suspend(Millis(0));
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let (_, news) = run(&mut pipeline, &samples, 0..2000);
     let states: Vec<_> = news.iter().map(|news| news.state).collect();
     let waiting = AlignmentState::Waiting;
@@ -386,11 +407,11 @@ fn after_an_interrupted_decision_two_more_openings_align() {
     let worn = Alignment::new(7, true);
     let samples = stream(worn, 4000);
     let mut pipeline = sided(false);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     run(&mut pipeline, &samples, 0..start + 60);
     let _ = pipeline.gap(at(start as u32 + 70), 10);
     assert_eq!(pipeline.alignment(), Alignment::NONE);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     run(&mut pipeline, &samples, start + 70..4000);
     assert_eq!(pipeline.alignment(), worn);
 }
@@ -401,7 +422,7 @@ fn a_window_that_is_not_full_is_taken_as_far_as_it_goes() {
     let worn = Alignment::new(1, true);
     let samples = stream(worn, 2000);
     let mut pipeline = sided(false);
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     run(&mut pipeline, &samples, 0..1080);
     let _ = pipeline.gap(at(1090), 10);
     let (_, news) = run(&mut pipeline, &samples, 1090..2000);

@@ -1,6 +1,7 @@
 //! Positions, line numbers and counters at the ends of their ranges.
 
 use super::*;
+use crate::stream::alignment::Arm;
 use crate::stream::safe_state::Cause;
 use crate::uart_line::alignment::AlignmentState;
 
@@ -15,7 +16,7 @@ fn pipeline_at(next: u32) -> Pipeline<'static, SumModel> {
 fn before_the_first_sample_the_newest_is_0() {
     let mut pipeline = pipeline();
     assert_eq!(pipeline.state_report().emitted, SampleIndex(0));
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let report = pipeline.take_alignment_report().unwrap();
     assert_eq!(report.state, AlignmentState::Unavailable);
     assert_eq!(report.emitted, SampleIndex(0));
@@ -34,7 +35,7 @@ fn the_sample_before_position_0_is_the_largest_one() {
     let state = pipeline.state_report();
     let newest = SampleIndex(u32::MAX);
     assert_eq!((state.instant, state.emitted), (newest, newest));
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let report = pipeline.take_alignment_report().unwrap();
     assert_eq!(report.emitted, newest);
     let silent = Status::Safe(Cause::Silence);
@@ -87,7 +88,7 @@ fn labels_across_the_wrap_are_those_of_any_other_position() {
 fn line_numbers_wrap() {
     let mut pipeline = pipeline();
     pipeline.sequence = u32::MAX;
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let last = pipeline.take_alignment_report().unwrap();
     assert_eq!(last.sequence, u32::MAX);
     assert_eq!(pipeline.state_report().sequence, 0);

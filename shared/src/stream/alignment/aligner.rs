@@ -3,6 +3,7 @@
 use super::arm_decision::{ArmDecision, SURE};
 use super::gesture::GestureDetector;
 use super::outcome::Outcome;
+use super::placement::Arm;
 use super::profile::{COUNT, Profile};
 use super::template::Template;
 use crate::units::{CHANNELS, Patch};
@@ -19,6 +20,7 @@ pub const TIMEOUT_PATCHES: u16 = 600;
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Aligner {
     detector: GestureDetector,
+    arm: Arm,
     gestures: u8,
     /// Sums over the gestures of each electrode's mean, in 1/64 counts.
     means: [u32; CHANNELS],
@@ -39,11 +41,12 @@ pub enum Progress {
 }
 
 impl Aligner {
-    /// Before the first patch.
+    /// Before the first patch; `arm` is what is known of it, seen from the alignment in which the patches are.
     #[must_use]
-    pub const fn new() -> Self {
+    pub const fn new(arm: Arm) -> Self {
         Self {
             detector: GestureDetector::new(),
+            arm,
             gestures: 0,
             means: [0; CHANNELS],
             patches: 0,
@@ -79,7 +82,11 @@ impl Aligner {
             return Progress::Gesture;
         }
         let mean = self.means.map(|sum| sum / u32::from(self.gestures));
-        let fits = template.fit(Profile::new(mean));
+        let profile = Profile::new(mean);
+        if let Arm::Known { mirrored } = self.arm {
+            return Progress::Done(Outcome::of(template.fit_on(mirrored, profile)));
+        }
+        let fits = template.fit(profile);
         let outcome = Outcome::of(fits.nearest);
         if matches!(outcome, Outcome::Aligned(_)) && fits.lead() < SURE {
             return Progress::Undecided(ArmDecision::new(fits, self.detector.active()));
@@ -88,17 +95,11 @@ impl Aligner {
     }
 }
 
-impl Default for Aligner {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::stream::alignment::template::tests::{template, template_about, template_of};
-    use crate::stream::alignment::{Alignment, Poor};
+    use crate::stream::alignment::{Alignment, Fits, Poor};
     use crate::units::PATCH;
 
     /// Means whose profile is the test template's: 20 counts x 2^(mean / 256), less 1.
@@ -106,8 +107,8 @@ mod tests {
     const REST: [u8; CHANNELS] = [2; CHANNELS];
 
     /// The last progress but `Waiting`, and the patches until it is done.
-    fn run(template: &Template, phases: &[([u8; CHANNELS], usize)]) -> (Progress, usize) {
-        let mut aligner = Aligner::new();
+    fn run(arm: Arm, template: &Template, phases: &[([u8; CHANNELS], usize)]) -> (Progress, usize) {
+        let mut aligner = Aligner::new(arm);
         let mut last = Progress::Waiting;
         let mut taken = 0;
         for &(sample, patches) in phases {
@@ -124,18 +125,27 @@ mod tests {
         (last, taken)
     }
 
-    fn two(template: &Template, open: [u8; CHANNELS]) -> Progress {
+    fn two(arm: Arm, template: &Template, open: [u8; CHANNELS]) -> Progress {
         run(
+            arm,
             template,
             &[(REST, 20), (open, 20), (REST, 20), (open, 20), (REST, 20)],
         )
         .0
     }
 
+    /// A template that is nearly the same mirrored, and means whose profile it is.
+    fn symmetrical() -> (Template, [u8; CHANNELS]) {
+        (
+            template_about([400, 200, 0, -200, -300, -200, 0, 200], 10),
+            [58, 34, 20, 12, 9, 12, 20, 34],
+        )
+    }
+
     #[test]
     fn two_openings_align_whatever_the_placement() {
         for alignment in Alignment::all() {
-            match two(&template(), alignment.inverse().apply(OPEN)) {
+            match two(Arm::Unknown, &template(), alignment.inverse().apply(OPEN)) {
                 Progress::Done(Outcome::Aligned(fit)) => assert_eq!(fit.alignment, alignment),
                 other => panic!("{alignment:?}: {other:?}"),
             }
@@ -144,21 +154,29 @@ mod tests {
 
     #[test]
     fn one_opening_is_not_enough_and_time_runs_out() {
-        let one = run(&template(), &[(REST, 20), (OPEN, 20), (REST, 100)]);
+        let one = run(
+            Arm::Unknown,
+            &template(),
+            &[(REST, 20), (OPEN, 20), (REST, 100)],
+        );
         assert_eq!(one.0, Progress::Gesture);
-        let late = run(&template(), &[(REST, 20), (OPEN, 20), (REST, 1000)]);
+        let late = run(
+            Arm::Unknown,
+            &template(),
+            &[(REST, 20), (OPEN, 20), (REST, 1000)],
+        );
         assert_eq!(late, (Progress::Done(Outcome::Timeout), 600));
     }
 
     #[test]
     fn what_looks_like_no_open_hand_is_poor() {
-        let far = two(&template(), [127, 1, 60, 1, 60, 1, 60, 1]);
+        let far = two(Arm::Unknown, &template(), [127, 1, 60, 1, 60, 1, 60, 1]);
         assert!(
             matches!(far, Progress::Done(Outcome::Poor(_, Poor::Distance))),
             "{far:?}"
         );
         // As strong all round, and a template so wide that it is near.
-        let flat = two(&template_of(1), [20; CHANNELS]);
+        let flat = two(Arm::Unknown, &template_of(1), [20; CHANNELS]);
         assert!(
             matches!(flat, Progress::Done(Outcome::Poor(_, Poor::Margin))),
             "{flat:?}"
@@ -167,11 +185,10 @@ mod tests {
 
     #[test]
     fn an_opening_that_is_nearly_symmetrical_does_not_tell_the_arm() {
-        let symmetrical = template_about([400, 200, 0, -200, -300, -200, 0, 200], 10);
-        let open = [58, 34, 20, 12, 9, 12, 20, 34];
+        let (symmetrical, open) = symmetrical();
         for alignment in Alignment::all() {
             let other = Alignment::new(alignment.turn(), !alignment.mirrored());
-            match two(&symmetrical, alignment.inverse().apply(open)) {
+            match two(Arm::Unknown, &symmetrical, alignment.inverse().apply(open)) {
                 Progress::Undecided(decision) => {
                     let fits = decision.fits();
                     let found = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
@@ -184,8 +201,38 @@ mod tests {
     }
 
     #[test]
+    fn the_arm_that_is_told_is_kept_whatever_the_template_says() {
+        for (template, open) in [symmetrical(), (template(), OPEN)] {
+            for alignment in Alignment::all() {
+                let worn = alignment.inverse().apply(open);
+                for mirrored in [false, true] {
+                    let arm = Arm::Known { mirrored };
+                    match two(arm, &template, worn) {
+                        Progress::Done(Outcome::Aligned(fit) | Outcome::Poor(fit, _)) => {
+                            let Fits { nearest, other_arm } = template
+                                .fit(Profile::new(worn.map(|value| u32::from(value) * COUNT)));
+                            let expected = [nearest, other_arm]
+                                .into_iter()
+                                .find(|fit| fit.alignment.mirrored() == mirrored);
+                            assert_eq!(Some(fit.alignment), expected.map(|fit| fit.alignment));
+                        }
+                        other => panic!("{alignment:?}: {other:?}"),
+                    }
+                }
+                let arm = Arm::Known {
+                    mirrored: alignment.mirrored(),
+                };
+                match two(arm, &template, worn) {
+                    Progress::Done(Outcome::Aligned(fit)) => assert_eq!(fit.alignment, alignment),
+                    other => panic!("{alignment:?}: {other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
     fn an_interruption_drops_the_gesture_in_progress_alone() {
-        let mut aligner = Aligner::new();
+        let mut aligner = Aligner::new(Arm::Unknown);
         let push = |aligner: &mut Aligner, sample, patches| {
             for _ in 0..patches {
                 aligner.push(&[sample; PATCH], &template());

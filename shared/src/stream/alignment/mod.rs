@@ -4,7 +4,7 @@
 //! mean activity, is compared in all 16 placements with the [`Template`] of the model, a normal density over the profiles
 //! of the people whom it was trained on. The nearest placement is the [`Alignment`]; if it is not near enough, or another
 //! one is as near, nothing is changed. Where one on the other arm is nearly as near, the model's logits decide with the
-//! template ([`ArmDecision`]). Integer arithmetic, but for these.
+//! template ([`ArmDecision`]), unless it was told on which arm the armband is ([`Arm`]). Integer arithmetic, but for these.
 //!
 //! Why an open hand, why twice, why this density, and what it gains: docs/alignment.md. Normal densities with a shrunk
 //! covariance: Friedman, *Regularized discriminant analysis*, JASA 84, 1989.
@@ -21,7 +21,7 @@ mod trigger;
 pub use aligner::{Aligner, GESTURES, Progress, TIMEOUT_PATCHES};
 pub use arm_decision::{ArmDecision, Next};
 pub use outcome::{Outcome, Poor};
-pub use placement::Alignment;
+pub use placement::{Alignment, Arm};
 pub use profile::{OCTAVE, Profile};
 pub use template::{Fit, Fits, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};
 pub use trigger::Trigger;

@@ -12,6 +12,34 @@ pub struct Alignment {
     mirrored: bool,
 }
 
+/// What an alignment is told of the arm: the placements that it chooses among.
+///
+/// An armband that is put on the other way round, its first end towards the hand, runs as on the other arm.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Arm {
+    /// Nothing: all 16.
+    #[default]
+    Unknown,
+    /// Which way round the electrodes run ([`Alignment::mirrored`]): the 8 that do.
+    Known {
+        /// Whether they run the other way round than in training.
+        mirrored: bool,
+    },
+}
+
+impl Arm {
+    /// As it is seen from this alignment.
+    #[must_use]
+    pub const fn seen_from(self, alignment: Alignment) -> Self {
+        match self {
+            Self::Unknown => Self::Unknown,
+            Self::Known { mirrored } => Self::Known {
+                mirrored: mirrored != alignment.mirrored,
+            },
+        }
+    }
+}
+
 impl Alignment {
     /// The armband sits as in training.
     pub const NONE: Self = Self {

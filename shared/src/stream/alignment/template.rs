@@ -167,9 +167,10 @@ impl Template {
         Fits { nearest, other_arm }
     }
 
-    /// The best of the 8 placements on an arm. Not inlined: once for each arm, it takes twice the flash.
+    /// The best of the 8 placements on an arm; of two equal ones the lower turn. Not inlined: once for each arm, it takes
+    /// twice the flash.
     #[inline(never)]
-    fn fit_on(&self, mirrored: bool, profile: Profile) -> Fit {
+    pub(super) fn fit_on(&self, mirrored: bool, profile: Profile) -> Fit {
         let place = |turn: usize| Alignment::new(turn as u8, mirrored);
         let mut distances = [0; CHANNELS];
         let mut best = 0;

@@ -2,7 +2,7 @@
 
 use super::{Answer, Binding, Counts, Identity, Refusal};
 use crate::myo::{Address, Counters, FirmwareVersion, Following};
-use crate::stream::alignment::Alignment;
+use crate::stream::alignment::{Alignment, Arm};
 use crate::uart_line::alignment::placement;
 use crate::uart_line::command::AlignCommand;
 use crate::uart_line::gate::gate;
@@ -45,7 +45,7 @@ impl<'a> Answer<'a> {
                 }
                 let [_, _, name] = fields(body)?;
                 let known = [
-                    AlignCommand::Begin,
+                    AlignCommand::Begin(Arm::Unknown),
                     AlignCommand::Cancel,
                     AlignCommand::Set(Alignment::NONE),
                 ];
@@ -405,7 +405,7 @@ mod tests {
             gate,
             prop::sample::select(&Refusal::ALL[..]).prop_map(Answer::Refused),
             any::<u8>().prop_map(|sum| Answer::Refused(Refusal::Checksum(sum))),
-            Just(Answer::Align(AlignCommand::Begin)),
+            Just(Answer::Align(AlignCommand::Begin(Arm::Unknown))),
             Just(Answer::Align(AlignCommand::Cancel)),
             Just(Answer::Align(AlignCommand::Set(Alignment::NONE))),
             (0_u8..8, any::<bool>())

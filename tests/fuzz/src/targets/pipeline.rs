@@ -3,7 +3,7 @@
 use shared::intent::{Intent, MAX_CLASSES, MAX_LOGITS};
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::{Pipeline, Reports};
-use shared::stream::alignment::{Alignment, Template};
+use shared::stream::alignment::{Alignment, Arm, Template};
 use shared::stream::preprocess::{Median, Preprocessing};
 use shared::stream::safe_state::{SILENCE_MS, Start};
 use shared::stream::smoother::Settings;
@@ -149,7 +149,12 @@ impl Device<'_> {
                 self.check(reports, false);
                 assert!(!self.pipeline.status().valid());
             }
-            13 => self.pipeline.begin_alignment(),
+            13 => self.pipeline.begin_alignment(match kind >> 4 {
+                0..8 => Arm::Unknown,
+                told => Arm::Known {
+                    mirrored: told % 2 == 1,
+                },
+            }),
             14 => self.pipeline.cancel_alignment(),
             _ => self
                 .pipeline

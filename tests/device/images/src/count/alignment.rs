@@ -6,7 +6,7 @@ use core::hint::black_box;
 use shared::model::Encode;
 use shared::model::file::Model;
 use shared::pipeline::{AlignmentPhase, Pipeline};
-use shared::stream::alignment::{Alignment, PRECISION_ONE, Profile, Template};
+use shared::stream::alignment::{Alignment, Arm, PRECISION_ONE, Profile, Template};
 use shared::stream::safe_state::Start;
 use shared::units::{CHANNELS, Millis, PATCH, SAMPLE_PERIOD_MS, Sample};
 
@@ -113,7 +113,7 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
     let mut now = Millis(0);
     for (index, sample) in samples(GESTURE).enumerate() {
         if index == BEGINS {
-            pipeline.begin_alignment();
+            pipeline.begin_alignment(Arm::Unknown);
         }
         let before = pipeline.alignment_phase();
         now = now.plus(SAMPLE_PERIOD_MS);
@@ -162,7 +162,7 @@ fn arm<E: Encode + Copy>(encoder: E, model: &Model<'_>, clock: &Clock) -> Spans 
         Pipeline::new(encoder, &mut memory, settings, Start::Boot).expect("good settings");
     pipeline.preprocess(model.header.preprocessing);
     pipeline.set_template(Some(about([400, 200, 0, -200, -300, -200, 0, 200])));
-    pipeline.begin_alignment();
+    pipeline.begin_alignment(Arm::Unknown);
     let mut newest = [0; DECISION];
     let mut now = Millis(0);
     for (index, sample) in samples(SYMMETRICAL).enumerate() {
