@@ -42,7 +42,7 @@ pub const ALIGN_ON_CONNECTION: bool = match option_env!("MYOINTENT_ALIGN") {
 /// run the other way round than in training, on the other arm. A command may tell otherwise.
 ///
 /// Without it that is found too. For one person in eight an open hand does not tell the arms apart (docs/alignment.md): tell
-/// it where it does not change.
+/// it where it is known.
 pub const ARM: Arm = match option_env!("MYOINTENT_MIRRORED") {
     None => Arm::Unknown,
     Some(text) => match text.as_bytes() {

@@ -54,6 +54,34 @@ impl Fits {
     }
 }
 
+/// A [`Fit`] before its numbers are rounded. Placements are compared by these: of two that are equal only when rounded, it
+/// would depend on how the armband sits which one is taken.
+#[derive(Clone, Copy)]
+struct Best {
+    alignment: Alignment,
+    /// As [`Template::distance`].
+    distance: i64,
+    /// That of the best placement more than one place away.
+    elsewhere: i64,
+}
+
+impl Best {
+    fn fit(self) -> Fit {
+        let distance = hundredths(self.distance);
+        Fit {
+            alignment: self.alignment,
+            distance,
+            margin: hundredths(self.elsewhere) - distance,
+        }
+    }
+}
+
+/// Half a distance ([`Template::distance`]) in hundredths of a nat.
+fn hundredths(distance: i64) -> u32 {
+    let unit = 2 * i64::from(OCTAVE) * i64::from(OCTAVE) * i64::from(PRECISION_ONE);
+    u32::try_from(distance * 100 / unit).unwrap_or(u32::MAX)
+}
+
 /// Why numbers are no template.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
 pub enum TemplateError {
@@ -129,7 +157,8 @@ impl Template {
         bytes
     }
 
-    /// Half the squared Mahalanobis distance of a profile, in hundredths of a nat, at least 0.
+    /// Squared Mahalanobis distance of a profile, at least 0: in the units of deviations and precision, of which [`hundredths`]
+    /// makes nats.
     ///
     /// Cost: 36 products of 32 bits with a sum of 64.
     fn distance(&self, profile: [i16; CHANNELS]) -> i64 {
@@ -150,33 +179,39 @@ impl Template {
                 column = row;
             }
         }
-        let unit = 2 * i64::from(OCTAVE) * i64::from(OCTAVE) * i64::from(PRECISION_ONE);
-        (sum.max(0) * 100) / unit
+        sum.max(0)
     }
 
     /// The best of the 16 placements of a profile, and the best on the other arm. Of two equal ones the lower turn,
     /// unmirrored before mirrored.
     #[must_use]
     pub fn fit(&self, profile: Profile) -> Fits {
-        let [as_in_training, mirrored] = [false, true].map(|arm| self.fit_on(arm, profile));
+        let [as_in_training, mirrored] = [false, true].map(|arm| self.best_on(arm, profile));
         let (nearest, other_arm) = if mirrored.distance < as_in_training.distance {
             (mirrored, as_in_training)
         } else {
             (as_in_training, mirrored)
         };
-        Fits { nearest, other_arm }
+        Fits {
+            nearest: nearest.fit(),
+            other_arm: other_arm.fit(),
+        }
     }
 
-    /// The best of the 8 placements on an arm; of two equal ones the lower turn. Not inlined: once for each arm, it takes
-    /// twice the flash.
-    #[inline(never)]
+    /// The best of the 8 placements on an arm; of two equal ones the lower turn.
+    #[must_use]
     pub(super) fn fit_on(&self, mirrored: bool, profile: Profile) -> Fit {
+        self.best_on(mirrored, profile).fit()
+    }
+
+    /// Not inlined: once for each arm, it takes twice the flash.
+    #[inline(never)]
+    fn best_on(&self, mirrored: bool, profile: Profile) -> Best {
         let place = |turn: usize| Alignment::new(turn as u8, mirrored);
         let mut distances = [0; CHANNELS];
         let mut best = 0;
         for turn in 0..CHANNELS {
-            let distance = self.distance(place(turn).apply(profile.0));
-            distances[turn] = u32::try_from(distance).unwrap_or(u32::MAX);
+            distances[turn] = self.distance(place(turn).apply(profile.0));
             if distances[turn] < distances[best] {
                 best = turn;
             }
@@ -184,11 +219,11 @@ impl Template {
         let is_elsewhere = |turn: usize| place(turn).places_from(place(best)) > Some(1);
         let elsewhere = (0..CHANNELS).filter(|&turn| is_elsewhere(turn));
         let elsewhere = elsewhere.map(|turn| distances[turn]).min();
-        let nearest = distances[best];
-        Fit {
+        let distance = distances[best];
+        Best {
             alignment: place(best),
-            distance: nearest,
-            margin: elsewhere.unwrap_or(nearest) - nearest,
+            distance,
+            elsewhere: elsewhere.unwrap_or(distance),
         }
     }
 
@@ -244,7 +279,8 @@ pub(crate) mod tests {
             let profile = worn(alignment);
             let fits = template().fit(profile);
             let others = Alignment::all().filter(|other| other.mirrored() != alignment.mirrored());
-            let distance = |other: Alignment| template().distance(other.apply(profile.0)) as u32;
+            let distance =
+                |other: Alignment| hundredths(template().distance(other.apply(profile.0)));
             let nearest = others.min_by_key(|&other| distance(other)).unwrap();
             assert_eq!(fits.other_arm.alignment, nearest);
             assert_eq!(fits.other_arm.distance, distance(nearest));
@@ -254,18 +290,42 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn between_two_places_the_answer_to_an_armband_turned_is_the_same_turned() {
+        let template = template_of(1);
+        let [here, beside] = [0, 1].map(|turn| worn(Alignment::new(turn, false)).0);
+        let middle: [i16; CHANNELS] =
+            core::array::from_fn(|electrode| i16::midpoint(here[electrode], beside[electrode]));
+        for electrode in 0..CHANNELS {
+            // Nearer to the one than to the other, by less than the hundredth of a nat that is told.
+            let mut between = middle;
+            between[electrode] += 1;
+            let distance = |turn| template.distance(Alignment::new(turn, false).apply(between));
+            assert_ne!(distance(0), distance(1));
+            let straight = template.fit(Profile(between)).nearest;
+            for placed in Alignment::all() {
+                let turned = template.fit(Profile(placed.inverse().apply(between)));
+                let expected = Fit {
+                    alignment: placed.then(straight.alignment),
+                    ..straight
+                };
+                assert_eq!(turned.nearest, expected, "{electrode} {placed:?}");
+            }
+        }
+    }
+
+    #[test]
     fn the_distance_is_half_the_squared_mahalanobis_distance() {
         // One octave off in one electrode, at 10 nats per square octave.
         let mut profile = template().mean;
         profile[3] += OCTAVE;
-        assert_eq!(template().distance(profile), 500);
+        assert_eq!(hundredths(template().distance(profile)), 500);
         // Off the diagonal: rows 0 and 1, both halves of the matrix.
         let mut other = template();
         other.precision[1] = 4 * PRECISION_ONE;
         profile = other.mean;
         profile[0] += OCTAVE;
         profile[1] += OCTAVE;
-        assert_eq!(other.distance(profile), 500 + 500 + 400);
+        assert_eq!(hundredths(other.distance(profile)), 500 + 500 + 400);
     }
 
     #[test]
