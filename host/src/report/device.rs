@@ -20,9 +20,9 @@ const STATE: usize = 17_960;
 ///
 /// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed count.
 const COUNTED: [(usize, usize, usize, usize, bool, u32); 3] = [
-    (64, 2, 27, 3, true, 123_968),
-    (64, 2, 27, 5, false, 125_103),
-    (64, 2, 27, 6, false, 125_311),
+    (64, 2, 27, 3, true, 124_342),
+    (64, 2, 27, 5, false, 125_072),
+    (64, 2, 27, 6, false, 125_280),
 ];
 
 /// The cost of one model.
