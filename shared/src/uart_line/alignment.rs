@@ -33,7 +33,7 @@
 use core::fmt;
 
 use super::{ParseError, fields, framed, number, write_framed};
-use crate::stream::alignment::{Alignment, Fit};
+use crate::stream::alignment::{Alignment, Fit, NAT};
 use crate::units::SampleIndex;
 
 /// State of an alignment.
@@ -108,10 +108,10 @@ pub struct AlignmentReport {
 }
 
 impl AlignmentReport {
-    /// Distance and margin of a fit.
+    /// Distance and margin of a fit, in hundredths of a nat.
     #[must_use]
     pub(crate) const fn quality_of(fit: Fit) -> (u32, u32) {
-        (fit.distance, fit.margin)
+        (hundredths(fit.distance), hundredths(fit.margin))
     }
 
     /// Reads one line, CR LF included.
@@ -177,6 +177,11 @@ impl fmt::Display for AlignmentReport {
             None => write_framed(formatter, format_args!("{head},-,-")),
         }
     }
+}
+
+/// Of a nat.
+const fn hundredths(distance: u32) -> u32 {
+    (distance as u64 * 100 / NAT as u64) as u32
 }
 
 /// Reads `turn,mirrored`.

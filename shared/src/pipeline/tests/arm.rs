@@ -2,7 +2,7 @@
 
 use super::alignment::{labels, longest_pause, model_of, real, stream_of};
 use super::*;
-use crate::stream::alignment::{Alignment, Arm, Template};
+use crate::stream::alignment::{Alignment, Arm, NAT, Template};
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
 
 /// A model to which a hand opens where electrode 1 is stronger than electrode 7, or the other way round. On the other arm
@@ -199,7 +199,7 @@ fn a_real_encoders_decision_is_that_of_its_logits_over_the_window() {
         let places = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
         let (encoder, ..) = model_of(3);
         let [nearest, other] = places.map(|placed| naive(&encoder, patches, placed, &openings));
-        let (nats, lead) = (1.5 * (other - nearest), fits.lead() as f32 / 100.0);
+        let (nats, lead) = (1.5 * (other - nearest), fits.lead() as f32 / NAT as f32);
         assert!((nats - lead).abs() > 0.01, "a choice that is no choice");
         run(&mut pipeline, &samples, start + 1..2000);
         assert_eq!(pipeline.alignment(), places[usize::from(nats > lead)]);

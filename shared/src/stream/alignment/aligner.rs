@@ -99,7 +99,7 @@ impl Aligner {
 mod tests {
     use super::*;
     use crate::stream::alignment::template::tests::{template, template_about, template_of};
-    use crate::stream::alignment::{Alignment, Fits, Poor};
+    use crate::stream::alignment::{Alignment, Fits, NAT, Poor};
     use crate::units::PATCH;
 
     /// Means whose profile is the test template's: 20 counts x 2^(mean / 256), less 1.
@@ -193,7 +193,7 @@ mod tests {
                     let fits = decision.fits();
                     let found = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);
                     assert!(found == [alignment, other] || found == [other, alignment]);
-                    assert!(fits.lead() < 10, "{fits:?}");
+                    assert!(fits.lead() < NAT / 10, "{fits:?}");
                 }
                 other => panic!("{alignment:?}: {other:?}"),
             }

@@ -11,15 +11,15 @@
 
 use super::outcome::Outcome;
 use super::placement::Alignment;
-use super::template::Fits;
+use super::template::{Fits, NAT};
 use crate::intent::{Intent, MAX_LOGITS};
 use crate::units::{LOOK_BACK, PATCH, WINDOW_PATCHES};
 
-/// Lead of a placement over those on the other arm that the model may overrule: 4 nats, in hundredths.
-pub(super) const SURE: u32 = 400;
+/// Lead of a placement over those on the other arm that the model may overrule.
+pub(super) const SURE: u32 = 4 * NAT;
 
-/// Nats, in hundredths, that a difference of one logit in the mean is worth.
-const WEIGHT: f32 = 150.0;
+/// What a difference of one logit in the mean is worth: 1.5 nats.
+const WEIGHT: f32 = 1.5 * NAT as f32;
 
 /// Most patches that the encoder takes in each placement: those that are still in the window when it takes the last
 /// placement's first one.
@@ -167,14 +167,14 @@ mod tests {
 
     const NEAREST: Fit = Fit {
         alignment: Alignment::new(3, false),
-        distance: 200,
-        margin: 500,
+        distance: 2 * NAT,
+        margin: 5 * NAT,
     };
     /// 1 nat further.
     const OTHER_ARM: Fit = Fit {
         alignment: Alignment::new(5, true),
-        distance: 300,
-        margin: 500,
+        distance: 3 * NAT,
+        margin: 5 * NAT,
     };
     const FITS: Fits = Fits {
         nearest: NEAREST,
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn a_placement_that_is_poor_is_not_accepted_because_the_model_likes_it() {
         let other_arm = Fit {
-            margin: 99,
+            margin: NAT - 1,
             ..OTHER_ARM
         };
         let fits = Fits { other_arm, ..FITS };

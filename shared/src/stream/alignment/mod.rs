@@ -23,5 +23,5 @@ pub use arm_decision::{ArmDecision, Next};
 pub use outcome::{Outcome, Poor};
 pub use placement::{Alignment, Arm};
 pub use profile::{OCTAVE, Profile};
-pub use template::{Fit, Fits, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};
+pub use template::{Fit, Fits, NAT, PRECISION_ONE, TEMPLATE_BYTES, Template, TemplateError};
 pub use trigger::Trigger;

@@ -1,11 +1,11 @@
 //! How an alignment ends.
 
-use super::template::Fit;
+use super::template::{Fit, NAT};
 
-/// Largest distance of a placement that is accepted: 8 nats, in hundredths.
-const FURTHEST: u32 = 800;
-/// Least margin of a placement that is accepted: 1 nat, in hundredths.
-const LEAST_MARGIN: u32 = 100;
+/// Largest distance of a placement that is accepted.
+const FURTHEST: u32 = 8 * NAT;
+/// Least margin of a placement that is accepted.
+const LEAST_MARGIN: u32 = NAT;
 
 /// How an alignment ends.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -16,6 +16,15 @@ pub const PRECISION_ONE: i16 = 64;
 /// Largest magnitude of a mean: 8 octaves, more than any profile has.
 const LARGEST_MEAN: i16 = 8 * OCTAVE;
 
+/// A nat in the unit of distances.
+///
+/// Far finer than what is told of them, hundredths: of two placements that are equal in this unit, it would depend on how the
+/// armband sits which one is taken.
+pub const NAT: u32 = 1 << 16;
+
+/// Of the sum that is half a squared distance: deviations in 1/256 octaves, squared, times 1/64 nats, twice.
+const SUM_UNIT: i64 = 2 * OCTAVE as i64 * OCTAVE as i64 * PRECISION_ONE as i64 / NAT as i64;
+
 /// Mean and precision (inverse covariance) of the profiles of an open hand, placed as in training.
 ///
 /// The mean is in 1/256 octaves, the precision in 1/64 nats per square octave.
@@ -31,9 +40,9 @@ pub struct Template {
 pub struct Fit {
     /// The placement.
     pub alignment: Alignment,
-    /// How far the profile is from the template's mean, in hundredths of a nat: half the squared Mahalanobis distance.
+    /// How far the profile is from the template's mean, half the squared Mahalanobis distance, in the unit of [`NAT`].
     pub distance: u32,
-    /// How much further the best placement of the same arm is that lies more than one place away, in hundredths of a nat.
+    /// How much further the best placement of the same arm is that lies more than one place away, likewise.
     pub margin: u32,
 }
 
@@ -47,39 +56,11 @@ pub struct Fits {
 }
 
 impl Fits {
-    /// How much further the best placement on the other arm is, in hundredths of a nat.
+    /// How much further the best placement on the other arm is, in the unit of [`NAT`].
     #[must_use]
     pub const fn lead(&self) -> u32 {
         self.other_arm.distance - self.nearest.distance
     }
-}
-
-/// A [`Fit`] before its numbers are rounded. Placements are compared by these: of two that are equal only when rounded, it
-/// would depend on how the armband sits which one is taken.
-#[derive(Clone, Copy)]
-struct Best {
-    alignment: Alignment,
-    /// As [`Template::distance`].
-    distance: i64,
-    /// That of the best placement more than one place away.
-    elsewhere: i64,
-}
-
-impl Best {
-    fn fit(self) -> Fit {
-        let distance = hundredths(self.distance);
-        Fit {
-            alignment: self.alignment,
-            distance,
-            margin: hundredths(self.elsewhere) - distance,
-        }
-    }
-}
-
-/// Half a distance ([`Template::distance`]) in hundredths of a nat.
-fn hundredths(distance: i64) -> u32 {
-    let unit = 2 * i64::from(OCTAVE) * i64::from(OCTAVE) * i64::from(PRECISION_ONE);
-    u32::try_from(distance * 100 / unit).unwrap_or(u32::MAX)
 }
 
 /// Why numbers are no template.
@@ -157,11 +138,10 @@ impl Template {
         bytes
     }
 
-    /// Squared Mahalanobis distance of a profile, at least 0: in the units of deviations and precision, of which [`hundredths`]
-    /// makes nats.
+    /// Half the squared Mahalanobis distance of a profile, at least 0, in the unit of [`NAT`].
     ///
     /// Cost: 36 products of 32 bits with a sum of 64.
-    fn distance(&self, profile: [i16; CHANNELS]) -> i64 {
+    fn distance(&self, profile: [i16; CHANNELS]) -> u32 {
         // At most 1794 + 2048, below 2^12.
         let deviation: [i32; CHANNELS] =
             core::array::from_fn(|at| i32::from(profile[at]) - i32::from(self.mean[at]));
@@ -179,34 +159,26 @@ impl Template {
                 column = row;
             }
         }
-        sum.max(0)
+        u32::try_from(sum.max(0) / SUM_UNIT).unwrap_or(u32::MAX)
     }
 
     /// The best of the 16 placements of a profile, and the best on the other arm. Of two equal ones the lower turn,
     /// unmirrored before mirrored.
     #[must_use]
     pub fn fit(&self, profile: Profile) -> Fits {
-        let [as_in_training, mirrored] = [false, true].map(|arm| self.best_on(arm, profile));
+        let [as_in_training, mirrored] = [false, true].map(|arm| self.fit_on(arm, profile));
         let (nearest, other_arm) = if mirrored.distance < as_in_training.distance {
             (mirrored, as_in_training)
         } else {
             (as_in_training, mirrored)
         };
-        Fits {
-            nearest: nearest.fit(),
-            other_arm: other_arm.fit(),
-        }
+        Fits { nearest, other_arm }
     }
 
-    /// The best of the 8 placements on an arm; of two equal ones the lower turn.
-    #[must_use]
-    pub(super) fn fit_on(&self, mirrored: bool, profile: Profile) -> Fit {
-        self.best_on(mirrored, profile).fit()
-    }
-
-    /// Not inlined: once for each arm, it takes twice the flash.
+    /// The best of the 8 placements on an arm; of two equal ones the lower turn. Not inlined: once for each arm, it takes
+    /// twice the flash.
     #[inline(never)]
-    fn best_on(&self, mirrored: bool, profile: Profile) -> Best {
+    pub(super) fn fit_on(&self, mirrored: bool, profile: Profile) -> Fit {
         let place = |turn: usize| Alignment::new(turn as u8, mirrored);
         let mut distances = [0; CHANNELS];
         let mut best = 0;
@@ -219,11 +191,11 @@ impl Template {
         let is_elsewhere = |turn: usize| place(turn).places_from(place(best)) > Some(1);
         let elsewhere = (0..CHANNELS).filter(|&turn| is_elsewhere(turn));
         let elsewhere = elsewhere.map(|turn| distances[turn]).min();
-        let distance = distances[best];
-        Best {
+        let nearest = distances[best];
+        Fit {
             alignment: place(best),
-            distance,
-            elsewhere: elsewhere.unwrap_or(distance),
+            distance: nearest,
+            margin: elsewhere.unwrap_or(nearest) - nearest,
         }
     }
 
@@ -269,7 +241,7 @@ pub(crate) mod tests {
             let fits = template().fit(worn(alignment));
             let fit = fits.nearest;
             assert_eq!((fit.alignment, fit.distance), (alignment, 0));
-            assert!(fit.margin > 500, "{fit:?}");
+            assert!(fit.margin > 5 * NAT, "{fit:?}");
         }
     }
 
@@ -279,13 +251,12 @@ pub(crate) mod tests {
             let profile = worn(alignment);
             let fits = template().fit(profile);
             let others = Alignment::all().filter(|other| other.mirrored() != alignment.mirrored());
-            let distance =
-                |other: Alignment| hundredths(template().distance(other.apply(profile.0)));
+            let distance = |other: Alignment| template().distance(other.apply(profile.0));
             let nearest = others.min_by_key(|&other| distance(other)).unwrap();
             assert_eq!(fits.other_arm.alignment, nearest);
             assert_eq!(fits.other_arm.distance, distance(nearest));
             assert_eq!(fits.lead(), distance(nearest) - fits.nearest.distance);
-            assert!(fits.lead() > 400, "{fits:?}");
+            assert!(fits.lead() > 4 * NAT, "{fits:?}");
         }
     }
 
@@ -296,11 +267,11 @@ pub(crate) mod tests {
         let middle: [i16; CHANNELS] =
             core::array::from_fn(|electrode| i16::midpoint(here[electrode], beside[electrode]));
         for electrode in 0..CHANNELS {
-            // Nearer to the one than to the other, by less than the hundredth of a nat that is told.
+            // Nearer to the one than to the other, by a thousandth of a nat or a hundredth.
             let mut between = middle;
             between[electrode] += 1;
             let distance = |turn| template.distance(Alignment::new(turn, false).apply(between));
-            assert_ne!(distance(0), distance(1));
+            assert!((1..NAT / 50).contains(&distance(0).abs_diff(distance(1))));
             let straight = template.fit(Profile(between)).nearest;
             for placed in Alignment::all() {
                 let turned = template.fit(Profile(placed.inverse().apply(between)));
@@ -318,14 +289,14 @@ pub(crate) mod tests {
         // One octave off in one electrode, at 10 nats per square octave.
         let mut profile = template().mean;
         profile[3] += OCTAVE;
-        assert_eq!(hundredths(template().distance(profile)), 500);
+        assert_eq!(template().distance(profile), 5 * NAT);
         // Off the diagonal: rows 0 and 1, both halves of the matrix.
         let mut other = template();
         other.precision[1] = 4 * PRECISION_ONE;
         profile = other.mean;
         profile[0] += OCTAVE;
         profile[1] += OCTAVE;
-        assert_eq!(hundredths(other.distance(profile)), 500 + 500 + 400);
+        assert_eq!(other.distance(profile), (5 + 5 + 4) * NAT);
     }
 
     #[test]
@@ -342,7 +313,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_flat_pattern_has_no_margin() {
-        assert!(template().fit(Profile([0; CHANNELS])).nearest.margin < 10);
+        assert!(template().fit(Profile([0; CHANNELS])).nearest.margin < NAT / 10);
     }
 
     #[test]
