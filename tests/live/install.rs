@@ -305,6 +305,45 @@ fn a_process_that_is_killed_at_random_moments_is_started_again_and_completes_the
 }
 
 #[test]
+fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let mut terminal = Terminal::new(&link);
+    // It restarts before the first block and is so slow that the block has come twice.
+    let board = std::thread::spawn(move || {
+        let mut reader = CommandReader::new();
+        let mut blocks = 0;
+        while blocks < 2 {
+            let mut buffer = [0; 256];
+            let length = terminal.master.read(&mut buffer).unwrap_or(0);
+            for &byte in &buffer[..length] {
+                let answers = match reader.push(byte) {
+                    None => continue,
+                    Some(Ok(Command::Install(_))) => vec![Answer::Install(Progress::Next(0))],
+                    Some(Ok(Command::Block(..))) if blocks == 0 => {
+                        blocks += 1;
+                        vec![Answer::Refused(Refusal::NotBegun); 2]
+                    }
+                    Some(_) => {
+                        blocks += 1;
+                        vec![Answer::Install(Progress::Installed)]
+                    }
+                };
+                for answer in answers {
+                    let answer = answer.to_string();
+                    terminal.master.write_all(answer.as_bytes()).unwrap();
+                }
+            }
+        }
+        terminal
+    });
+    let new = five_class();
+    let installed = install(&link, ModelFile::new(&new).unwrap(), || false, |_| ());
+    assert!(installed.is_ok(), "{installed:?}");
+    board.join().unwrap();
+}
+
+#[test]
 fn a_file_that_no_board_can_run_is_refused_before_anything_is_sent() {
     let new = five_class();
     let mut damaged = new.clone();
