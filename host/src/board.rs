@@ -115,7 +115,10 @@ impl Board {
             self.port
                 .write_all(command.to_string().as_bytes())
                 .map_err(|source| self.lost(source))?;
+            let is_block = matches!(command, Command::Block(..));
             let answer = self.wait(ANSWER, |line| match line {
+                // Of blocks alone: one that was sent twice, to a board that had restarted.
+                Line::Answer(Answer::Refused(Refusal::NotBegun)) if !is_block => None,
                 Line::Answer(Answer::Refused(refusal)) => Some(Err(*refusal)),
                 Line::Answer(answer) => read(answer).map(Ok),
                 _ => None,
