@@ -308,7 +308,7 @@ fn a_process_that_is_killed_at_random_moments_is_started_again_and_completes_the
 fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
-    let mut terminal = Terminal::new(&link);
+    let terminal = Terminal::new(&link);
     // It restarts before the first block and is so slow that the block has come twice.
     let board = std::thread::spawn(move || {
         let mut reader = CommandReader::new();
