@@ -236,13 +236,24 @@ fn from_a_turned_armband_to_ones_own_model_on_the_board() -> anyhow::Result<()> 
     // Align it.
     reach(&mut browser, &step("align", "now"), |_| {});
     let aligned = Part::begin();
-    browser.press("a");
     let placed = "document.getElementById('placement').textContent";
     let waiting = "document.getElementById('align').getAttribute('aria-pressed') === 'true'";
-    reach(&mut browser, waiting, |_| {});
     let ended = "document.getElementById('align').getAttribute('aria-pressed') === 'false'";
-    reach(&mut browser, ended, |_| wearer.open());
-    let text = browser.value(placed);
+    let mut attempts = 0;
+    let text = loop {
+        attempts += 1;
+        browser.press("a");
+        reach(&mut browser, waiting, |_| {});
+        reach(&mut browser, ended, |_| wearer.open());
+        let text = browser.value(placed);
+        // A busy machine may lose samples while the model decides on the arm; a wearer presses again.
+        let is_undecided = text
+            .as_str()
+            .is_some_and(|text| text.contains("two placements look alike"));
+        if attempts == 3 || !is_undecided {
+            break text;
+        }
+    };
     assert!(
         text.as_str()
             .is_some_and(|text| text.starts_with("turned by 3 places; aligned")),
