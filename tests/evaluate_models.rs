@@ -276,8 +276,8 @@ fn an_alignment_that_is_told_the_arm_takes_no_placement_on_the_other_one() {
     let wrong = |mirrored, arm_told| {
         let selection = Selection {
             worn: Worn {
-                turn: Turn::By(0),
                 mirrored,
+                ..Worn::default()
             },
             align: true,
             arm_told,

@@ -110,12 +110,12 @@ impl Board {
         command: Command,
         mut read: impl FnMut(&Answer<'_>) -> Option<T>,
     ) -> Result<T, BoardError> {
+        let is_block = matches!(command, Command::Block(..));
         let mut refused = None;
         for _ in 0..ATTEMPTS {
             self.port
                 .write_all(command.to_string().as_bytes())
                 .map_err(|source| self.lost(source))?;
-            let is_block = matches!(command, Command::Block(..));
             let answer = self.wait(ANSWER, |line| match line {
                 // Of blocks alone: one that was sent twice, to a board that had restarted.
                 Line::Answer(Answer::Refused(Refusal::NotBegun)) if !is_block => None,

@@ -260,6 +260,16 @@ fn number(text: &str, field: &'static str) -> Result<u32, ParseError> {
         .ok_or(ParseError::Field { field })
 }
 
+/// Reads a flag: 0 or 1.
+#[must_use]
+pub fn flag(text: &str) -> Option<bool> {
+    match text {
+        "0" => Some(false),
+        "1" => Some(true),
+        _ => None,
+    }
+}
+
 fn status(label: &str, valid: &str, cause: &str) -> Result<Status, ParseError> {
     let wrong = |field| ParseError::Field { field };
     let label = Intent::from_name(label).ok_or(wrong("label"))?;

@@ -20,7 +20,7 @@ pub enum Input<'s> {
     Disconnected,
     /// Nothing arrives for so long.
     Silence(Millis),
-    /// The button is pressed.
+    /// The button is pressed, or a command begins an alignment that is told this of the arm.
     Align(Arm),
     /// A command ends an alignment in progress.
     CancelAlignment,

@@ -23,6 +23,9 @@ const PACE: f64 = 1.5;
 /// Mean of an open hand that is the same on both arms, in 1/256 octaves.
 const SYMMETRICAL: [i16; CHANNELS] = [400, 200, 0, -200, -300, -200, 0, 200];
 
+/// Amplitudes of an opening that is nearly so.
+const NEARLY_SYMMETRICAL: [i32; CHANNELS] = [118, 68, 40, 23, 17, 23, 40, 68];
+
 /// A model whose template is a ramp round the arm, or about another mean, 2 nats per square octave in every direction.
 fn model(mean: Option<[i16; CHANNELS]>) -> Vec<u8> {
     let dimensions = Dimensions {
@@ -96,7 +99,11 @@ fn align(
         Arm::Known { .. } => {
             let begin = Command::Align(AlignCommand::Begin(arm));
             // The pin says that the armband is followed a moment before the inference has its first packet.
-            while run.ask(&begin.to_string())? == "ERR,no-stream" {}
+            let mut answer = run.ask(&begin.to_string())?;
+            while answer == "ERR,no-stream" {
+                answer = run.ask(&begin.to_string())?;
+            }
+            assert_eq!(answer, "OK,ALIGN,begin");
         }
     }
     run.wait_for("an alignment to begin", |run| {
@@ -217,8 +224,7 @@ fn an_opening_that_does_not_tell_the_arm_is_decided_by_the_model_and_the_lines_e
     let Some(bench) = bench(test) else {
         return Ok(());
     };
-    let open = [118, 68, 40, 23, 17, 23, 40, 68];
-    let samples = worn(&two_openings(open), Alignment::new(3, false));
+    let samples = worn(&two_openings(NEARLY_SYMMETRICAL), Alignment::new(3, false));
     let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, Arm::Unknown)?;
     // The second gesture ends at 1400 and is over 20 samples later; then the encoder takes a patch with each of 106 samples.
     let decided = news[2].emitted.0;
@@ -235,8 +241,7 @@ fn the_arm_that_a_command_tells_is_not_left_to_the_model_and_the_lines_equal_the
         return Ok(());
     };
     let placement = Alignment::new(3, true);
-    let open = [118, 68, 40, 23, 17, 23, 40, 68];
-    let samples = worn(&two_openings(open), placement);
+    let samples = worn(&two_openings(NEARLY_SYMMETRICAL), placement);
     let arm = Arm::Known { mirrored: true };
     let news = lines_and_led(&bench, &model(Some(SYMMETRICAL)), &samples, arm)?;
     assert_eq!(news[2].alignment, placement);

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::Args;
 use shared::stream::alignment::Arm;
+use shared::uart_line::flag;
 
 pub use backend::{Backend, BackendArguments, BackendError};
 
@@ -20,11 +21,8 @@ use crate::run::preset::Preset;
 
 /// What an alignment is told of the arm.
 pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
-    match text {
-        "0" => Ok(Arm::Known { mirrored: false }),
-        "1" => Ok(Arm::Known { mirrored: true }),
-        _ => Err("0 or 1".to_owned()),
-    }
+    let mirrored = flag(text).ok_or("0 or 1")?;
+    Ok(Arm::Known { mirrored })
 }
 
 /// Which recordings to read.

@@ -32,7 +32,7 @@
 
 use core::fmt;
 
-use super::{ParseError, fields, framed, number, write_framed};
+use super::{ParseError, fields, flag, framed, number, write_framed};
 use crate::stream::alignment::{Alignment, Fit, NAT};
 use crate::units::SampleIndex;
 
@@ -149,7 +149,7 @@ impl AlignmentReport {
             gestures: gestures.map_err(|_| wrong("gestures"))?,
             alignment: Alignment::new(
                 turn.ok_or(wrong("turn"))?,
-                self::mirrored(mirrored).ok_or(wrong("mirrored"))?,
+                flag(mirrored).ok_or(wrong("mirrored"))?,
             ),
             quality: match (distance, margin) {
                 ("-", "-") => None,
@@ -188,17 +188,8 @@ const fn hundredths(distance: u32) -> u32 {
 pub(super) fn placement(text: &str) -> Option<Alignment> {
     let (turn, mirrored) = text.split_once(',')?;
     let turn = u8::try_from(number(turn, "turn").ok()?).ok()?;
-    let mirrored = self::mirrored(mirrored)?;
+    let mirrored = flag(mirrored)?;
     (turn < 8).then(|| Alignment::new(turn, mirrored))
-}
-
-/// Reads `mirrored`.
-pub(super) fn mirrored(text: &str) -> Option<bool> {
-    match text {
-        "0" => Some(false),
-        "1" => Some(true),
-        _ => None,
-    }
 }
 
 /// `turn,mirrored`

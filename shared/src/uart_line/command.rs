@@ -35,11 +35,11 @@
 
 use core::fmt;
 
-use super::alignment::{Placed, mirrored, placement};
+use super::alignment::{Placed, placement};
 use super::gate::{GateCommand, Margins};
 use super::install::{self, Begun, Numbered, Wrong};
 use super::refusal::Refusal;
-use super::{ParseError, unframed, write_framed};
+use super::{ParseError, flag, unframed, write_framed};
 use crate::installation::{Block, Transfer};
 use crate::myo::Address;
 use crate::stream::alignment::{Alignment, Arm};
@@ -178,7 +178,7 @@ fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
         _ => {}
     }
     if let Some(told) = arguments.strip_prefix("begin,") {
-        let mirrored = mirrored(told).ok_or(Refusal::Arguments)?;
+        let mirrored = flag(told).ok_or(Refusal::Arguments)?;
         return Ok(AlignCommand::Begin(Arm::Known { mirrored }));
     }
     let placement = arguments.strip_prefix("set,").and_then(placement);

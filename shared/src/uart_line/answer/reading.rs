@@ -7,7 +7,7 @@ use crate::uart_line::alignment::placement;
 use crate::uart_line::command::AlignCommand;
 use crate::uart_line::gate::gate;
 use crate::uart_line::install::progress;
-use crate::uart_line::{ParseError, fields, framed, hexadecimal, number};
+use crate::uart_line::{ParseError, fields, flag, framed, hexadecimal, number};
 
 const fn wrong(field: &'static str) -> ParseError {
     ParseError::Field { field }
@@ -219,11 +219,7 @@ fn binding(body: &str) -> Result<Binding, ParseError> {
         }
         _ => return Err(wrong("why-this")),
     };
-    let is_kept = match kept {
-        "0" => false,
-        "1" => true,
-        _ => return Err(wrong("kept")),
-    };
+    let is_kept = flag(kept).ok_or(wrong("kept"))?;
     Ok(Binding { following, is_kept })
 }
 
