@@ -7,7 +7,8 @@
 //!                                                   or: a terminal
 //! ```
 //!
-//! `myointent record` is the same with a recorder beside it, which hears all samples and leads through a session.
+//! `myointent record` is the same with a recorder beside it, which hears all samples and leads through a session. A simulated
+//! person waits for it.
 //!
 //! Whatever a viewer does, the source never waits for it. The page brings everything with it and asks for nothing from
 //! elsewhere.

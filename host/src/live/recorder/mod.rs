@@ -74,7 +74,7 @@ pub(super) struct Recorder {
     /// The model file's bytes.
     pub(super) model: Vec<u8>,
     pub(super) hub: std::sync::Arc<Hub>,
-    /// What a demo is asked for.
+    /// What a simulated person is asked for.
     pub(super) asked: Asked,
 }
 
@@ -195,6 +195,7 @@ impl Running {
             journal.samples(first, emg);
         }
         self.end_if_over();
+        self.recorder.asked.read(first.plus(count));
     }
 
     fn handle(&mut self, now: Millis, input: Input) {

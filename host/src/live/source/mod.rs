@@ -1,5 +1,6 @@
 //! Where a stream comes from: a recording in real time, a board, or an armband. Each runs on a thread of its own until it is stopped.
 
+mod asked;
 #[cfg(any(feature = "bluetooth", test))]
 pub(crate) mod bluetooth;
 mod board;
@@ -9,12 +10,12 @@ mod scored;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 
-use shared::intent::Intent;
 use shared::myo::Address;
 
+pub(crate) use self::asked::Asked;
 use self::board::Board;
 use self::recorded::{Played, Recorded};
 use super::SHIPPED;
@@ -120,20 +121,6 @@ pub(crate) struct Context {
     pub(crate) hub: Arc<Hub>,
     pub(crate) requests: Receiver<Request>,
     pub(crate) stop: Stop,
-}
-
-/// What a simulated person is asked for; shared by all clones.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Asked(Arc<AtomicUsize>);
-
-impl Asked {
-    pub(crate) fn set(&self, intent: Intent) {
-        self.0.store(intent.class(), Ordering::Relaxed);
-    }
-
-    pub(crate) fn get(&self) -> Intent {
-        Intent::from_class(self.0.load(Ordering::Relaxed)).unwrap_or(Intent::Relax)
-    }
 }
 
 /// Whether the program ends; shared by all clones.

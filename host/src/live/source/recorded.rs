@@ -69,7 +69,7 @@ impl Played {
                 }
             }
             Self::Person(person, asked) => {
-                let asked = asked.get();
+                let asked = asked.at(first, LATE);
                 Notification {
                     emg: (0..TOGETHER).map(|_| person.sample(asked)).collect(),
                     truth: None,

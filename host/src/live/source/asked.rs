@@ -1,0 +1,103 @@
+//! What a simulated person is asked for.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use shared::intent::Intent;
+use shared::units::SampleIndex;
+
+/// How many samples the person may be ahead of the reader: 0.1 s of its stream.
+const AHEAD: u32 = 20;
+
+/// The gesture that is asked for, and how far who asks has read the person's samples; shared by all clones.
+///
+/// The person waits for the reader: it then follows a cue at the same sample, however busy the machine is.
+#[derive(Clone, Debug)]
+pub(crate) struct Asked(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    request: Mutex<Request>,
+    has_read: Condvar,
+}
+
+#[derive(Debug)]
+struct Request {
+    intent: Intent,
+    /// The first sample that was not read yet.
+    unread: SampleIndex,
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        let request = Request {
+            intent: Intent::Relax,
+            unread: SampleIndex(0),
+        };
+        Self(Arc::new(Shared {
+            request: Mutex::new(request),
+            has_read: Condvar::new(),
+        }))
+    }
+}
+
+impl Asked {
+    pub(crate) fn set(&self, intent: Intent) {
+        self.request().intent = intent;
+    }
+
+    /// All samples before `unread` were read.
+    pub(crate) fn read(&self, unread: SampleIndex) {
+        self.request().unread = unread;
+        self.0.has_read.notify_one();
+    }
+
+    /// What is asked for at a sample. Waits while that is too far ahead of the reader, but no longer than `patience`.
+    pub(crate) fn at(&self, sample: SampleIndex, patience: Duration) -> Intent {
+        let is_ahead = |request: &mut Request| sample.since(request.unread) > AHEAD;
+        let waited = self
+            .0
+            .has_read
+            .wait_timeout_while(self.request(), patience, is_ahead);
+        waited.unwrap_or_else(PoisonError::into_inner).0.intent
+    }
+
+    fn request(&self) -> MutexGuard<'_, Request> {
+        self.0
+            .request
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Longer than any test takes.
+    const FOREVER: Duration = Duration::from_secs(3600);
+
+    #[test]
+    fn a_person_waits_for_a_reader_who_is_far_behind() {
+        let asked = Asked::default();
+        let person = asked.clone();
+        let follows = std::thread::spawn(move || person.at(SampleIndex(AHEAD + 1), FOREVER));
+        // It cannot answer before, however late this thread goes on: relax would be the answer.
+        std::thread::sleep(Duration::from_millis(20));
+        asked.set(Intent::Open);
+        asked.read(SampleIndex(1));
+        assert_eq!(follows.join().unwrap(), Intent::Open);
+    }
+
+    #[test]
+    fn a_person_does_not_wait_for_a_reader_who_is_near_or_reads_no_more() {
+        let asked = Asked::default();
+        asked.set(Intent::Close);
+        assert_eq!(asked.at(SampleIndex(AHEAD), FOREVER), Intent::Close);
+        let soon = Duration::from_millis(1);
+        assert_eq!(asked.at(SampleIndex(1000), soon), Intent::Close);
+        // Across a wrap of the index.
+        asked.read(SampleIndex(u32::MAX));
+        assert_eq!(asked.at(SampleIndex(3), FOREVER), Intent::Close);
+    }
+}
