@@ -17,12 +17,12 @@ pub(crate) struct Asked(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    request: Mutex<Request>,
+    state: Mutex<State>,
     has_read: Condvar,
 }
 
 #[derive(Debug)]
-struct Request {
+struct State {
     intent: Intent,
     /// The first sample that was not read yet.
     unread: SampleIndex,
@@ -30,12 +30,12 @@ struct Request {
 
 impl Default for Asked {
     fn default() -> Self {
-        let request = Request {
+        let state = State {
             intent: Intent::Relax,
             unread: SampleIndex(0),
         };
         Self(Arc::new(Shared {
-            request: Mutex::new(request),
+            state: Mutex::new(state),
             has_read: Condvar::new(),
         }))
     }
@@ -43,30 +43,27 @@ impl Default for Asked {
 
 impl Asked {
     pub(crate) fn set(&self, intent: Intent) {
-        self.request().intent = intent;
+        self.state().intent = intent;
     }
 
     /// All samples before `unread` were read.
     pub(crate) fn read(&self, unread: SampleIndex) {
-        self.request().unread = unread;
+        self.state().unread = unread;
         self.0.has_read.notify_one();
     }
 
     /// What is asked for at a sample. Waits while that is too far ahead of the reader, but no longer than `patience`.
     pub(crate) fn at(&self, sample: SampleIndex, patience: Duration) -> Intent {
-        let is_ahead = |request: &mut Request| sample.since(request.unread) > AHEAD;
+        let is_ahead = |state: &mut State| sample.since(state.unread) > AHEAD;
         let waited = self
             .0
             .has_read
-            .wait_timeout_while(self.request(), patience, is_ahead);
+            .wait_timeout_while(self.state(), patience, is_ahead);
         waited.unwrap_or_else(PoisonError::into_inner).0.intent
     }
 
-    fn request(&self) -> MutexGuard<'_, Request> {
-        self.0
-            .request
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
