@@ -21,7 +21,7 @@ use crate::inference::stream::{feed, pipeline};
 #[derive(Debug, Args)]
 #[command(
     after_help = "The device's clock starts with the first sample; samples arrive two at a time, every 10 ms.\n\
-    Lines are the device's, byte for byte; the README explains them.\n\n\
+    Lines are the device's, byte for byte; docs/uart.md explains them.\n\n\
     Examples:\n  myointent replay models/three-class.intent recordings/s1/s1_grasp.csv\n  \
     myointent replay models/three-class.intent recordings --name react-emg/s1/s1_grasp --speed\n  \
     myointent replay models/three-class.intent recordings/s1/s1_grasp.csv --align"
