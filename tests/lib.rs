@@ -3,7 +3,7 @@
 //! Reference numbers are in the repository, `tests/golden/data`; `$MYOINTENT_GOLDEN` names another
 //! folder of the same layout. Recordings are not: they are looked for in `$MYOINTENT_DATA`, or else
 //! in `../shared/data` beside the workspace. A test that finds none prints where to get them and
-//! passes over: `let Some(data) = data("name") else { return };`.
+//! returns: `let Some(data) = data("name") else { return };`. With `MYOINTENT_REQUIRE=all` it fails.
 
 pub mod emulator;
 pub mod output;
@@ -26,8 +26,17 @@ pub fn data(name: &str) -> Option<PathBuf> {
     folder(name, "MYOINTENT_DATA", "../../shared/data", hint)
 }
 
-/// Prints `SKIPPED name: reason`, past the capture of test output, so that it can be counted.
+/// Books the test `name` as skipped: prints `SKIPPED name: reason`, past the capture of test output, so that it can be counted.
+///
+/// # Panics
+/// If `MYOINTENT_REQUIRE` is `all`, so that no test passes because something is missing; and if it has another value.
 pub fn skip(name: &str, reason: &str) {
+    let required = std::env::var("MYOINTENT_REQUIRE").unwrap_or_default();
+    match required.as_str() {
+        "" => {}
+        "all" => panic!("{name} needs what is missing, and MYOINTENT_REQUIRE=all: {reason}"),
+        other => panic!("MYOINTENT_REQUIRE={other}: expected all, or unset it"),
+    }
     // One write, on a line of its own: tests run side by side, and lines that begin so are counted.
     let line = format!("\nSKIPPED {name}: {reason}\n");
     // A lost line is all that can go wrong, and there is nobody to tell.
