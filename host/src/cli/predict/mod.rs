@@ -41,8 +41,8 @@ enum Which {
 #[command(
     after_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
     time (-1 before the first label and after the last one), and the logits of the sample's patch when it was the newest\n\
-    (nan for the last samples where they are fewer than a patch of 10). The labels end up to 60 samples before the\n\
-    recording does: later ones would need samples that never came.\n\
+    (NaN for the last samples, where they are fewer than a patch of 10). The last samples have no label: it would need the\n\
+    samples of the look-ahead after them. `score` does not count them.\n\
     For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
     Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
     myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
