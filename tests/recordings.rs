@@ -7,12 +7,12 @@ use std::sync::OnceLock;
 
 use myointent::dataset::alignment::{open_hand, openings, template};
 use myointent::dataset::labels::compensation::Compensation;
-use myointent::dataset::labels::lag;
+use myointent::dataset::labels::lag::{self, LabelLag};
+use myointent::dataset::labels::set_lag::Lag;
+use myointent::dataset::labels::timing::Timing;
 use myointent::dataset::splice::{SpliceOptions, splice};
-use myointent::dataset::split::circles::{Circles, is_test};
-use myointent::dataset::{
-    DataSet, Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs,
-};
+use myointent::dataset::split::circles::{self, Circles, is_test};
+use myointent::dataset::{Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs};
 use myointent::evaluation::metric::event::latency::Latency;
 use myointent::evaluation::{
     ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
@@ -247,9 +247,9 @@ fn one_subject_myo_takes_its_classes_from_the_metadata() {
 }
 
 #[test]
-fn the_estimated_lag_is_the_nominal_one() {
-    let test = "the_estimated_lag_is_the_nominal_one";
-    // Medians of onset and release in ms, from the recordings' description, by the same rule.
+fn the_lag_estimated_on_training_people_is_the_nominal_one() {
+    let test = "the_lag_estimated_on_training_people_is_the_nominal_one";
+    // Medians of onset and release in ms over everybody, from the recordings' description, by the same rule.
     for (set, onset, release) in [
         ("roshambo", 285.0, 325.0),
         ("ss-stm", 620.0, 950.0),
@@ -258,13 +258,8 @@ fn the_estimated_lag_is_the_nominal_one() {
         let Some(library) = read(test, set) else {
             continue;
         };
-        let recordings: Vec<_> = library.recordings.iter().collect();
-        let found = lag::estimate(&recordings).expect("transitions");
-        assert_eq!(
-            found.lag_samples,
-            recordings[0].data_set.label_lag(),
-            "{set}"
-        );
+        let everybody: Vec<_> = library.recordings.iter().collect();
+        let found = lag::estimate(&everybody).expect("transitions");
         // In ss-stm only three of the seven motions have a label, so its release differs.
         let tolerance = if set == "ss-stm" { 200.0 } else { 20.0 };
         assert!(
@@ -275,7 +270,78 @@ fn the_estimated_lag_is_the_nominal_one() {
             (found.release_ms - release).abs() <= tolerance,
             "{set}: {found:?}"
         );
+        let training = everybody
+            .iter()
+            .filter(|own| circles::is_training(&own.subject));
+        let training: Vec<&Recording> = training.copied().collect();
+        let found = lag::estimate(&training).expect("transitions");
+        assert_eq!(found.lag_samples, training[0].data_set.label_lag(), "{set}");
     }
+}
+
+#[test]
+fn the_recordings_decide_how_their_labels_are_compensated() {
+    let test = "the_recordings_decide_how_their_labels_are_compensated";
+    for (set, expected) in [
+        ("roshambo", "each cue's own lag"),
+        ("ss-stm", "each cue's own lag"),
+        ("myo-readings", "each cue's own lag"),
+        ("cote-allard", "as recorded"),
+        ("one-subject-myo", "as recorded"),
+        ("myoup", "as recorded"),
+        ("uci-gestures", "as recorded"),
+        ("wang-myo", "as recorded, where the muscle acts"),
+        ("myo-rps", "as recorded, where the muscle acts"),
+        ("epn", "as recorded, where the muscle acts"),
+    ] {
+        let Some(library) = read(test, set) else {
+            continue;
+        };
+        let all: Vec<&Recording> = library.recordings.iter().collect();
+        let how = LabelLag::default();
+        let lag = Lag::of(all[0].data_set, &all, how, &circles::is_training);
+        assert!(lag.to_string().starts_with(expected), "{set}: {lag}");
+        let ways = lag.recordings;
+        let several = [ways.each_cue, ways.constant, ways.muscle];
+        assert_eq!(
+            several.iter().filter(|count| **count > 0).count(),
+            1,
+            "{set}: {lag}"
+        );
+    }
+}
+
+#[test]
+fn roshambo_as_own_csv_has_the_labels_of_its_reader() {
+    let Some(library) = read(
+        "roshambo_as_own_csv_has_the_labels_of_its_reader",
+        "roshambo",
+    ) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for own in &library.recordings {
+        let person = own.subject.replace("roshambo/", "p");
+        let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
+        for (sample, label) in own.samples.iter().zip(&own.labels) {
+            let class = label.map_or(-1, |intent| intent.class() as i8);
+            let values = sample.map(|value| value.to_string());
+            text += &format!("{class},{}\n", values.join(","));
+        }
+        let path = folder.path().join(&person);
+        std::fs::create_dir_all(&path).unwrap();
+        std::fs::write(path.join(format!("{person}_{}.csv", own.name)), text).unwrap();
+    }
+    let copy = load(folder.path(), &LoadOptions::default()).unwrap();
+    let labels = |library: &Library| -> Vec<Vec<Option<Intent>>> {
+        let all: Vec<&Recording> = library.recordings.iter().collect();
+        let how = LabelLag::default();
+        let lag = Lag::of(all[0].data_set, &all, how, &circles::is_training);
+        let compensated = |own: &Recording| own.compensated(lag.of_recording(own)).labels;
+        library.recordings.iter().map(compensated).collect()
+    };
+    assert_eq!(copy.recordings.len(), library.recordings.len());
+    assert!(labels(&copy) == labels(&library));
 }
 
 /// Stretches of a label.
@@ -480,7 +546,7 @@ fn labels_from_activity_are_muscle_onsets_without_a_lag() {
         let cues: Vec<_> = recordings
             .iter()
             .map(|&recording| Recording {
-                data_set: DataSet::ReactEmg,
+                timing: Timing::Cues,
                 ..recording.clone()
             })
             .collect();

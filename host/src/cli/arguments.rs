@@ -2,6 +2,7 @@
 
 mod backend;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -15,6 +16,7 @@ use crate::dataset::{Library, LoadError, LoadOptions, load, synthetic};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
+use crate::report::labels::labels;
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
 use crate::run::preset::Preset;
@@ -186,6 +188,13 @@ pub(crate) fn recordings(
     .map_err(refused)?;
     log_found(&library, path);
     Ok(library)
+}
+
+/// Logs how the labels of each data set are compensated for their lag.
+pub(crate) fn log_labels(config: &ResolvedConfig) {
+    for (what, how) in labels(&config.lags, &BTreeMap::new()) {
+        progress::log(&format!("{what}: {how}"));
+    }
 }
 
 /// Logs how much was found, and what was left out.

@@ -98,7 +98,11 @@ impl fmt::Display for Guided {
 /// What is in a library, as text for a terminal.
 pub(super) fn tables(recordings: &Recordings) -> String {
     let Recordings { inspection, guided } = recordings;
-    let mut text = sets(&inspection.sets).plain() + "\n" + &taken(&inspection.taken).plain();
+    let mut text = sets(&inspection.sets).plain() + "\n";
+    for set in &inspection.sets {
+        text += &format!("labels of {}: {}\n", set.data_set.name(), set.labels);
+    }
+    text += &("\n".to_owned() + &taken(&inspection.taken).plain());
     for suspicion in &inspection.suspicions {
         text += &format!(
             "\n{} ({})\n",
@@ -178,7 +182,7 @@ fn sets(sets: &[SetInspection]) -> Table {
             format!("{:.1}", 100.0 * set.worst_saturation),
             match lag {
                 Some(lag) => lag.to_string(),
-                None if set.labelled_by_activity => "onset".to_owned(),
+                None if set.labels.recordings.muscle > 0 => "onset".to_owned(),
                 None => String::new(),
             },
         ]);

@@ -9,14 +9,15 @@ use serde::Deserialize as _;
 use serde::de::{IntoDeserializer as _, value};
 
 use crate::cli::arguments::every_recording;
+use crate::dataset::labels::lag::LabelLag;
 use crate::dataset::losses::MOST_PERCENT;
 use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
+use crate::report::labels::labels;
 use crate::report::model_report::{self, people_rows, tables};
 use crate::run::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
-use crate::run::preset::LabelLag;
 
 /// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]
@@ -74,7 +75,7 @@ pub(in crate::cli) struct Options {
     #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
     /// How labels, which are cues, are moved to where the muscle acts: by each cue's own lag, where rest around it shows
-    /// it; by one constant a data set, estimated; or none.
+    /// it; by one constant a data set, estimated on training people; or none. The output says what was done.
     #[arg(
         long,
         value_name = "HOW",
@@ -165,6 +166,9 @@ pub(in crate::cli) fn run(
     }
     for table in tables(results) {
         writeln!(out, "{}", table.plain())?;
+    }
+    for (what, how) in labels(&results.lags, &results.gestures) {
+        writeln!(out, "{what}: {how}")?;
     }
     writeln!(out, "report: {}", options.report.display())?;
     Ok(())

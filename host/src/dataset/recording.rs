@@ -7,6 +7,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
+use super::labels::timing::Timing;
 use super::movement::Movement;
 
 /// A published set of recordings, or a kind of file.
@@ -89,12 +90,6 @@ impl DataSet {
     pub const fn trained_by_default(self) -> bool {
         !matches!(self, Self::UciGestures)
     }
-
-    /// Whether its labels are muscle onsets, found in the recordings themselves, and not cues: they have no lag.
-    #[must_use]
-    pub const fn labelled_by_activity(self) -> bool {
-        matches!(self, Self::WangMyo | Self::MyoRps | Self::Epn)
-    }
 }
 
 /// Recordings of each data set, in their order.
@@ -129,6 +124,8 @@ pub struct Recording {
     pub samples: Vec<Sample>,
     /// One label per sample in the six-class vocabulary; none where no intent of the six is known.
     pub labels: Vec<Option<Intent>>,
+    /// What the labels mark: cues, or the muscle's activity.
+    pub timing: Timing,
     /// Movement that is none of the six intents (pointing, pronation, ...), in order, without labels. As late as the labels, [`DataSet::label_lag`].
     ///
     /// Everything else without a label is unknown: it may be any movement, or rest.
@@ -155,6 +152,7 @@ impl Recording {
             path: PathBuf::new(),
             samples,
             labels,
+            timing: Timing::default(),
             other_movement: Vec::new(),
             notes: Vec::new(),
             wearer: Normalizer::new(),

@@ -2,6 +2,7 @@
 
 mod candidate;
 mod condition;
+mod cued;
 mod difference;
 mod floor;
 mod measure;
@@ -12,6 +13,7 @@ mod trial;
 
 pub use candidate::Candidate;
 pub use condition::{LookAhead, Truth};
+pub use cued::{Cued, cued};
 pub use difference::Difference;
 pub use floor::{CONSTANT, ENERGY, EnergyDetector, constant};
 pub use measure::Measure;

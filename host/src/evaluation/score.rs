@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::LookBackLogits;
 use shared::stream::smoother::{Settings, SettingsError};
@@ -38,7 +38,8 @@ pub struct Score {
     pub look_ahead: LookAhead,
     /// Labels that predictions were compared with.
     pub truth: Truth,
-    /// Scores with each buffer of [`BUFFERS`], each label at its reference time.
+    /// Scores with each buffer of [`BUFFERS`], each label at its reference time; JSON has the `buffer` beside each.
+    #[serde(serialize_with = "with_buffers")]
     pub reference: [Summary; BUFFERS.len()],
     /// Events, each label at its emission time.
     pub events: EventSummary,
@@ -50,6 +51,22 @@ impl Score {
     pub const fn widest(&self) -> &Summary {
         &self.reference[BUFFERS.len() - 1]
     }
+}
+
+/// A summary with the buffer that it is for.
+#[derive(Serialize)]
+struct Buffered<'a> {
+    buffer: usize,
+    #[serde(flatten)]
+    summary: &'a Summary,
+}
+
+fn with_buffers<S: Serializer>(
+    reference: &[Summary; BUFFERS.len()],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let pairs = BUFFERS.into_iter().zip(reference);
+    serializer.collect_seq(pairs.map(|(buffer, summary)| Buffered { buffer, summary }))
 }
 
 /// Why a model cannot be evaluated.
@@ -292,6 +309,23 @@ mod tests {
             other_margin: None,
         };
         (trial, candidate)
+    }
+
+    #[test]
+    fn json_names_the_buffer_of_each_summary_and_is_read_back() {
+        let (trial, candidate) = followed(&[1, 2]);
+        let scores = score(
+            &candidate,
+            &[trial],
+            Vocabulary::Three,
+            LookAhead::None,
+            Truth::LagCompensated,
+        );
+        let scores = scores.unwrap();
+        let json = serde_json::to_value(&scores).unwrap();
+        let buffers = [0, 1, 2].map(|at| json[0]["reference"][at]["buffer"].as_u64());
+        assert_eq!(buffers, BUFFERS.map(|buffer| Some(buffer as u64)));
+        assert_eq!(serde_json::from_value::<Vec<Score>>(json).unwrap(), scores);
     }
 
     #[test]

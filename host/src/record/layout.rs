@@ -10,10 +10,9 @@ use shared::intent::Intent;
 use shared::units::CHANNELS;
 
 use super::assembly::{Part, Take};
-use crate::dataset::readers::formats::react_emg::{MIRRORED_COLUMN, MUSCLE_COLUMN, TURN_COLUMN};
-
-/// Columns that only these recordings have, behind the channels.
-pub(super) const COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "bridged"];
+use crate::dataset::readers::formats::react_emg::{
+    MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
+};
 
 /// The text of one recording; of nobody's muscles if `synthetic`.
 pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
@@ -27,7 +26,7 @@ pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
     };
     let mut text = format!(
         "gt{channels},{},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
-        COLUMNS.join(",")
+        RECORDER_COLUMNS.join(",")
     );
     let class = |label: Option<Intent>| match label {
         Some(intent) => intent.class().to_string(),

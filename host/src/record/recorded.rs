@@ -7,10 +7,10 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample};
 
 use super::assembly::{Part, Take};
-use super::layout;
 use super::quality::{Quality, judge};
 use crate::dataset::labels::cued::follow;
 use crate::dataset::labels::motion::motions;
+use crate::dataset::readers::formats::react_emg::RECORDER_COLUMNS;
 use crate::dataset::{DataSet, Library, Recording};
 
 /// A person's guided recordings.
@@ -64,7 +64,7 @@ fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
     let mut rows = csv::Reader::from_path(path).ok()?;
     let header = rows.headers().ok()?.clone();
     let position = |name: &str| header.iter().position(|own| own == name);
-    let columns = layout::COLUMNS.map(position);
+    let columns = RECORDER_COLUMNS.map(position);
     let [index, cue, trial, used, bridged] = columns.into_iter().collect::<Option<Vec<_>>>()?[..]
     else {
         return None;

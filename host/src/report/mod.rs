@@ -10,6 +10,7 @@ mod confusion;
 mod curves;
 mod device;
 mod entry;
+pub mod labels;
 mod latencies;
 pub mod model_report;
 mod overview;

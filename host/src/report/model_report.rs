@@ -5,6 +5,7 @@ use std::path::Path;
 use super::alignment::{self, placement};
 use super::cell::difference;
 use super::entry::{Entry, pictures};
+use super::labels::labels;
 use super::people_table::{COLUMNS, cells, people_of, people_table};
 use super::scores::{COMPARED, table};
 use super::{Fact, ReportData, ReportError, Table};
@@ -51,7 +52,8 @@ pub fn write(
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels are lag-compensated: those that were cues begin where the muscle follows, by each cue's own lag where rest \
-         around it shows it, else by one constant for each data set, estimated on the recordings at hand. The energy \
+         around it shows it, else by one constant for each data set, estimated on training people; the facts below say what \
+         was done in each set, and how many gestures have no label because no muscle follows their cue. The energy \
          detector has its default threshold.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
          emitted, look-ahead included; a missed gesture counts as infinitely late. Intervals over fewer than about ten people \
@@ -223,11 +225,6 @@ pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
             format!("{} %", results.lost_percent),
         );
     }
-    for (data_set, lag) in &results.lags {
-        fact(
-            &format!("label lag of {}", data_set.name()),
-            lag.to_string(),
-        );
-    }
+    facts.extend(labels(&results.lags, &results.gestures));
     facts
 }

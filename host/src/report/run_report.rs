@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::curves::{Curve, Panel};
 use super::entry::{Entry, onsets, pictures, timeline};
+use super::labels::labels;
 use super::people_table::people_table;
 use super::scores::tables;
 use super::timeline::timeline_svg;
@@ -145,12 +146,7 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
             results.aggregation.name().to_owned(),
         ),
     ];
-    for (data_set, lag) in &config.lags {
-        facts.push((
-            format!("label lag of {}", data_set.name()),
-            lag.compensation.to_string(),
-        ));
-    }
+    facts.extend(labels(&config.lags, &results.gestures));
     facts
 }
 
@@ -158,7 +154,7 @@ pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
          both labels as published and lag-compensated labels: by each cue's own lag, or by one constant for each data \
-         set that is estimated on training subjects.",
+         set that is estimated on training subjects. A gesture that no muscle follows has no lag-compensated label.",
         "Every recording is preceded by its own first 50 ms, repeated to 3 s, so that short recordings are \
          evaluated from their first sample; the device emits no label until it has 3 s of contiguous EMG.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \

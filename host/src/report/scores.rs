@@ -237,6 +237,8 @@ fn shown_text(cell: Cell) -> String {
 #[cfg(test)]
 mod tests {
     use shared::intent::{Intent, Vocabulary};
+    use std::collections::BTreeMap;
+
     use shared::model::LookBackLogits;
 
     use super::*;
@@ -285,6 +287,7 @@ mod tests {
         Results {
             held_out: Vec::new(),
             aggregation: LookAhead::SameInstant,
+            gestures: BTreeMap::new(),
             published: scores(&[Truth::Published, Truth::LagCompensated]),
             spliced: scores(&[Truth::LagCompensated]),
         }

@@ -11,7 +11,7 @@ use shared::units::Sample;
 
 use super::preset::Preset;
 use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::labels::lag::LagEstimate;
+use crate::dataset::labels::set_lag::Lag;
 use crate::dataset::split::Split;
 use crate::dataset::{DataSet, Recording};
 use crate::execution::fingerprint::Fingerprint;
@@ -63,15 +63,6 @@ pub struct Fold {
     pub of: usize,
 }
 
-/// Delay of muscle activity after a data set's labels.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Lag {
-    /// How labels are compensated for it.
-    pub compensation: Compensation,
-    /// The measurement on training subjects, if there is one.
-    pub estimate: Option<LagEstimate>,
-}
-
 impl ResolvedConfig {
     /// Writes the configuration into a run folder, and the preset also as TOML.
     ///
@@ -90,11 +81,11 @@ impl ResolvedConfig {
         run.load_json(CONFIG)
     }
 
-    /// How labels of a data set are compensated for their lag.
+    /// How the labels of a recording are compensated for their lag.
     #[must_use]
-    pub(crate) fn compensation(&self, data_set: DataSet) -> Compensation {
-        let lag = self.lags.get(&data_set);
-        lag.map_or(Compensation::NONE, |lag| lag.compensation)
+    pub(crate) fn compensation(&self, recording: &Recording) -> Compensation {
+        let lag = self.lags.get(&recording.data_set);
+        lag.map_or(Compensation::NONE, |lag| lag.of_recording(recording))
     }
 
     /// The alignment template of the run's models.

@@ -1,5 +1,7 @@
 //! Step 4: evaluation of every model of the run on the held-out subjects.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use shared::model::file::Model;
 
@@ -10,9 +12,10 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use super::trials;
-use crate::dataset::Library;
+use crate::dataset::{DataSet, Library};
 use crate::evaluation::{
-    Candidate, EnergyDetector, LookAhead, Measure, Score, Trial, Truth, constant, score_all,
+    Candidate, Cued, EnergyDetector, LookAhead, Measure, Score, Trial, Truth, constant, cued,
+    score_all,
 };
 use crate::execution::progress;
 use crate::execution::run_folder::RunError;
@@ -40,6 +43,9 @@ pub struct Results {
     pub held_out: Vec<String>,
     /// The model file's aggregation mode.
     pub aggregation: LookAhead,
+    /// Gestures of the held-out subjects, and those of them that have a label. Results of earlier versions have none.
+    #[serde(default)]
+    pub gestures: BTreeMap<DataSet, Cued>,
     /// Scores on recordings as published.
     pub published: Vec<Score>,
     /// Scores on spliced recordings of the same subjects.
@@ -105,6 +111,7 @@ pub fn evaluate(
     let results = Results {
         held_out: context.config.split.held_out.clone(),
         aggregation,
+        gestures: cued(&trials),
         published: score_all(
             &published,
             &trials,

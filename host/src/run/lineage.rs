@@ -32,6 +32,9 @@ struct Streams<'a> {
     data: &'a DataSelection,
     split: &'a Split,
     lags: BTreeMap<DataSet, Compensation>,
+    /// Of sets of which a part is compensated by a constant.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    constants: BTreeMap<DataSet, usize>,
     recordings: Fingerprint,
 }
 
@@ -183,6 +186,12 @@ impl ResolvedConfig {
                 .iter()
                 .map(|(&data_set, lag)| (data_set, lag.compensation))
                 .collect(),
+            constants: self
+                .lags
+                .iter()
+                .filter(|(_, lag)| lag.otherwise > 0)
+                .map(|(&data_set, lag)| (data_set, lag.otherwise))
+                .collect(),
             recordings: self.recordings,
         }
     }
@@ -244,6 +253,7 @@ fn difference(one: &ResolvedConfig, other: &ResolvedConfig) -> Option<String> {
             ("start_weights", start),
             ("split", streams["split"].clone()),
             ("lags", streams["lags"].clone()),
+            ("constants", streams["constants"].clone()),
             ("recordings", streams["recordings"].clone()),
         ]
     };

@@ -22,13 +22,14 @@ use self::subjects::subjects;
 use super::candidates::integer_candidate;
 use super::error::StepError;
 use super::lag::lags;
-use super::preset::LabelLag;
 use super::trials::trial;
-use crate::dataset::labels::compensation::Compensation;
+use crate::dataset::labels::lag::LabelLag;
+use crate::dataset::labels::set_lag::Lag;
 use crate::dataset::losses::bridge_lost_notifications;
+use crate::dataset::split::circles;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::{
-    Candidate, EnergyDetector, LookAhead, Score, Trial, Truth, constant, score,
+    Candidate, Cued, EnergyDetector, LookAhead, Score, Trial, Truth, constant, cued, score,
 };
 
 /// Whom to evaluate on, and how they wear the armband.
@@ -88,8 +89,10 @@ pub struct ModelResults {
     pub alignments: Vec<AlignedSubject>,
     /// Percent of the notifications that were lost and bridged.
     pub lost_percent: u8,
-    /// How labels were compensated for their lag; a constant is from the recordings of the set at hand.
-    pub lags: BTreeMap<DataSet, Compensation>,
+    /// How labels were compensated for their lag.
+    pub lags: BTreeMap<DataSet, Lag>,
+    /// Gestures of the evaluated people, and those of them that have a label.
+    pub gestures: BTreeMap<DataSet, Cued>,
     /// A row for each model and floor, for each data set and over all of them.
     pub scores: Vec<Score>,
 }
@@ -110,7 +113,7 @@ pub struct ModelEvaluation {
 ///
 /// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. Labels
 /// are compensated for their lag as the selection says, by default cue by cue; a constant lag of a data set is estimated on
-/// all its recordings at hand; labels that were found in the muscle activity have none. The energy detector is the default one, since there are no training people.
+/// its training people (`host/people.toml`); labels that mark the muscle's activity have none. The energy detector is the default one, since there are no training people.
 ///
 /// # Errors
 /// When a model is refused, models have different classes, a name is unknown, or nobody is left.
@@ -129,7 +132,7 @@ pub fn evaluate_models(
     let vocabulary = common_vocabulary(models, &parsed)?;
     let labelled = labelled(library, vocabulary);
     let (mut subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
-    let lags = lags(&labelled, selection.label_lag);
+    let lags = lags(&labelled, selection.label_lag, &circles::is_training);
     let worn: BTreeMap<String, Alignment> = subjects
         .iter()
         .enumerate()
@@ -200,6 +203,7 @@ pub fn evaluate_models(
             alignments: aligned.results,
             lost_percent: selection.lost_percent,
             lags,
+            gestures: cued(&trials),
             scores,
         },
         trials,
@@ -208,11 +212,17 @@ pub fn evaluate_models(
     })
 }
 
-/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them.
+/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them; a constant lag is
+/// estimated on the training people that are given.
 #[must_use]
-pub fn trials_of(library: &Library, vocabulary: Vocabulary, people: &[String]) -> Vec<Trial> {
+pub fn trials_of(
+    library: &Library,
+    vocabulary: Vocabulary,
+    people: &[String],
+    is_training: &dyn Fn(&str) -> bool,
+) -> Vec<Trial> {
     let labelled = labelled(library, vocabulary);
-    let lags = lags(&labelled, LabelLag::default());
+    let lags = lags(&labelled, LabelLag::default(), is_training);
     let worn = people
         .iter()
         .map(|subject| (subject.clone(), Alignment::NONE))
@@ -233,7 +243,7 @@ fn trials(
     labelled: &[&Recording],
     worn: &BTreeMap<String, Alignment>,
     vocabulary: Vocabulary,
-    lags: &BTreeMap<DataSet, Compensation>,
+    lags: &BTreeMap<DataSet, Lag>,
     lost_percent: u8,
 ) -> Vec<Trial> {
     labelled
@@ -248,7 +258,8 @@ fn trials(
                 }
                 bridge_lost_notifications(samples, lost_percent, &name);
             };
-            trial(recording, arrange, vocabulary, lags[&recording.data_set])
+            let compensation = lags[&recording.data_set].of_recording(recording);
+            trial(recording, arrange, vocabulary, compensation)
         })
         .collect()
 }

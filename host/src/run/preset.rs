@@ -13,6 +13,7 @@ use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::stream::preprocess::{Median, Preprocessing};
 
 use crate::dataset::DataSet;
+pub use crate::dataset::labels::lag::LabelLag;
 use crate::dataset::movement::OtherMovement;
 use crate::student::config::StudentConfig;
 use crate::student::distillation::Distillation;
@@ -166,19 +167,6 @@ pub struct DataSelection {
 
 fn is_paper(median: &Median) -> bool {
     *median == Median::Three
-}
-
-/// Lag compensation of labels, which are cues: muscle activity follows them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LabelLag {
-    /// By each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
-    #[default]
-    EachCue,
-    /// By each data set's median lag, estimated on its training subjects, or on the recordings at hand.
-    Estimated,
-    /// None, as in the paper.
-    None,
 }
 
 impl Preset {

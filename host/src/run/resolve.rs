@@ -1,6 +1,5 @@
 //! From a preset and the recordings found to the resolved configuration of a run.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
@@ -8,13 +7,14 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use thiserror::Error;
 
-use super::config::{Fold, Lag, ResolvedConfig};
+use super::config::{Fold, ResolvedConfig};
+use super::lag::lags;
 use super::lineage;
 use super::preset::Preset;
 use super::template;
 use crate::dataset::folds::{self, Protocol};
 use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
-use crate::dataset::{DataSet, Library, Recording, by_data_set};
+use crate::dataset::{Library, Recording};
 use crate::execution::revision::revision;
 use crate::execution::run_folder::{RunError, RunFolder};
 use crate::teacher::checkpoint::{self, CheckpointError};
@@ -102,7 +102,8 @@ impl ResolvedConfig {
             group = Some(groups.swap_remove(number - 1));
         }
         let split = split(&mut preset, &labelled, group)?;
-        let lags = lags(&preset, &labelled, &split);
+        let is_training = |subject: &str| split.role(subject) == Some(Role::Training);
+        let lags = lags(&labelled, preset.data.label_lag, &is_training);
         let mut config = Self {
             variant: preset.name.clone(),
             fold,
@@ -260,18 +261,6 @@ fn split(
         split.training = kept;
     }
     Ok(split)
-}
-
-/// Lag of the labels of each data set.
-fn lags(preset: &Preset, recordings: &[&Recording], split: &Split) -> BTreeMap<DataSet, Lag> {
-    by_data_set(recordings.iter().copied())
-        .into_iter()
-        .map(|(data_set, mut training)| {
-            training.retain(|recording| split.role(&recording.subject) == Some(Role::Training));
-            let lag = Lag::of(data_set, &training, preset.data.label_lag);
-            (data_set, lag)
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ impl ResolvedConfig {
         let own: Vec<Recording> = recordings
             .iter()
             .map(|&recording| {
-                let compensated = recording.compensated(self.compensation(recording.data_set));
+                let compensated = recording.compensated(self.compensation(recording));
                 Recording {
                     labels: compensated.labels_in(vocabulary),
                     other_movement: compensated.movement_outside(vocabulary),
@@ -89,7 +89,7 @@ impl ResolvedConfig {
     /// outside it has a target.
     fn training_labels(&self, recording: &Recording) -> (Vec<Option<Intent>>, Vec<Range<usize>>) {
         let vocabulary = self.preset.vocabulary();
-        let compensated = recording.compensated(self.compensation(recording.data_set));
+        let compensated = recording.compensated(self.compensation(recording));
         let mut other_movement = Vec::new();
         if self.preset.other() {
             let movements = compensated.movement_outside(vocabulary).into_iter();

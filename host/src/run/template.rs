@@ -9,10 +9,10 @@ use shared::units::{CHANNELS, Sample};
 use super::config::ResolvedConfig;
 use super::error::StepError;
 use super::lag::lags;
-use super::preset::LabelLag;
 use crate::dataset::alignment::{FEWEST_PEOPLE, open_hand, template};
 use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::split::Role;
+use crate::dataset::labels::lag::LabelLag;
+use crate::dataset::split::{Role, circles};
 use crate::dataset::{Library, Recording};
 
 /// The numbers of the template of a run's training people; none if too few of them open the hand.
@@ -21,7 +21,7 @@ pub(super) fn of_training_people(
     labelled: &[&Recording],
 ) -> Option<Vec<i16>> {
     let read = |recording: &Recording| {
-        let compensation = config.compensation(recording.data_set);
+        let compensation = config.compensation(recording);
         (config.samples(recording), compensation)
     };
     let is_seen =
@@ -35,7 +35,8 @@ pub(super) fn of_training_people(
 /// A model file with a template of the people whom the model has seen, of whom a library holds recordings; and how many of
 /// them there are. Everything else in the file stays as it is.
 ///
-/// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on the people seen.
+/// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on the
+/// training people among those seen.
 ///
 /// # Errors
 /// When the model is refused, or fewer than three of its people open the hand in the library.
@@ -47,9 +48,10 @@ pub fn model_with_template(file: &[u8], library: &Library) -> Result<(Vec<u8>, u
         .iter()
         .filter(|recording| seen.contains(&recording.subject.as_str()))
         .collect();
-    let lags = lags(&own, LabelLag::default());
+    let lags = lags(&own, LabelLag::default(), &circles::is_training);
     let opens = opens(own.iter().copied(), |recording| {
-        (recording.aligned_samples(), lags[&recording.data_set])
+        let lag = &lags[&recording.data_set];
+        (recording.aligned_samples(), lag.of_recording(recording))
     });
     let template = template(&opens).ok_or(StepError::NoTemplate {
         expected: FEWEST_PEOPLE,

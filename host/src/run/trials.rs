@@ -53,7 +53,7 @@ fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> 
         .evaluated_recordings(library, role)
         .into_iter()
         .map(|recording| {
-            let compensation = config.compensation(recording.data_set);
+            let compensation = config.compensation(recording);
             let align = |samples: &mut Vec<Sample>| config.align(recording, samples);
             trial(recording, align, vocabulary, compensation)
         })

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
+use myointent::dataset::split::Role;
+use myointent::dataset::split::circles::is_test;
 use myointent::evaluation::{ALL, Candidate, LookAhead, Score, Trial, Truth, constant, score};
 use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::interrupt::Interrupt;
@@ -191,7 +193,13 @@ impl CrossValidation<'_> {
         let preset = &job.contender.preset;
         let people = fold_people(preset, &self.library, self.folds);
         let people = people.into_iter().nth(job.fold - 1).unwrap_or_default();
-        let trials = || trials_of(&self.library, preset.vocabulary(), &people);
+        let split = &context.config.split;
+        // Everybody outside the fold, of sets that are not trained on.
+        let is_training = |subject: &str| match split.role(subject) {
+            Some(role) => role == Role::Training,
+            None => !people.iter().any(|own| own == subject) && !is_test(subject),
+        };
+        let trials = || trials_of(&self.library, preset.vocabulary(), &people, &is_training);
         let (mut candidate, trials) = self.trained(job, context, &trials)?;
         let own = (candidate.entry_margins, candidate.other_margin);
         let mut scores = Vec::new();

@@ -40,8 +40,9 @@ enum Which {
 #[derive(Debug, Args)]
 #[command(
     after_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
-    time (-1 before the first), and the logits of the sample's patch when it was the newest. The last samples, fewer\n\
-    than a patch of 10, have no logits and no row.\n\
+    time (-1 before the first label and after the last one), and the logits of the sample's patch when it was the newest\n\
+    (NaN for the last samples, where they are fewer than a patch of 10). The last samples have no label: it would need the\n\
+    samples of the look-ahead after them. `score` does not count them.\n\
     For a window: the teacher's logits of all 600 samples, MASK last; or a student's six rows of every patch.\n\n\
     Examples:\n  myointent predict --model models/three-class.intent --recording recordings/s1/s1_grasp.csv --out labels.csv\n  \
     myointent predict --run runs/mine --which teacher --window window.npy --out logits.npy"
@@ -141,13 +142,14 @@ fn over_recording(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<M
     Ok(of_samples(&labels.reference, &rows, classes))
 }
 
-/// The smoothed label of every sample of a whole patch, and the logits of its patch.
+/// The smoothed label of every sample, and the logits of its patch; no number where the recording ends within the patch.
 fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize) -> Matrix {
     let mut values = Vec::with_capacity(labels.len() * (classes + 1));
-    for (labels, rows) in labels.chunks_exact(PATCH).zip(rows) {
-        for label in labels {
-            values.push(label.map_or(-1.0, |intent| intent.class() as f32));
-            values.extend(&rows[0][..classes]);
+    for (sample, label) in labels.iter().enumerate() {
+        values.push(label.map_or(-1.0, |intent| intent.class() as f32));
+        match rows.get(sample / PATCH) {
+            Some([newest, ..]) => values.extend(&newest[..classes]),
+            None => values.extend(std::iter::repeat_n(f32::NAN, classes)),
         }
     }
     let columns = std::iter::once("label".to_owned())
@@ -232,11 +234,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_partial_last_patch_has_no_row() {
+    fn every_sample_has_a_row_and_a_partial_last_patch_no_logits() {
         let rows = vec![[[0.5; MAX_LOGITS]; LOOK_BACK]; 2];
         let labels = vec![None; 2 * PATCH + 3];
         let matrix = of_samples(&labels, &rows, 3);
-        assert!(matrix.values.iter().all(|value| value.is_finite()));
-        assert_eq!(matrix.values.len(), 2 * PATCH * matrix.columns.len());
+        let rows: Vec<_> = matrix.values.chunks(matrix.columns.len()).collect();
+        assert_eq!(rows.len(), labels.len());
+        assert_eq!(rows[2 * PATCH - 1], [-1.0, 0.5, 0.5, 0.5]);
+        for row in &rows[2 * PATCH..] {
+            assert!(row[0] == -1.0 && row[1..].iter().all(|logit| logit.is_nan()));
+        }
     }
 }

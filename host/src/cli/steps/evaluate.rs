@@ -9,6 +9,7 @@ use clap::Args;
 use crate::cli::arguments::{BackendArguments, open_run};
 use crate::cli::evaluate_models;
 use crate::dataset::split::circles::is_test;
+use crate::report::labels::labels;
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
@@ -78,6 +79,9 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         for table in tables(&results) {
             writeln!(out, "{}", table.plain())?;
+        }
+        for (what, how) in labels(&context.config.lags, &results.gestures) {
+            writeln!(out, "{what}: {how}")?;
         }
         writeln!(out, "held out: {}", results.held_out.join(", "))?;
         if evaluation.is_kept {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, DataArguments, resume_run};
+use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
@@ -162,13 +162,7 @@ fn log_start(context: &RunContext) {
         config.split.training.join(", ")
     ));
     progress::log(&format!("held out: {}", config.split.held_out.join(", ")));
-    for (data_set, lag) in &config.lags {
-        progress::log(&format!(
-            "label lag of {}: {}",
-            data_set.name(),
-            lag.compensation
-        ));
-    }
+    log_labels(config);
 }
 
 #[cfg(test)]
@@ -231,6 +225,7 @@ mod tests {
                 "roshambo/06".into(),
             ],
             aggregation: LookAhead::SameInstant,
+            gestures: BTreeMap::new(),
             published,
             spliced: Vec::new(),
         };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, DataArguments, resume_run};
+use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
 use crate::dataset::Library;
 use crate::dataset::folds::Protocol;
 use crate::execution::interrupt::Interrupt;
@@ -76,6 +76,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "held out: {}",
         context.config.split.held_out.join(", ")
     ));
+    log_labels(&context.config);
     train::train(&context)?;
     let weights = context.folder.weights_path(teacher::training::NAME);
     writeln!(std::io::stdout(), "{}", weights.display())?;

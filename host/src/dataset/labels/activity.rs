@@ -22,6 +22,7 @@ use shared::units::Sample;
 
 use super::envelope::Envelope;
 use super::motion::{Motion, Truth};
+use super::timing::Timing;
 use crate::dataset::recording::{DataSet, Recording};
 use crate::statistics::median;
 
@@ -71,6 +72,7 @@ pub(crate) fn labelled(
     Recording {
         other_movement: truth.other_movement,
         notes: notes.into_iter().collect(),
+        timing: Timing::Muscle,
         ..Recording::new(data_set, subject, samples, truth.labels)
     }
 }

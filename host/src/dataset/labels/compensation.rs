@@ -1,17 +1,18 @@
 //! Labels moved to where the muscle acts: published ones are cues.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
-use shared::units::SAMPLE_PERIOD_MS;
 
 use super::cued::follow;
 use super::lag;
 use super::motion::{Motion, Truth, motions};
+use super::runs::runs;
 use crate::dataset::movement::Movement;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::Recording;
 
-/// How the labels of a data set are compensated for their lag.
+/// Samples from which on what is unknown between two rests is taken for a movement: 0.5 s.
+const MOVEMENT: usize = 100;
+
+/// How labels are compensated for their lag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Compensation {
@@ -24,27 +25,6 @@ pub enum Compensation {
 impl Compensation {
     /// Labels as they are.
     pub const NONE: Self = Self::Constant(0);
-}
-
-impl fmt::Display for Compensation {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Constant(samples) => {
-                write!(formatter, "{} ms", samples * SAMPLE_PERIOD_MS as usize)
-            }
-            Self::EachCue => write!(formatter, "each cue's own"),
-        }
-    }
-}
-
-impl DataSet {
-    /// Whether labels are cues with rest around each gesture, so that the muscle shows when each cue was followed.
-    ///
-    /// Not `myoup` and `uci-gestures`, whose labels lie inside the activity.
-    #[must_use]
-    pub const fn rests_around_cues(self) -> bool {
-        matches!(self, Self::Roshambo | Self::SsStm | Self::MyoReadings)
-    }
 }
 
 impl Recording {
@@ -88,6 +68,7 @@ impl Recording {
         for movement in &self.other_movement {
             cues[movement.samples.clone()].fill(Motion::Other(movement.kind));
         }
+        name_movements(&mut cues);
         // What is unknown shows what rest is like, but stays unknown.
         let known_rest = |cue: &Motion| match cue {
             Motion::Unknown => Motion::RELAX,
@@ -117,6 +98,19 @@ impl Recording {
     }
 }
 
+/// Takes what is unknown between two rests for a movement without a name: the muscle says when it was made.
+fn name_movements(cues: &mut [Motion]) {
+    for three in runs(cues).windows(3) {
+        let [before, unknown, after] = three else {
+            continue;
+        };
+        let between_rests = [before.label, after.label] == [Motion::RELAX; 2];
+        if between_rests && unknown.label == Motion::Unknown && unknown.samples() >= MOVEMENT {
+            cues[unknown.start..unknown.end].fill(Motion::Unnamed);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use rand::{RngExt as _, SeedableRng as _};
@@ -124,8 +118,8 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::dataset::labels::runs::runs;
     use crate::dataset::movement::MovementKind;
+    use crate::dataset::recording::DataSet;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const O: Option<Intent> = Some(Intent::Open);
@@ -202,6 +196,27 @@ mod tests {
         let found = published.compensated(Compensation::EachCue).labels;
         assert_eq!(found[1040], O);
         assert!(found[1100..1390].iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_movement_without_a_name_has_the_labels_around_it_of_one_with_a_name() {
+        let all = [650..1080, 1380..1870, 2290..2700];
+        for loud in [&all[..], &all[..1], &all[1..2], &[900..1000, 1500..2400]] {
+            let named = recording(loud);
+            let mut unnamed = named.clone();
+            unnamed.other_movement.clear();
+            let labels = |own: &Recording| own.compensated(Compensation::EachCue).labels;
+            assert_eq!(labels(&unnamed), labels(&named), "{loud:?}");
+        }
+    }
+
+    #[test]
+    fn a_short_gap_between_two_rests_is_no_movement() {
+        let mut published = recording(&[650..1080, 1380..1870, 2290..2700]);
+        published.labels[250..340].fill(None);
+        let found = published.compensated(Compensation::EachCue).labels;
+        assert!(found[250..340].iter().all(Option::is_none));
+        assert!(found[340..600].iter().all(|label| *label == R));
     }
 
     #[test]

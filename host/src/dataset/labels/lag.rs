@@ -1,7 +1,7 @@
 //! Label lag: how much later than its label the muscle acts, and labels compensated for it.
 //!
 //! Labels of the public sets are cues: people react 0.2 to 0.8 s after them. One constant per data
-//! set, estimated on training subjects alone, shifts the labels to where the muscle usually acts.
+//! set, estimated on training people alone, shifts the labels to where the muscle usually acts.
 //! It does not remove the spread between people, which is as large again.
 //!
 //! Rule: envelope e = mean over channels of ln(1 + moving average of |x| over 50 ms). For a change
@@ -16,6 +16,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use super::envelope::Envelope;
 use super::runs::{Run, runs};
+use super::timing::Timing;
 use crate::dataset::recording::{DataSet, Recording};
 use crate::statistics::median;
 
@@ -30,18 +31,18 @@ const LATEST: usize = 400;
 const LEAST_CONTRAST: f64 = 0.3;
 
 impl DataSet {
-    /// Nominal label lag in samples: [`estimate`] over all subjects of the published recordings.
+    /// Nominal label lag in samples: [`estimate`] over the training people (`host/people.toml`) of the published recordings.
     ///
-    /// Training estimates it on its own training subjects; this is the fallback when none of them
-    /// has a transition. Sets of steady holds have no transition that could be late, and neither have the labels
+    /// A run estimates it on its own training people; this is the fallback when none of them is there or has a
+    /// transition. Sets of steady holds have no transition that could be late, and neither have the labels
     /// of `myoup` and `uci-gestures`, which lie inside the activity; EMG-EPN-612 and ROAM-EMG were segmented by
     /// their authors and count as 0. Labels from muscle activity are not late by definition.
     #[must_use]
     pub const fn label_lag(self) -> usize {
         match self {
-            Self::Roshambo => 62,
-            Self::SsStm => 145,
-            Self::MyoReadings => 54,
+            Self::Roshambo => 59,
+            Self::SsStm => 146,
+            Self::MyoReadings => 53,
             Self::Synthetic => 50,
             Self::CoteAllard
             | Self::OneSubjectMyo
@@ -54,6 +55,19 @@ impl DataSet {
             | Self::ReactEmg => 0,
         }
     }
+}
+
+/// Lag compensation of labels, which are cues: muscle activity follows them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LabelLag {
+    /// By each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
+    #[default]
+    EachCue,
+    /// By each data set's median lag, estimated on training people alone.
+    Estimated,
+    /// None, as in the paper.
+    None,
 }
 
 /// Median lag of the muscle after the label.
@@ -75,20 +89,17 @@ pub struct LagEstimate {
 /// themselves: they must not be moved by what noise leaves of them.
 #[must_use]
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
-    let mut onsets = Vec::new();
-    let mut releases = Vec::new();
-    let cued = |recording: &&&Recording| !recording.data_set.labelled_by_activity();
-    for recording in recordings.iter().filter(cued) {
-        let envelope = Envelope::new(&recording.samples).all(SMOOTHING);
-        for pair in runs(&recording.labels).windows(2) {
-            let list = match (pair[0].label, pair[1].label) {
-                (Some(Intent::Relax), Some(_)) => &mut onsets,
-                (Some(_), Some(Intent::Relax)) => &mut releases,
-                _ => continue,
-            };
-            list.extend(lag_of(&envelope, &pair[0], &pair[1]));
-        }
-    }
+    let cued = |recording: &&&Recording| recording.timing != Timing::Muscle;
+    let changes: Vec<(bool, f64)> = recordings
+        .iter()
+        .filter(cued)
+        .flat_map(|recording| changes(recording))
+        .collect();
+    let of = |onset| {
+        let own = changes.iter().filter(move |(own, _)| *own == onset);
+        own.map(|(_, lag)| *lag).collect::<Vec<f64>>()
+    };
+    let (onsets, releases) = (of(true), of(false));
     let pooled: Vec<f64> = onsets.iter().chain(&releases).copied().collect();
     let milliseconds = f64::from(SAMPLE_PERIOD_MS);
     let lag = median(&pooled)?;
@@ -126,6 +137,25 @@ pub(crate) fn compensated_range(
 ) -> Range<usize> {
     let [start, end] = [range.start, range.end].map(|at| (at + lag_samples).min(length));
     start..end
+}
+
+/// Samples by which the muscle follows each change between rest and a gesture.
+pub(super) fn lags_of(recording: &Recording) -> impl Iterator<Item = f64> {
+    changes(recording).into_iter().map(|(_, lag)| lag)
+}
+
+/// Every change between rest and a gesture that the muscle shows: whether it is an onset, and its lag in samples.
+fn changes(recording: &Recording) -> Vec<(bool, f64)> {
+    let envelope = Envelope::new(&recording.samples).all(SMOOTHING);
+    let lag = |pair: &[Run]| {
+        let onset = match (pair[0].label, pair[1].label) {
+            (Some(Intent::Relax), Some(_)) => true,
+            (Some(_), Some(Intent::Relax)) => false,
+            _ => return None,
+        };
+        Some((onset, lag_of(&envelope, &pair[0], &pair[1])?))
+    };
+    runs(&recording.labels).windows(2).filter_map(lag).collect()
 }
 
 /// Samples by which the muscle follows the change between two runs; negative if it comes first.
@@ -193,12 +223,11 @@ mod tests {
 
     #[test]
     fn muscle_onsets_have_no_lag_to_estimate() {
-        let data_set = DataSet::WangMyo;
         let onsets = Recording {
-            data_set,
+            timing: Timing::Muscle,
             ..recording(20, false)
         };
-        assert_eq!((estimate(&[&onsets]), data_set.label_lag()), (None, 0));
+        assert_eq!(estimate(&[&onsets]), None);
     }
 
     #[test]

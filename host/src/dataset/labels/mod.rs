@@ -8,4 +8,6 @@ mod envelope;
 pub mod lag;
 pub(crate) mod motion;
 pub(crate) mod runs;
+pub mod set_lag;
+pub mod timing;
 pub(crate) mod vocabulary;

@@ -11,6 +11,8 @@ pub(crate) enum Motion {
     Intent(Intent),
     /// Movement that is none of the six intents.
     Other(MovementKind),
+    /// Movement of which nothing is known but that it is none of these.
+    Unnamed,
     /// Not known, or on neither side: a grasp near to a fist, an edge that cannot be placed.
     Unknown,
 }
@@ -23,7 +25,7 @@ impl Motion {
     pub const fn label(self) -> Option<Intent> {
         match self {
             Self::Intent(intent) => Some(intent),
-            Self::Other(_) | Self::Unknown => None,
+            Self::Other(_) | Self::Unnamed | Self::Unknown => None,
         }
     }
 }

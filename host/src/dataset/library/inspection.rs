@@ -7,10 +7,12 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
 
 use super::Library;
-use crate::dataset::labels::lag::{self, LagEstimate};
+use crate::dataset::labels::lag::{self, LabelLag, LagEstimate};
 use crate::dataset::labels::runs::{Run, runs};
+use crate::dataset::labels::set_lag::Lag;
 use crate::dataset::readers::why::Why;
 use crate::dataset::recording::{DataSet, Recording, by_data_set};
+use crate::dataset::split::circles;
 
 /// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
 pub(crate) const SATURATED: f64 = 0.02;
@@ -38,8 +40,8 @@ pub(crate) struct SetInspection {
     pub worst_saturation: f64,
     /// How late the muscle follows its labels, over all subjects; none without a transition to measure it at.
     pub label_lag: Option<LagEstimate>,
-    /// Whether the labels are the muscle's onsets themselves.
-    pub labelled_by_activity: bool,
+    /// How an evaluation compensates the labels for it.
+    pub labels: Lag,
 }
 
 /// Files of one kind: of a data set, or not read for one reason.
@@ -199,7 +201,12 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
             .flat_map(|r| saturation(&r.samples))
             .fold(0.0, f64::max),
         label_lag: lag::estimate(recordings),
-        labelled_by_activity: data_set.labelled_by_activity(),
+        labels: Lag::of(
+            data_set,
+            recordings,
+            LabelLag::default(),
+            &circles::is_training,
+        ),
     }
 }
 
@@ -270,6 +277,7 @@ mod tests {
                 labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
                 other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
+                timing: crate::dataset::labels::timing::Timing::Cues,
                 wearer: shared::stream::normalizer::Normalizer::new(),
             }],
             ignored: ["LICENSE", "notes.txt", "README"]

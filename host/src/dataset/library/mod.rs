@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
+use super::labels::timing;
 use super::readers::error::LoadError;
 use super::readers::open::{Found, Request, open};
 use super::readers::why::Why;
@@ -103,6 +104,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     }
     library.leave_out_repeats();
     library.follow_wearers();
+    timing::find(&mut library.recordings);
     Ok(library)
 }
 

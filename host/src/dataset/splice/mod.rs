@@ -81,6 +81,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 path: PathBuf::new(),
                 samples,
                 labels,
+                timing: recordings[0].timing,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
                 other_movement: other,
                 wearer: Normalizer::new(),

@@ -49,6 +49,16 @@ pub fn is_test(subject: &str) -> bool {
         .is_some_and(|circles| in_circle(&circles.test, subject))
 }
 
+/// Whether a subject (`data-set/subject`) is a training person: of a set that the file names, and in none of its lists.
+#[must_use]
+pub fn is_training(subject: &str) -> bool {
+    let (set, _) = subject.split_once('/').unwrap_or_default();
+    COMMITTED.get(set).is_some_and(|circles| {
+        let lists = [&circles.checkpoint, &circles.settings, &circles.test];
+        !lists.iter().any(|circle| in_circle(circle, subject))
+    })
+}
+
 /// Whether a subject (`data-set/subject`) is one of a circle's people.
 pub(super) fn in_circle(circle: &[String], subject: &str) -> bool {
     let person = subject
@@ -78,5 +88,19 @@ mod tests {
         assert!(is_test("roshambo/06"));
         assert!(!is_test("roshambo/03"));
         assert!(!is_test("06"));
+    }
+
+    #[test]
+    fn whoever_a_named_set_does_not_list_is_trained_on() {
+        assert!(is_training("roshambo/01"));
+        for other in [
+            "roshambo/03",
+            "roshambo/06",
+            "roshambo/08",
+            "react-emg/anna",
+            "01",
+        ] {
+            assert!(!is_training(other), "{other}");
+        }
     }
 }

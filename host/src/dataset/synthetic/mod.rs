@@ -19,6 +19,7 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 use self::cues::cues;
 pub use self::follower::Follower;
 use self::wearer::Wearer;
+use super::labels::timing::{self, Timing};
 use super::readers::formats::react_emg::MUSCLE_COLUMN;
 use super::recording::{DataSet, Recording};
 use super::seed::generator;
@@ -58,7 +59,9 @@ impl Default for SynthOptions {
 /// Generates the recordings in memory, ordered by person.
 #[must_use]
 pub fn generate(options: &SynthOptions) -> Vec<Recording> {
-    simulate(options).map(|(recording, _)| recording).collect()
+    let mut recordings: Vec<_> = simulate(options).map(|(recording, _)| recording).collect();
+    timing::find(&mut recordings);
+    recordings
 }
 
 /// Generates the recordings and writes them below a folder, in ReactEMG's csv layout:
@@ -107,6 +110,7 @@ fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Inte
                 notes: Vec::new(),
                 other_movement: Vec::new(),
                 name,
+                timing: Timing::Cues,
                 wearer: Normalizer::new(),
             };
             (recording, muscle)

@@ -72,6 +72,7 @@ pub fn personalize(
             person.outside().join(", ")
         ));
     }
+    progress::log(&format!("labels: {}", person.lag()));
     let (tuned, judged) = person.whole().divided()?;
     progress::log(&format!(
         "{}: {:.0} s to tune on, {:.0} s held back",

@@ -5,11 +5,11 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
-use crate::dataset::labels::compensation::Compensation;
+use crate::dataset::labels::lag::LabelLag;
+use crate::dataset::labels::set_lag::Lag;
+use crate::dataset::split::circles;
 use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
-use crate::run::lag::lags;
-use crate::run::preset::LabelLag;
 use crate::run::trials::trial;
 
 /// One recording, in both forms that are needed.
@@ -24,13 +24,14 @@ pub(super) struct Own {
 /// A person's labelled recordings, in path order, as a model sees them: in its vocabulary, normalized to the wearer or not,
 /// labels compensated for their lag.
 ///
-/// As `evaluate --model` does: by each cue's own lag, or by one number that is estimated on all of the person's recordings,
-/// the part held back too.
+/// As `evaluate --model` does: by each cue's own lag, or by one constant. It is estimated on training people whom the model has
+/// seen; where the set has none, on all of the person's own recordings, the part held back too, and said so.
 pub struct Person {
     subject: String,
     pub(super) vocabulary: Vocabulary,
     pub(super) data_set: DataSet,
     pub(super) recordings: Vec<Own>,
+    lag: Lag,
     outside: Vec<&'static str>,
 }
 
@@ -81,10 +82,20 @@ impl Person {
         let Some(data_set) = used.first().map(|recording| recording.data_set) else {
             return Err(PersonalizeError::NoLabels { subject });
         };
-        let lag = lags(&used, LabelLag::default())[&data_set];
+        let is_training = |person: &str| {
+            let mut seen = model.provenance.subjects_seen.iter();
+            person != subject && circles::is_training(person) && seen.any(|own| own == person)
+        };
+        let others = library.recordings.iter();
+        let at_hand: Vec<&Recording> = others
+            .filter(|own| own.data_set == data_set)
+            .filter(|own| own.subject == subject || is_training(&own.subject))
+            .filter(|own| own.can_be_evaluated(vocabulary))
+            .collect();
+        let lag = Lag::of(data_set, &at_hand, LabelLag::default(), &is_training);
         let recordings = used
             .into_iter()
-            .map(|recording| as_seen(recording, vocabulary, model.preprocessing.normalized, lag))
+            .map(|recording| as_seen(recording, vocabulary, model.preprocessing.normalized, &lag))
             .collect();
         let outside = names(&|intent| !vocabulary.contains(intent));
         Ok(Self {
@@ -92,6 +103,7 @@ impl Person {
             vocabulary,
             data_set,
             recordings,
+            lag,
             outside,
         })
     }
@@ -102,6 +114,12 @@ impl Person {
         &self.subject
     }
 
+    /// How the labels are compensated for their lag.
+    #[must_use]
+    pub const fn lag(&self) -> &Lag {
+        &self.lag
+    }
+
     /// Gestures in the recordings that the model does not have.
     #[must_use]
     pub fn outside(&self) -> &[&'static str] {
@@ -110,14 +128,9 @@ impl Person {
 }
 
 /// A recording as the model sees it.
-fn as_seen(
-    recording: &Recording,
-    vocabulary: Vocabulary,
-    normalized: bool,
-    lag: Compensation,
-) -> Own {
+fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag: &Lag) -> Own {
     let align = |samples: &mut Vec<Sample>| recording.data_set.align(samples);
-    let trial = trial(recording, align, vocabulary, lag);
+    let trial = trial(recording, align, vocabulary, lag.of_recording(recording));
     let mut samples = if normalized {
         recording.normalized_samples()
     } else {

@@ -4,6 +4,7 @@ use shared::intent::Intent;
 use shared::stream::alignment::{Alignment, Profile};
 
 use super::*;
+use crate::dataset::DataSet;
 
 /// People 1, 2, 3... of a data set, one labelled recording each.
 fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
@@ -17,6 +18,7 @@ fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
             labels: vec![Some(Intent::Relax); 20],
             other_movement: Vec::new(),
             notes: Vec::new(),
+            timing: crate::dataset::labels::timing::Timing::Cues,
             wearer: shared::stream::normalizer::Normalizer::new(),
         })
         .collect()

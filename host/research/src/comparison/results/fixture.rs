@@ -216,6 +216,7 @@ pub(crate) fn results(
     Results {
         held_out,
         aggregation: LookAhead::AllRows,
+        gestures: BTreeMap::new(),
         published,
         spliced: Vec::new(),
     }

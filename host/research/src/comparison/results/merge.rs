@@ -6,9 +6,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use myointent::dataset::DataSet;
 use myointent::evaluation::metric::event::summary::EventSummary;
 use myointent::evaluation::metric::summary::Summary;
-use myointent::evaluation::{ALL, LookAhead, Score, Truth};
+use myointent::evaluation::{ALL, Cued, LookAhead, Score, Truth};
 use myointent::run::evaluate::Results;
 
 /// Merges the results of folds that hold out different subjects.
@@ -20,9 +21,16 @@ pub(super) fn merge(folds: &[&Results]) -> Results {
     let mut aggregations = folds.iter().map(|fold| fold.aggregation);
     let first = aggregations.next().unwrap_or(LookAhead::AllRows);
     let agreed = aggregations.all(|other| other == first);
+    let mut gestures: BTreeMap<DataSet, Cued> = BTreeMap::new();
+    for (&data_set, own) in folds.iter().flat_map(|fold| &fold.gestures) {
+        let sum = gestures.entry(data_set).or_default();
+        sum.cued += own.cued;
+        sum.labelled += own.labelled;
+    }
     Results {
         held_out: held_out.into_iter().cloned().collect(),
         aggregation: if agreed { first } else { LookAhead::AllRows },
+        gestures,
         published: scores(folds.iter().flat_map(|fold| &fold.published)),
         spliced: scores(folds.iter().flat_map(|fold| &fold.spliced)),
     }

@@ -27,7 +27,7 @@ pub(crate) fn folds<'a>(variants: impl IntoIterator<Item = &'a VariantResults>) 
             let lags = config
                 .lags
                 .iter()
-                .map(|(data_set, lag)| format!("{} {}", data_set.name(), lag.compensation));
+                .map(|(data_set, lag)| format!("{} {lag}", data_set.name()));
             let cells = [
                 variant.name.clone(),
                 format!("{} of {}", fold.number, fold.of),

@@ -9,6 +9,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
@@ -66,6 +67,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         samples,
         notes: notes(part, person),
         other_movement,
+        timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
 }

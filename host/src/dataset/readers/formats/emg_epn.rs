@@ -14,6 +14,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::stem;
 use crate::dataset::readers::table;
@@ -70,6 +71,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
                 notes: note.map(str::to_owned).into_iter().collect(),
                 other_movement: Vec::new(),
                 name,
+                timing: Timing::Cues,
                 wearer: Normalizer::new(),
             });
         }

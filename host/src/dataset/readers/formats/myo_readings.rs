@@ -11,6 +11,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, is_number, stem};
@@ -113,6 +114,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
         labels,
         notes,
         other_movement,
+        timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
 }

@@ -6,6 +6,7 @@ use serde_json::Value;
 use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::folder;
 use crate::dataset::readers::table;
@@ -51,6 +52,7 @@ pub(crate) fn read(path: &Path, text: &str, metadata: Option<&str>) -> Result<Re
         labels,
         notes,
         other_movement: Vec::new(),
+        timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
 }

@@ -6,7 +6,7 @@
 //! and of no known set, are read where they are the only file asked for.
 //!
 //! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, except
-//! [`MUSCLE_COLUMN`], which marks synthetic recordings, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as
+//! [`MUSCLE_COLUMN`], which marks synthetic recordings, [`RECORDER_COLUMNS`], which mark labels of the muscle, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as
 //! a board turns them that was aligned so.
 
 use std::path::Path;
@@ -16,6 +16,7 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::labels::from_number;
 use crate::dataset::readers::npy::{Array, Values};
@@ -32,6 +33,9 @@ pub(crate) const TURN_COLUMN: &str = "turn";
 /// The same: 1 if it is on the other arm.
 pub(crate) const MIRRORED_COLUMN: &str = "mirrored";
 
+/// Columns that `myointent record` writes behind the channels. The labels beside them are the muscle's.
+pub(crate) const RECORDER_COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "bridged"];
+
 /// Note of a recording of an unknown person.
 const UNNAMED: &str =
     "whose recording this is is not known: expected a path like s3/s3_grasp_1.csv";
@@ -41,6 +45,7 @@ struct Columns {
     label: usize,
     channels: [usize; CHANNELS],
     synthetic: bool,
+    timing: Timing,
     /// Of the turn and of whether it is mirrored.
     placement: Option<[usize; 2]>,
     count: usize,
@@ -59,6 +64,11 @@ impl Columns {
             label: position("gt")?,
             channels,
             synthetic: position(MUSCLE_COLUMN).is_some(),
+            timing: if RECORDER_COLUMNS.map(position).iter().all(Option::is_some) {
+                Timing::Muscle
+            } else {
+                Timing::Cues
+            },
             placement: position(TURN_COLUMN)
                 .zip(position(MIRRORED_COLUMN))
                 .map(Into::into),
@@ -111,7 +121,10 @@ pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
     } else {
         DataSet::ReactEmg
     };
-    recording(path, data_set, samples, labels)
+    Ok(Recording {
+        timing: columns.timing,
+        ..recording(path, data_set, samples, labels)?
+    })
 }
 
 /// One of the 16 placements.
@@ -201,6 +214,7 @@ fn recording(
         labels,
         notes,
         other_movement: Vec::new(),
+        timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
 }

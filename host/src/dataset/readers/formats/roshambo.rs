@@ -10,6 +10,7 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::npy::{self, Array, Values};
@@ -60,6 +61,7 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
         labels,
         notes: notes(person, session),
         other_movement,
+        timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
 }

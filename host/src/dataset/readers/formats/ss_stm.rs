@@ -9,6 +9,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
 use crate::dataset::labels::motion::{Motion, Truth};
+use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{numbered, stem};
@@ -52,6 +53,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         samples,
         notes,
         other_movement,
+        timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
 }

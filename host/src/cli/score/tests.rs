@@ -1,0 +1,155 @@
+//! Numbers of `score`, among them against a version that was written from docs/metrics.md alone.
+
+mod naive;
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+
+#[test]
+fn a_failed_transition_is_shown_with_its_reason() {
+    let (r, o) = (Some(Intent::Relax), Some(Intent::Open));
+    let truth = [vec![r; 300], vec![o; 300], vec![r; 300]].concat();
+    let prediction = [vec![r; 310], vec![o; 540], vec![None; 50]].concat();
+    let score = RecordingScore::new("", "", &truth, &prediction, &Rule::default()).unwrap();
+    let mut confusion = Confusion::new(vocabulary::smallest(truth.iter().chain(&prediction)));
+    confusion.add(&truth[..850], &prediction[..850]).unwrap();
+    let events = RecordingEvents::new(&truth, &prediction, &[], &EventRule::default()).unwrap();
+    let text = tables(&score, &events, 50, &confusion);
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "balanced accuracy 0.756",
+        "transition accuracy 0.500 (1 of 2)",
+        "gestures recognised 1.000 (1 of 1)",
+        "latency median 50 ms, 90 % 50 ms",
+        "false activations 0.0 a minute (0 in 2.5 s) of rest",
+        "300 1.50 open recognised +50",
+        "mean +50 ms",
+        "the last 50 samples",
+        "1 x no_change_in_buffer: no change from the old label to the new one",
+        "relax 300 250 0 0",
+    ] {
+        assert!(text.contains(part), "{part:?} is missing in\n{text}");
+    }
+    let report: serde_json::Value =
+        serde_json::from_str(&json(&score, &events, &Rule::default(), &confusion).unwrap())
+            .unwrap();
+    assert_eq!(report["changes"][1]["status"], "no_change_in_buffer");
+    assert_eq!(report["offset_ms"]["signed"]["mean"], 50.0);
+}
+
+#[test]
+fn a_csv_with_both_columns_is_scored_against_its_truth_and_not_against_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("labels.csv");
+    let rows = "relax,relax\n".repeat(30) + &"close,relax\n".repeat(10);
+    std::fs::write(&path, format!("gt,prediction\n{rows}")).unwrap();
+    let arguments = Arguments {
+        truth: path.clone(),
+        prediction: path,
+        buffer: 200,
+        strict: false,
+        allow_relax: false,
+        delay: 0,
+        json: true,
+    };
+    let report: serde_json::Value = serde_json::from_str(&report(&arguments).unwrap()).unwrap();
+    assert_eq!(report["raw_accuracy"], 0.75);
+}
+
+#[test]
+fn a_delay_is_part_of_the_latency_alone() {
+    let (r, c) = (Some(Intent::Relax), Some(Intent::Close));
+    let labels = [vec![r; 300], vec![c; 300], vec![r; 300]].concat();
+    let emitted = delayed(&labels, 51);
+    assert_eq!(emitted[..51], [None; 51]);
+    let events = RecordingEvents::new(&labels, &emitted, &[], &EventRule::default()).unwrap();
+    assert_eq!(events.gestures[0].latency, Some(51));
+    assert_eq!(delayed(&labels[..3], 51), [None; 3]);
+}
+
+/// Labels as the lines of a file.
+fn lines(labels: &[Option<Intent>]) -> String {
+    let name = |label: &Option<Intent>| label.map_or("none", Intent::name);
+    labels
+        .iter()
+        .map(|label| name(label).to_owned() + "\n")
+        .collect()
+}
+
+/// Runs of random labels, at most so long; none now and then.
+fn random_labels(random: &mut ChaCha8Rng, samples: usize, longest: usize) -> Vec<Option<Intent>> {
+    let mut labels = Vec::new();
+    while labels.len() < samples {
+        let label =
+            Intent::from_class(random.random_range(0..4)).filter(|&own| own != Intent::WaveIn);
+        labels.extend(vec![label; random.random_range(2..=longest)]);
+    }
+    labels.truncate(samples);
+    labels
+}
+
+/// The truth some samples later or earlier, with mistakes and gaps.
+fn follower(random: &mut ChaCha8Rng, truth: &[Option<Intent>]) -> Vec<Option<Intent>> {
+    let late = random.random_range(-60..120_i32);
+    let at = |sample: usize| {
+        usize::try_from(sample as i32 - late)
+            .ok()
+            .and_then(|at| truth.get(at))
+    };
+    let mut labels: Vec<_> = (0..truth.len())
+        .map(|sample| at(sample).copied().flatten())
+        .collect();
+    for _ in 0..random.random_range(0..6) {
+        let from = random.random_range(0..labels.len());
+        let to = (from + random.random_range(1..150)).min(labels.len());
+        labels[from..to].fill(random_labels(random, 1, 2)[0]);
+    }
+    labels
+}
+
+#[test]
+fn every_number_is_that_of_a_version_written_from_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth_path, path] = ["truth.txt", "prediction.txt"].map(|name| folder.path().join(name));
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut followed = 0;
+    for round in 0..400 {
+        let samples = random.random_range(1..2500);
+        let longest = [40, 250, 600][round % 3];
+        let truth = random_labels(&mut random, samples, longest);
+        let prediction = if round % 4 == 0 {
+            random_labels(&mut random, samples, longest)
+        } else {
+            follower(&mut random, &truth)
+        };
+        std::fs::write(&truth_path, lines(&truth)).unwrap();
+        std::fs::write(&path, lines(&prediction)).unwrap();
+        let arguments = Arguments {
+            truth: truth_path.clone(),
+            prediction: path.clone(),
+            buffer: [200, 61, 120][round % 3],
+            strict: round % 5 == 1,
+            allow_relax: round % 7 < 2,
+            delay: [0, 51, 7][round / 3 % 3],
+            json: true,
+        };
+        let rule = Rule {
+            buffer: arguments.buffer,
+            strict: arguments.strict,
+            allow_relax: arguments.allow_relax,
+        };
+        let expected = naive::score(&truth, &prediction, &rule, arguments.delay);
+        match (report(&arguments), expected) {
+            (Ok(found), Some(expected)) => {
+                let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+                followed += found["correct"].as_u64().unwrap();
+                naive::compare(&found, &expected, round);
+            }
+            (Err(_), None) => {}
+            (found, expected) => panic!("{round}: {found:?}, {expected:?}"),
+        }
+    }
+    assert!(followed > 200, "{followed}");
+}
