@@ -12,10 +12,11 @@ use crate::evaluation::Cued;
 pub fn labels(lags: &BTreeMap<DataSet, Lag>, gestures: &BTreeMap<DataSet, Cued>) -> Vec<Fact> {
     let line = |(data_set, lag): (&DataSet, &Lag)| {
         let mut how = lag.to_string();
-        if let Some(Cued { cued, labelled }) = gestures.get(data_set).filter(|own| own.cued > 0) {
+        if let Some(own) = gestures.get(data_set).filter(|own| own.cued > 0) {
             how += &format!(
-                "; {} of {cued} gestures left out of the truth, no muscle follows their cue",
-                cued - labelled
+                "; {} of {} gestures are not scored, the muscle does not show when their cue was followed",
+                own.left_out(),
+                own.cued
             );
         }
         (format!("labels of {}", data_set.name()), how)

@@ -53,7 +53,7 @@ pub(super) fn notes() -> Vec<String> {
     [
         "Labels are lag-compensated: those that were cues begin where the muscle follows, by each cue's own lag where rest \
          around it shows it, else by one constant for each data set, estimated on training people; the facts below say what \
-         was done in each set, and how many gestures have no label because no muscle follows their cue. The energy \
+         was done in each set, and how many gestures are not scored because the muscle does not show when their cue was followed. The energy \
          detector has its default threshold.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
          emitted, look-ahead included; a missed gesture counts as infinitely late. Intervals over fewer than about ten people \

@@ -154,7 +154,7 @@ pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
          both labels as published and lag-compensated labels: by each cue's own lag, or by one constant for each data \
-         set that is estimated on training subjects. A gesture that no muscle follows has no lag-compensated label.",
+         set that is estimated on training subjects. A gesture of which the muscle does not show when its cue was followed has no lag-compensated label and is not scored.",
         "Every recording is preceded by its own first 50 ms, repeated to 3 s, so that short recordings are \
          evaluated from their first sample; the device emits no label until it has 3 s of contiguous EMG.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \

@@ -43,7 +43,7 @@ pub struct Results {
     pub held_out: Vec<String>,
     /// The model file's aggregation mode.
     pub aggregation: LookAhead,
-    /// Gestures of the held-out subjects, and those of them that have a label. Results of earlier versions have none.
+    /// Gestures that the held-out subjects were asked for, and how many are scored. Results of earlier versions have none.
     #[serde(default)]
     pub gestures: BTreeMap<DataSet, Cued>,
     /// Scores on recordings as published.

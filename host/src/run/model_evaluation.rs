@@ -91,7 +91,7 @@ pub struct ModelResults {
     pub lost_percent: u8,
     /// How labels were compensated for their lag.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Gestures of the evaluated people, and those of them that have a label.
+    /// Gestures that the evaluated people were asked for, and how many are scored.
     pub gestures: BTreeMap<DataSet, Cued>,
     /// A row for each model and floor, for each data set and over all of them.
     pub scores: Vec<Score>,
@@ -139,6 +139,7 @@ pub fn evaluate_models(
         .map(|(number, own)| (own.subject.clone(), selection.worn.of(number)))
         .collect();
     let mut trials = trials(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
+    let mut gestures = cued(&trials);
     let named: Vec<(&NamedModel, &Model<'_>)> = models.iter().zip(&parsed).collect();
     let mut left_out_openings = Vec::new();
     let mut aligned = Aligned::default();
@@ -153,6 +154,11 @@ pub fn evaluate_models(
             });
         }
         aligned = align(&named, &people, &worn, selection.arm_told)?;
+        gestures = cued(
+            trials
+                .iter()
+                .filter(|own| people.contains_key(&own.subject)),
+        );
         leave_out_openings(&mut trials, &people, &aligned.taken);
         trials.retain(|trial| people.contains_key(&trial.subject));
     }
@@ -203,7 +209,7 @@ pub fn evaluate_models(
             alignments: aligned.results,
             lost_percent: selection.lost_percent,
             lags,
-            gestures: cued(&trials),
+            gestures,
             scores,
         },
         trials,

@@ -25,7 +25,7 @@ pub(super) fn merge(folds: &[&Results]) -> Results {
     for (&data_set, own) in folds.iter().flat_map(|fold| &fold.gestures) {
         let sum = gestures.entry(data_set).or_default();
         sum.cued += own.cued;
-        sum.labelled += own.labelled;
+        sum.scored += own.scored;
     }
     Results {
         held_out: held_out.into_iter().cloned().collect(),
