@@ -232,6 +232,32 @@ fn resume_is_refused_with_another_configuration() {
 }
 
 #[test]
+fn a_run_is_not_replaced_by_a_second_one() {
+    let bench = Bench::new("second");
+    for command in ["train", "quickstart"] {
+        succeeds(&bench.begin(command, command, &[]));
+        let content = |name: &str| fs::read(bench.path(command).join(name)).unwrap();
+        let before = content("config.json");
+        // The same command, and one of another run.
+        for more in [&[][..], &["--seed", "7"]] {
+            fails(&bench.begin(command, command, more), "--overwrite");
+        }
+        assert!(content("config.json") == before, "{command}");
+        succeeds(&bench.begin(command, command, &["--seed", "7", "--overwrite"]));
+        assert!(content("config.json") != before, "{command}");
+    }
+    // What another command of the same folder has written is somebody's, too.
+    let foreign = bench.path("foreign");
+    fs::create_dir(&foreign).unwrap();
+    fs::write(foreign.join("student.intent"), "somebody's").unwrap();
+    fails(&bench.begin("quickstart", "foreign", &[]), "student.intent");
+    assert_eq!(
+        fs::read(foreign.join("student.intent")).unwrap(),
+        b"somebody's"
+    );
+}
+
+#[test]
 fn figures_of_another_model_are_not_written_into_the_runs_own() {
     let bench = Bench::new("figures");
     succeeds(&bench.begin("quickstart", "other", &["--seed", "7"]));
