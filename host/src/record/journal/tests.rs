@@ -269,6 +269,59 @@ fn whatever_happens_to_the_file_or_its_folder_the_folder_has_all_samples_at_the_
     assert_eq!(written_around(read_only), 80);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_elsewhere() {
+    use std::fs;
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("anna");
+    let begin = |name: &str| {
+        fs::create_dir(&folder).unwrap();
+        let mut journal = Journal::create(&folder.join(name), header()).unwrap();
+        journal.samples(SampleIndex(0), &[sample(0); 20]);
+        assert_eq!(journal.flush(Millis(0)).unwrap(), Flushed::InPlace);
+        fs::remove_dir_all(&folder).unwrap();
+        fs::write(&folder, "somebody's").unwrap();
+        let refused = journal.flush(Millis(20)).unwrap_err();
+        assert!(matches!(refused, WriteError::Gone { .. }), "{refused}");
+        journal.samples(SampleIndex(20), &[sample(20); 20]);
+        journal
+    };
+    let mut journal = begin("a.journal");
+    fs::remove_file(&folder).unwrap();
+    // Not many times a second, but soon.
+    journal.flush(Millis(40)).unwrap_err();
+    let gone = folder.join("a.journal");
+    let anew = journal.flush(Millis(1040)).unwrap();
+    assert_eq!(anew, Flushed::Anew { gone: gone.clone() });
+    assert_eq!(journal.flush(Millis(1060)).unwrap(), Flushed::InPlace);
+    assert_eq!(journal.close().unwrap(), gone);
+    assert_eq!(samples(&open(&gone).unwrap().2).len(), 40);
+    fs::remove_dir_all(&folder).unwrap();
+
+    let name = format!("elsewhere-{}.journal", std::process::id());
+    let ended = begin(&name).close().unwrap_err();
+    let WriteError::Elsewhere { found, .. } = &ended else {
+        panic!("{ended}");
+    };
+    assert!(ended.to_string().contains(found.to_str().unwrap()));
+    assert_eq!(samples(&open(found).unwrap().2).len(), 40);
+    fs::remove_file(found).unwrap();
+    assert_eq!(fs::read(&folder).unwrap(), b"somebody's");
+}
+
+#[test]
+fn a_journal_is_full_before_it_is_too_long_to_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.journal");
+    let journal = Journal::create(&path, header()).unwrap();
+    let file = std::fs::File::options().append(true).open(&path).unwrap();
+    file.set_len(200 << 20).unwrap();
+    assert!(!journal.is_full());
+    file.set_len(230 << 20).unwrap();
+    assert!(journal.is_full());
+}
+
 #[test]
 fn a_journal_beyond_what_is_read_is_refused_and_not_cut() {
     let folder = tempfile::tempdir().unwrap();
