@@ -9,8 +9,8 @@ use serde::Deserialize as _;
 use serde::de::{IntoDeserializer as _, value};
 
 use crate::cli::arguments::every_recording;
-use crate::dataset::labels::lag::LabelLag;
 use crate::cli::output::{PAGE, first_line, refuse_unlike};
+use crate::dataset::labels::lag::LabelLag;
 use crate::dataset::losses::MOST_PERCENT;
 use crate::execution::progress;
 use crate::execution::run_folder::write_whole;

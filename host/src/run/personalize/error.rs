@@ -77,8 +77,8 @@ pub enum PersonalizeError {
     )]
     NoChange,
     /// Two classes of the labels seem exchanged.
-    #[error("nothing was written, go on with the old model: {0}")]
-    Exchanged(#[from] Exchange),
+    #[error("{0}. Nothing was written, go on with the old model")]
+    Exchanged(Exchange),
     /// The user interrupted.
     #[error("interrupted; nothing was written")]
     Interrupted,

@@ -27,6 +27,9 @@ use crate::evaluation::Score;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 
+/// What is said of a model that does not understand the person before it is tuned.
+const CONSTANT_BEFORE: &str = "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels";
+
 /// What came of it.
 #[derive(Clone, Debug)]
 pub struct Personalized {
@@ -81,16 +84,17 @@ pub fn personalize(
         ));
     }
     progress::log(&format!("labels: {}", person.lag()));
-    if let Some(found) = exchange(file, &person.whole())? {
-        return Err(found.into());
+    let exchanged = exchange(file, &person.whole())?;
+    if let Some(found) = exchanged.clone().filter(|found| found.is_mutual) {
+        return Err(PersonalizeError::Exchanged(found));
     }
     let (tuned, judged) = person.whole().divided()?;
     let old = judge("before", file, &judged)?;
     let constant = judge_constant(&judged, model.header.dimensions.vocabulary)?;
-    let mut doubt = String::new();
-    if is_constant(&old, &constant) {
-        "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels"
-            .clone_into(&mut doubt);
+    let constant_before = is_constant(&old, &constant).then(|| CONSTANT_BEFORE.to_owned());
+    let doubts = [exchanged.map(|found| found.to_string()), constant_before];
+    let doubt = doubts.into_iter().flatten().collect::<Vec<_>>().join("; ");
+    if !doubt.is_empty() {
         progress::log(&format!("warning: {doubt}"));
     }
     progress::log(&format!(
