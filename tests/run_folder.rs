@@ -165,7 +165,8 @@ fn a_student_of_another_split_is_neither_evaluated_nor_quantized() {
     succeeds(&bench.begin("train", "run", &fold("1")));
     succeeds(&bench.on("distill", "run", &[]));
     succeeds(&bench.on("quantize", "run", &[]));
-    succeeds(&bench.begin("train", "run", &fold("2")));
+    let second = [&fold("2")[..], &["--overwrite"]].concat();
+    succeeds(&bench.begin("train", "run", &second));
     fails(
         &bench.on("evaluate", "run", &[]),
         "student.bpk does not belong",
@@ -191,7 +192,8 @@ fn a_student_does_not_belong_to_a_teacher_that_it_did_not_learn_from() {
     succeeds(&bench.on("distill", "run", &[]));
     succeeds(&bench.on("quantize", "run", &[]));
     let preset = bench.edited(&[("stride = 600", "stride = 300")]);
-    succeeds(&bench.begin_with("train", preset.to_str().unwrap(), "run", &[]));
+    let line = bench.begin_with("train", preset.to_str().unwrap(), "run", &["--overwrite"]);
+    succeeds(&line);
     fails(
         &bench.on("evaluate", "run", &[]),
         "student.bpk does not belong",
@@ -229,6 +231,79 @@ fn resume_is_refused_with_another_configuration() {
     let fold = ["--protocol", "2-fold", "--fold", "1"];
     succeeds(&bench.begin("train", "fold", &fold));
     succeeds(&bench.begin("train", "fold", &[&fold[..], &["--resume"]].concat()));
+}
+
+#[test]
+fn a_run_is_not_replaced_by_a_second_one() {
+    let bench = Bench::new("second");
+    for command in ["train", "quickstart"] {
+        succeeds(&bench.begin(command, command, &[]));
+        let content = |name: &str| fs::read(bench.path(command).join(name)).unwrap();
+        let before = content("config.json");
+        // The same command, and one of another run.
+        for more in [&[][..], &["--seed", "7"]] {
+            fails(&bench.begin(command, command, more), "--overwrite");
+        }
+        assert!(content("config.json") == before, "{command}");
+        succeeds(&bench.begin(command, command, &["--seed", "7", "--overwrite"]));
+        assert!(content("config.json") != before, "{command}");
+    }
+    // What another command of the same folder has written is somebody's, too.
+    let foreign = bench.path("foreign");
+    fs::create_dir(&foreign).unwrap();
+    fs::write(foreign.join("student.intent"), "somebody's").unwrap();
+    fails(&bench.begin("quickstart", "foreign", &[]), "student.intent");
+    assert_eq!(
+        fs::read(foreign.join("student.intent")).unwrap(),
+        b"somebody's"
+    );
+}
+
+#[test]
+fn a_model_and_a_recording_are_never_replaced_by_what_a_command_writes() {
+    let bench = Bench::new("outputs");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
+    let model = bench.path("mine.intent");
+    fs::copy(&shipped, &model).unwrap();
+    let recording = bench.data.join("s1/s1_synthetic_1.csv");
+    let [shipped, model, recording, data] =
+        [&shipped, &model, &recording, &bench.data].map(|path| path.to_str().unwrap());
+    let line = |words: &[&str]| {
+        words
+            .iter()
+            .map(|&word| word.to_owned())
+            .collect::<Vec<_>>()
+    };
+    let (labels, page) = (bench.path("labels.csv"), bench.path("page.html"));
+    let [labels, page] = [&labels, &page].map(|path| path.to_str().unwrap());
+    let content = |path: &str| fs::read(path).unwrap();
+    let before = [content(model), content(recording)];
+
+    let gate = |out| line(&["gate", shipped, "--other", "1", "--out", out]);
+    fails(&gate(model), "exists already");
+    let predict = |out| {
+        line(&[
+            "predict",
+            "--model",
+            shipped,
+            "--recording",
+            recording,
+            "--out",
+            out,
+        ])
+    };
+    fails(&predict(recording), "exists already");
+    let report = |out| line(&["report", shipped, "--data", data, "--out", out]);
+    fails(&report(recording), "exists already");
+    assert!(before == [content(model), content(recording)]);
+
+    // An earlier output of the same kind is replaced.
+    for _ in 0..2 {
+        succeeds(&predict(labels));
+        succeeds(&report(page));
+    }
+    fails(&predict(page), "expected a name that ends in");
+    fails(&report(labels), "no earlier output");
 }
 
 #[test]
@@ -297,7 +372,8 @@ fn a_second_process_is_refused_while_a_run_is_being_made() {
     let (config, library) = bench.configuration(7);
     let folder = RunFolder::open(bench.path("run")).unwrap();
     let first = RunContext::begin(folder, config, library, Device::default().autodiff()).unwrap();
-    let second = process(&bench.begin("train", "run", &[])).output().unwrap();
+    let second = bench.begin("train", "run", &["--overwrite"]);
+    let second = process(&second).output().unwrap();
     let message = String::from_utf8_lossy(&second.stderr);
     assert_eq!(second.status.code(), Some(1), "{message}");
     let pid = std::process::id().to_string();
@@ -306,7 +382,7 @@ fn a_second_process_is_refused_while_a_run_is_being_made() {
         "{message}"
     );
     drop(first);
-    succeeds(&bench.begin("train", "run", &[]));
+    succeeds(&bench.begin("train", "run", &["--overwrite"]));
 }
 
 #[test]

@@ -81,12 +81,22 @@ impl Bench {
             ])
             .env(CHILD, line)
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
+            .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         let url = address(&mut child);
         (child, url)
     }
+}
+
+/// Ctrl-C: the exit code, and what the terminal shows.
+fn interrupt(child: Child) -> (Option<i32>, String) {
+    let process = child.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &process]).status();
+    assert!(sent.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), told)
 }
 
 fn last_sample(folder: &Path) -> usize {
@@ -150,19 +160,79 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
     wish(&mut viewer, "finish");
     let kept = viewer.find("kept", |_| true);
     assert!(kept["files"].as_array().unwrap().len() >= 2, "{kept}");
-    let process = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &process])
-            .status()
-            .unwrap()
-            .success()
-    );
-    assert!(child.wait().unwrap().success());
+    let (code, told) = interrupt(child);
+    assert_eq!(code, Some(0), "{told}");
     let files = recorded(&bench.out());
     assert_equal(&files, &bench.samples);
     // All up to the moment that the session was held at, which was not written when the disk was full.
     assert!(files[0].len() > 1000, "{}", files[0].len());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_on_a_full_disk_fails_and_the_terminal_says_what_is_not_kept_and_where_the_rest_is() {
+    let bench = Bench::new();
+    let (child, url) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
+    let mut viewer = Viewer::connect(&url);
+    viewer.find("samples", |_| true);
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["trouble"] != "");
+    let (code, told) = interrupt(child);
+    assert_eq!(code, Some(1), "{told}");
+    assert!(told.contains(".journal"), "{told}");
+    assert_eq!(bench.journals(), 1, "{told}");
+}
+
+#[test]
+fn recordings_that_cannot_be_written_fail_the_program_after_they_were_told_on_the_page() {
+    let bench = Bench::new();
+    let (child, url) = bench.start("");
+    let mut viewer = Viewer::connect(&url);
+    viewer.find("samples", |_| true);
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["cue"] == "open");
+    let journal = std::fs::read_dir(bench.out().join("anna"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .find(|path| path.extension().is_some_and(|ending| ending == "journal"))
+        .unwrap();
+    let stem = journal.file_stem().unwrap().to_str().unwrap();
+    let taken = journal.with_file_name(format!("{stem}_1.csv"));
+    std::fs::write(&taken, "somebody's").unwrap();
+    wish(&mut viewer, "finish");
+    viewer.find("session", |message| message["trouble"] != "");
+    wish(&mut viewer, "again");
+    viewer.find("session", |message| message["phase"] == "waiting");
+    let (code, told) = interrupt(child);
+    assert_eq!(code, Some(1), "{told}");
+    assert!(told.contains(journal.to_str().unwrap()), "{told}");
+    assert_eq!(std::fs::read(&taken).unwrap(), b"somebody's");
+    assert_eq!(bench.journals(), 1);
+}
+
+#[test]
+fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_end() {
+    let bench = Bench::new();
+    let (child, url) = bench.start("");
+    let mut viewer = Viewer::connect(&url);
+    viewer.find("samples", |_| true);
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["cue"] == "open");
+    std::fs::remove_dir_all(bench.out().join("anna")).unwrap();
+    let held = viewer.find("session", |message| message["phase"] == "held");
+    assert_eq!(held["why"], "gone", "{held}");
+    wish(&mut viewer, "begin");
+    reach(&mut viewer, |message| message["cue"] == "close");
+    wish(&mut viewer, "finish");
+    let kept = viewer.find("kept", |_| true);
+    assert!(kept["files"].as_array().unwrap().len() >= 2, "{kept}");
+    let (code, told) = interrupt(child);
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("written anew"), "{told}");
+    let files = recorded(&bench.out());
+    assert_equal(&files, &bench.samples);
+    // From the countdown on, before the folder was deleted.
+    assert!(files[0].len() > 200, "{}", files[0].len());
 }
 
 /// Set for the process alone, the rest of its line: somebody may run all ignored tests.

@@ -9,6 +9,7 @@ use serde::Deserialize as _;
 use serde::de::{IntoDeserializer as _, value};
 
 use crate::cli::arguments::every_recording;
+use crate::cli::output::{PAGE, first_line, refuse_unlike};
 use crate::dataset::labels::lag::LabelLag;
 use crate::dataset::losses::MOST_PERCENT;
 use crate::execution::progress;
@@ -84,7 +85,7 @@ pub(in crate::cli) struct Options {
         value_parser = label_lag
     )]
     label_lag: LabelLag,
-    /// Page to write, the worst person first.
+    /// Page to write, the worst person first. An earlier page is replaced, no other file.
     #[arg(
         long,
         value_name = "FILE",
@@ -92,7 +93,7 @@ pub(in crate::cli) struct Options {
         default_value = "evaluation.html"
     )]
     report: PathBuf,
-    /// CSV file to write: a row for each person and model.
+    /// CSV file to write: a row for each person and model. An earlier one is replaced, no other file.
     #[arg(long, value_name = "FILE", requires = "data")]
     csv: Option<PathBuf>,
 }
@@ -147,6 +148,7 @@ pub(in crate::cli) fn run(
         label_lag: options.label_lag,
         ..options.people.selection()
     };
+    refuse_unlike(&options.report, PAGE)?;
     let evaluation = evaluate_models(&models, &library, &selection)?;
     let results = &evaluation.results;
     warn(results);
@@ -157,7 +159,9 @@ pub(in crate::cli) fn run(
         &options.report,
     )?;
     if let Some(path) = &options.csv {
-        write_whole(path, &people_rows(results).csv()?)?;
+        let table = people_rows(results).csv()?;
+        refuse_unlike(path, first_line(&table))?;
+        write_whole(path, &table)?;
     }
     let mut out = std::io::stdout().lock();
     if json {

@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use clap::Args;
 use shared::model::file::Model;
 
+use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use crate::execution::run_folder::write_whole;
 
@@ -26,7 +27,7 @@ pub struct Arguments {
     /// By how much it has to exceed that of movement outside the vocabulary, -50 to 50.
     #[arg(long, value_name = "MARGIN", allow_negative_numbers = true)]
     other: Option<f32>,
-    /// File to write; the model file itself if not given.
+    /// File to write; there must be none of this name. The model file itself if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -37,6 +38,9 @@ pub struct Arguments {
 /// When the model or a margin is refused, or the file cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
+    if let Some(out) = &arguments.out {
+        refuse_existing(out)?;
+    }
     let bytes = read_model(path)?;
     let file = Model::with_gate(&bytes, arguments.entry, arguments.other)
         .with_context(|| path.display().to_string())?;

@@ -12,6 +12,7 @@ mod info;
 #[cfg(test)]
 mod killed;
 mod live;
+mod output;
 mod personalize;
 mod predict;
 mod presets;
@@ -149,8 +150,7 @@ impl Cli {
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
                 // That an old model is kept is an answer.
-                let kept = matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }));
-                let start = if kept { "" } else { "error: " };
+                let start = if keeps_the_old(&error) { "" } else { "error: " };
                 let message = printable_lines(&format!("{error:#}"));
                 progress::log(&format!("{start}{message}"));
                 let interrupted = is_interrupt(&error);
@@ -168,7 +168,7 @@ impl Command {
     const fn advice(&self) -> &'static str {
         match self {
             Self::Quickstart(_) | Self::Train(_) | Self::Distill(_) => {
-                "to continue, give the same command and --resume"
+                "to continue, give the same command and --resume (without --overwrite)"
             }
             _ => "to try again, give the same command",
         }
@@ -186,13 +186,20 @@ fn printable_lines(message: &str) -> String {
 pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
         ExitCode::from(130)
-    } else if matches!(error.downcast_ref(), Some(NotWritten::Worse { .. })) {
+    } else if keeps_the_old(error) {
         ExitCode::from(KEPT)
     } else if is_wrong_argument(error) {
         ExitCode::from(2)
     } else {
         ExitCode::FAILURE
     }
+}
+
+/// Whether the answer of `personalize` is to go on with the old model.
+fn keeps_the_old(error: &anyhow::Error) -> bool {
+    let refused = error.downcast_ref::<PersonalizeError>();
+    matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }))
+        || refused.is_some_and(PersonalizeError::keeps_the_old)
 }
 
 /// Whether the user interrupted.

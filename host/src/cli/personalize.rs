@@ -7,20 +7,23 @@ use clap::Args;
 use thiserror::Error;
 
 use crate::cli::arguments::{BackendArguments, every_recording};
+use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
 use crate::execution::run_folder::write_whole;
 use crate::report::personalization::table;
-use crate::run::personalize::{TuningSettings, personalize};
+use crate::run::personalize::{TuningSettings, Worse, personalize};
 
 /// Arguments of `personalize`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "A few minutes of rest and of each gesture in turn, with labels, are enough; docs/personalization.md says what they gain.\n\
     The last third of the recordings is held back: both models are judged on it as `evaluate --model` does. The new file is written\n\
-    only if neither balanced accuracy nor transition accuracy nor the share of gestures recognised is lower there; otherwise\n\
-    nothing is written and the exit code is 3: go on with the old file.\n\n\
+    only if its balanced accuracy there is 0.2 above that of always saying relax; if neither balanced accuracy nor transition\n\
+    accuracy nor the share of gestures recognised is lower than before; and if rest and other movement do not raise more labels\n\
+    (2 a minute of rest, a tenth of the other movements). Otherwise nothing is written and the exit code is 3: go on with the\n\
+    old file. So it is if two classes seem exchanged in the labels.\n\n\
     Example:\n  myointent personalize --model models/three-class.intent --data MINE --out mine.intent"
 )]
 pub struct Arguments {
@@ -49,19 +52,15 @@ pub struct Arguments {
 /// The new model was not written.
 #[derive(Debug, Error)]
 pub(super) enum NotWritten {
-    /// There is a file of that name.
-    #[error("{path} exists already: give another name with --out, or remove it")]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
     /// It is worse than the old one.
     #[error(
-        "the tuned model is worse than {model} on the part held back: nothing was written, go on with {model}; more recordings may help"
+        "on the part held back {why}: nothing was written, go on with {model}; more recordings may help"
     )]
     Worse {
         /// The old model file.
         model: PathBuf,
+        /// What is worse.
+        why: Worse,
     },
 }
 
@@ -74,9 +73,7 @@ pub(super) const KEPT: u8 = 3;
 /// When the model or the recordings are refused, there is a file already, the new model is worse or the user interrupts.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (path, out) = (&arguments.model, &arguments.out);
-    if out.exists() {
-        return Err(NotWritten::Exists { path: out.clone() }.into());
-    }
+    refuse_existing(out)?;
     let bytes = read_model(path)?;
     let device = arguments.backend.device()?;
     let library = every_recording(&arguments.data, arguments.strict)?;
@@ -106,9 +103,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     );
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", table(&caption, &done.scores).plain())?;
-    if !done.is_not_worse() {
+    if let Some(why) = done.worse() {
         let model = path.clone();
-        return Err(NotWritten::Worse { model }.into());
+        return Err(NotWritten::Worse { model, why }.into());
     }
     write_whole(out, &done.bytes)?;
     writeln!(stdout, "{} ({} bytes)", out.display(), done.bytes.len())?;

@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::arguments::{BackendArguments, every_recording, find_run, recordings};
 use super::evaluate_models::{PeopleArguments, warn, warn_of_test_people};
+use super::output::{PAGE, refuse_unlike};
 use crate::dataset::Library;
 use crate::dataset::split::circles::is_test;
 use crate::execution::progress;
@@ -36,7 +37,7 @@ pub struct Arguments {
     /// Evaluate on the recordings below DIR.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Page to write.
+    /// Page to write. An earlier page is replaced, no other file.
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     out: PathBuf,
     #[command(flatten)]
@@ -56,6 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             arguments.reported.len()
         );
     }
+    refuse_unlike(&arguments.out, PAGE)?;
     let reported = match &arguments.data {
         Some(data) => models(arguments, data)?,
         None => runs(arguments)?,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::every_recording;
+use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use crate::execution::run_folder::write_whole;
 use crate::run::template::model_with_template;
@@ -25,7 +26,7 @@ pub struct Arguments {
     /// Folder of the recordings that the model was trained on.
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// File to write; the model file itself if not given.
+    /// File to write; there must be none of this name. The model file itself if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Refuse damaged files instead of leaving them out.
@@ -39,6 +40,9 @@ pub struct Arguments {
 /// When the model or the recordings are refused, or too few of its people open the hand.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
+    if let Some(out) = &arguments.out {
+        refuse_existing(out)?;
+    }
     let bytes = read_model(path)?;
     let library = every_recording(&arguments.data, arguments.strict)?;
     let (file, people) = model_with_template(&bytes, &library)?;

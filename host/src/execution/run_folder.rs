@@ -30,6 +30,17 @@ const CHECKPOINT: &str = ".checkpoint";
 /// Ending of the name of a file with a line of metrics an epoch.
 const METRICS: &str = ".jsonl";
 
+/// Endings of the names of what a run makes, and somebody may want to keep.
+const OF_A_RUN: [&str; 7] = [
+    ".bpk",
+    CHECKPOINT,
+    ".intent",
+    METRICS,
+    "config.json",
+    "report.html",
+    "results.json",
+];
+
 /// The folder of one run.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
@@ -54,6 +65,31 @@ impl RunFolder {
         let path = path.into();
         fs::create_dir_all(&path).map_err(|source| RunError::io(&path, source))?;
         Self { path, lock: None }.locked()
+    }
+
+    /// Refuses a folder that holds files of a run: a run that begins there would replace them.
+    ///
+    /// # Errors
+    /// [`RunError::Exists`] with the first such file.
+    pub(crate) fn refuse_run(path: &Path) -> Result<(), RunError> {
+        let entries = match fs::read_dir(path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            entries => entries.map_err(|source| RunError::io(path, source))?,
+        };
+        let mut names = Vec::new();
+        for entry in entries {
+            let entry = entry.map_err(|source| RunError::io(path, source))?;
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+        names.sort();
+        let is_run = |name: &String| OF_A_RUN.iter().any(|ending| name.ends_with(ending));
+        match names.into_iter().find(is_run) {
+            Some(found) => Err(RunError::Exists {
+                path: path.to_owned(),
+                found,
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Opens the folder of an earlier command to read. Every file in it is whole at any time, so that needs no lock.

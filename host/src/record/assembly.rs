@@ -4,6 +4,7 @@
 //! repeating the last one, and said so; more begin another recording.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use shared::intent::Intent;
 use shared::stream::alignment::Alignment;
@@ -13,6 +14,9 @@ use super::journal::Entry;
 use super::session::{Bad, Continuity, Continuous};
 use crate::dataset::labels::cued::{Hold, follow};
 use crate::dataset::labels::motion::motions;
+
+/// Samples of rest on either side of where a long part is cut.
+const REST_AROUND: usize = 100;
 
 /// A recording, one entry a sample in each list.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -188,6 +192,26 @@ const fn has_come(at: u32, index: u32) -> bool {
 }
 
 impl Part {
+    /// The part in files of at most so many samples. A file ends in the middle of a rest where there is one in its second half.
+    pub(crate) fn files(&self, most: usize) -> Vec<Range<usize>> {
+        let mut files = Vec::new();
+        let mut start = 0;
+        while self.samples.len() - start > most {
+            let is_rest = |at: usize| {
+                let around = &self.labels[at - REST_AROUND..at + REST_AROUND];
+                around.iter().all(|label| *label == Some(Intent::Relax))
+            };
+            let latest = start + most - REST_AROUND;
+            let earliest = start + (most / 2).max(REST_AROUND);
+            let cut = (earliest..latest).rev().find(|&at| is_rest(at));
+            let end = cut.unwrap_or(start + most);
+            files.push(start..end);
+            start = end;
+        }
+        files.push(start..self.samples.len());
+        files
+    }
+
     fn label(&mut self, bad: &BTreeMap<u32, Bad>) {
         let followed = follow(&self.samples, &motions(&self.cues));
         self.labels = followed

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use shared::intent::Intent;
-use shared::units::Sample;
+use shared::units::{SAMPLE_RATE_HZ, Sample};
 
 use super::assembly::assemble;
 use super::journal::{ENDING, JournalError, open};
@@ -16,6 +16,9 @@ use crate::execution::run_folder::{RunError, write_whole};
 
 /// Ending of a journal that the disk has damaged.
 const DAMAGED: &str = "journal.damaged";
+
+/// Most samples of a recording: an hour, which is a third of what readers take from one file.
+const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 
 /// What was kept of a session.
 #[derive(Clone, PartialEq, Debug)]
@@ -84,9 +87,13 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
         .parts
         .iter()
         .filter(|part| part.cues.iter().any(Option::is_some));
-    for (place, part) in cued.enumerate() {
+    let pieces = cued.flat_map(|part| {
+        let files = part.files(LONGEST).into_iter();
+        files.map(move |samples| (part, samples))
+    });
+    for (place, (part, piece)) in pieces.enumerate() {
         let path = file(journal, place + 1);
-        let text = csv(&take, part, header.synthetic);
+        let text = csv(&take, part, piece.clone(), header.synthetic);
         // The journal itself may have made it: a program that was killed half-way.
         let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
         if path.exists() && !is_own {
@@ -97,12 +104,10 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
             error,
         })?;
         let read = load(&path, &LoadOptions::default())?;
-        let placed = part.placements.iter().zip(&part.samples);
-        let samples: Vec<Sample> = placed
-            .map(|(placement, sample)| placement.apply(*sample))
-            .collect();
+        let place = |at: usize| part.placements[at].apply(part.samples[at]);
+        let samples: Vec<Sample> = piece.clone().map(place).collect();
         let same = read.recordings.first().is_some_and(|recording| {
-            recording.samples == samples && recording.labels == part.labels
+            recording.samples == samples && recording.labels == part.labels[piece]
         });
         if !same {
             return Err(KeepError::Unlike { path });

@@ -5,6 +5,7 @@
 //! `turn` and `mirrored`, how the armband sat, as the board was aligned: the reader turns the channels so, as the board does.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use shared::intent::Intent;
 use shared::units::CHANNELS;
@@ -14,8 +15,8 @@ use crate::dataset::readers::formats::react_emg::{
     MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
 
-/// The text of one recording; of nobody's muscles if `synthetic`.
-pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
+/// The text of some samples of a part; of nobody's muscles if `synthetic`.
+pub(crate) fn csv(take: &Take, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
     let channels: String = (0..CHANNELS)
         .map(|channel| format!(",emg_{channel}"))
         .collect();
@@ -32,7 +33,7 @@ pub(crate) fn csv(take: &Take, part: &Part, synthetic: bool) -> String {
         Some(intent) => intent.class().to_string(),
         None => "-1".to_owned(),
     };
-    for place in 0..part.samples.len() {
+    for place in samples {
         text += &class(part.labels[place]);
         for value in part.samples[place] {
             // Writing to a string cannot fail.

@@ -32,6 +32,8 @@ pub const BUILT_IN: [(&str, &str); 5] = [
 const SECONDS: RangeInclusive<f64> = 1.0..=60.0;
 /// Seconds before a round.
 const PAUSE: RangeInclusive<f64> = 1.0..=120.0;
+/// Hours of a session: a journal has room for it, and for as many trials again that are repeated.
+const HOURS: RangeInclusive<f64> = 0.0..=8.0;
 const MOST_ROUNDS: u32 = 50;
 /// Classes of a sequence.
 const MOST_STEPS: usize = 500;
@@ -108,20 +110,19 @@ impl Protocol {
             name: name.to_owned(),
             error: error.to_string().trim_end().to_owned(),
         })?;
-        let course = found.course().map_err(|fault| ProtocolError::Wrong {
+        let wrong = |fault| ProtocolError::Wrong {
             name: name.to_owned(),
             fault,
-        });
-        let pause = bounded("pause", found.pause, &PAUSE);
+        };
         let stem = Path::new(name).file_stem().unwrap_or_default();
-        Ok(Self {
+        let protocol = Self {
             name: stem.to_string_lossy().into_owned(),
-            course: course?,
-            pause: samples(pause.map_err(|fault| ProtocolError::Wrong {
-                name: name.to_owned(),
-                fault,
-            })?),
-        })
+            course: found.course().map_err(wrong)?,
+            pause: samples(bounded("pause", found.pause, &PAUSE).map_err(wrong)?),
+        };
+        let hours = protocol.samples().unwrap_or(0) as f64 / f64::from(3600 * SAMPLE_RATE_HZ);
+        bounded("hours of a session", hours, &HOURS).map_err(wrong)?;
+        Ok(protocol)
     }
 
     /// The classes that occur, in class order.

@@ -4,12 +4,13 @@ use super::Table;
 use crate::evaluation::{Measure, Score};
 
 /// Measures that are shown, with their decimals.
-const SHOWN: [(Measure, usize); 6] = [
+const SHOWN: [(Measure, usize); 7] = [
     (Measure::BalancedAccuracy, 3),
     (Measure::TransitionAccuracy, 3),
     (Measure::Recognition, 3),
     (Measure::FalseActivations, 1),
     (Measure::OtherActivations, 1),
+    (Measure::Raised, 2),
     (Measure::Flicker, 1),
 ];
 

@@ -11,7 +11,8 @@ use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::personalize::{
-    Part, Person, PersonalizeError, TuningSettings, judge, not_worse, tune,
+    ABOVE_CONSTANT, Part, Person, PersonalizeError, TuningSettings, exchange, judge,
+    judge_constant, tune, worse,
 };
 
 /// Measures that are kept, in this order.
@@ -142,10 +143,14 @@ impl Measurement<'_> {
                 Ok((first, held_back)) => {
                     let file = tuned(&first)?;
                     let [old, new] = [model, &file].map(|file| judge("", file, &held_back));
-                    Some(if not_worse(&old?, &new?) {
-                        Outcome::Written(values(&file)?)
-                    } else {
+                    let vocabulary = Model::parse(model)?.header.dimensions.vocabulary;
+                    let constant = judge_constant(&held_back, vocabulary)?;
+                    let is_kept = exchange(model, &part)?.is_some_and(|found| found.is_mutual)
+                        || worse(&old?, &new?, &constant).is_some();
+                    Some(if is_kept {
                         Outcome::Kept
+                    } else {
+                        Outcome::Written(values(&file)?)
                     })
                 }
             };
@@ -185,6 +190,7 @@ impl Measurement<'_> {
             self.amounts,
             self.settings,
             self.with_rule,
+            ABOVE_CONSTANT,
         ))
     }
 }

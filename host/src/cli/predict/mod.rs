@@ -15,6 +15,7 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 use self::matrix::{Format, Matrix};
 use super::arguments::BackendArguments;
 use super::replay::one_recording;
+use crate::cli::output::{first_line, refuse_unlike};
 use crate::cli::read_model;
 use crate::dataset::npy::{self, Values};
 use crate::evaluation::smooth;
@@ -71,7 +72,7 @@ pub struct Arguments {
     /// One window of raw samples as npy, 600 x 8.
     #[arg(long, value_name = "FILE.npy")]
     window: Option<PathBuf>,
-    /// File to write: .npy (f32) or .csv.
+    /// File to write: .npy (f32) or .csv. Earlier predictions of the same columns are replaced, no other file.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -92,7 +93,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         bail!("no input: give --recording or --window");
     };
-    Ok(write_whole(&arguments.out, &matrix.encode(format))?)
+    let bytes = matrix.encode(format);
+    refuse_unlike(&arguments.out, first_line(&bytes))?;
+    Ok(write_whole(&arguments.out, &bytes)?)
 }
 
 /// Logits of every patch, number of classes and how they are smoothed.

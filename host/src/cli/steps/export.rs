@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, find_run};
+use crate::cli::output::refuse_existing;
 use crate::run::context::load_teacher;
 use crate::teacher::checkpoint;
 
@@ -19,7 +20,7 @@ pub struct Arguments {
     /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// File to write; `teacher.safetensors` in the run folder if not given.
+    /// File to write; there must be none of this name. `teacher.safetensors` in the run folder if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -32,8 +33,9 @@ pub struct Arguments {
 /// When the run folder holds no teacher or the file cannot be written.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (mut folder, config) = find_run(&arguments.run)?;
-    if arguments.out.is_none() {
-        folder = folder.locked()?;
+    match &arguments.out {
+        Some(out) => refuse_existing(out)?,
+        None => folder = folder.locked()?,
     }
     let out = arguments
         .out

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, open_run};
+use crate::cli::output::refuse_existing;
 use crate::run::quantize::{MODEL, quantize};
 
 /// Arguments of `quantize`.
@@ -14,7 +15,7 @@ pub struct Arguments {
     /// Run folder of `myointent distill`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Model file to write; `student.intent` in the run folder if not given.
+    /// Model file to write; there must be none of this name. `student.intent` in the run folder if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -26,6 +27,9 @@ pub struct Arguments {
 /// # Errors
 /// When the run folder holds no student or the file cannot be written.
 pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(out) = &arguments.out {
+        refuse_existing(out)?;
+    }
     let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out

@@ -41,6 +41,9 @@ pub struct Arguments {
     /// they must be those that the run began with.
     #[arg(long)]
     resume: bool,
+    /// Begin anew in a run folder that holds a run, in its place. Without it, such a folder is refused.
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// Train the teacher even if the preset's student does not learn from it.
     #[arg(long)]
     teacher: bool,
@@ -133,6 +136,9 @@ fn begin(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> {
     let run = &arguments.run;
     if arguments.resume && !repeated(arguments) {
         return resume_run(run, arguments.backend, &arguments.data, None);
+    }
+    if !arguments.resume && !arguments.overwrite {
+        RunFolder::refuse_run(run)?;
     }
     let device = arguments.backend.device()?;
     let library = arguments.data.load(&preset)?;

@@ -54,6 +54,9 @@ pub struct Arguments {
     /// given, they must be those that the run began with.
     #[arg(long)]
     resume: bool,
+    /// Begin anew in a run folder that holds a run, in its place. Without it, such a folder is refused.
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     #[command(flatten)]
     data: DataArguments,
     #[command(flatten)]
@@ -115,6 +118,9 @@ fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
 }
 
 fn begin(arguments: &Arguments) -> anyhow::Result<RunContext> {
+    if !arguments.overwrite {
+        RunFolder::refuse_run(&arguments.run)?;
+    }
     let device = arguments.backend.device()?;
     let (config, library) = resolve(arguments)?;
     let folder = RunFolder::open(&arguments.run)?;

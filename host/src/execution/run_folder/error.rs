@@ -35,7 +35,7 @@ pub enum RunError {
     },
     /// A checkpoint of another training.
     #[error(
-        "{path} is a checkpoint of a training with other settings, people or recordings, or from another teacher: leave out --resume to begin anew, or give another run folder"
+        "{path} is a checkpoint of a training with other settings, people or recordings, or from another teacher: give --overwrite in place of --resume to begin anew, or another run folder"
     )]
     OtherTraining {
         /// The checkpoint.
@@ -43,7 +43,7 @@ pub enum RunError {
     },
     /// The configuration to resume with is not that of the run.
     #[error(
-        "{path} was begun with another configuration than this command gives ({difference}): leave out --resume to begin anew, or repeat the command that began it"
+        "{path} was begun with another configuration than this command gives ({difference}): give --overwrite in place of --resume to begin anew, or repeat the command that began it"
     )]
     OtherConfiguration {
         /// The run's configuration.
@@ -58,6 +58,16 @@ pub enum RunError {
     OtherRecordings {
         /// The run's folder.
         path: PathBuf,
+    },
+    /// The folder of a run that begins holds files of another one.
+    #[error(
+        "{path} holds a run already ({found}), and a new one would replace it: give another folder with --run; or --resume, to go on with that run; or --overwrite, to begin anew in its place"
+    )]
+    Exists {
+        /// The run's folder.
+        path: PathBuf,
+        /// One of its files.
+        found: String,
     },
     /// Another process writes into the folder.
     #[error("{path} is in use by {holder}; wait until it has finished, or give another run folder")]

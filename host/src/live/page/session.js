@@ -11,6 +11,7 @@ const HELD = {
   silent: "No samples are coming",
   losses: "Too many samples are lost",
   disk: "The disk takes no more",
+  gone: "The file of this session is gone",
 };
 
 const HINTS = {
@@ -20,6 +21,7 @@ const HINTS = {
   silent: "What was recorded is kept. Is the armband connected and close? Go on when the traces move.",
   losses: "Bring armband and board closer together, then go on. What was lost is asked for again.",
   disk: "What was recorded is kept. Free some space, then go on.",
+  gone: "Leave the folder of the recordings where it is, then go on.",
 };
 
 const KEYS = { b: "bind", k: "skip", Enter: "begin", r: "repeat", h: "hold", e: "finish", t: "tune", i: "install", n: "again" };

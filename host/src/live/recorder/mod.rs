@@ -87,16 +87,29 @@ struct Running {
     /// How the armband sits, as the board is aligned.
     placement: Alignment,
     trouble: String,
+    /// What has happened to the journal, until the person goes on.
+    notice: String,
+    /// What was not kept of earlier sessions.
+    unkept: Vec<Unkept>,
     tuning: Option<Receiver<Heard>>,
     /// The model file that was tuned last.
     tuned: Option<Vec<u8>>,
+}
+
+/// What was not kept of a session.
+#[derive(Debug)]
+struct Unkept {
+    /// The journal of which no recordings could be made; none if it is not whole.
+    journal: Option<PathBuf>,
+    /// What viewers were told.
+    told: String,
 }
 
 impl Recorder {
     /// Leads through sessions until it is stopped, or an unattended one is over; then ends and keeps the one in progress.
     ///
     /// # Errors
-    /// When an unattended session cannot be written; viewers are told otherwise.
+    /// When an unattended session cannot be written, or recordings of a session could not be made until the end.
     pub(super) fn run(
         self,
         events: &Receiver<Event>,
@@ -111,9 +124,12 @@ impl Recorder {
             told: None,
             placement: Alignment::NONE,
             trouble: String::new(),
+            notice: String::new(),
+            unkept: Vec::new(),
             tuning: None,
             tuned: None,
         };
+        let mut led = Ok(());
         loop {
             running.tell();
             // Asked before the events are read: what was published before a stop is still taken.
@@ -135,15 +151,22 @@ impl Recorder {
                 Err(_) => break,
             }
             running.flush();
-            if running.recorder.options.unattended && running.lead()? {
-                break;
+            if running.recorder.options.unattended {
+                match running.lead() {
+                    Ok(false) => {}
+                    Ok(true) => break,
+                    Err(error) => {
+                        led = Err(error);
+                        break;
+                    }
+                }
             }
         }
         if running.journal.is_some() {
             running.wish(Wish::Action(Action::Finish));
             running.tell();
         }
-        Ok(())
+        running.keep_the_rest().and(led)
     }
 }
 
@@ -211,12 +234,16 @@ impl Running {
                 if action == Action::Begin && self.journal.is_none() && !self.create() {
                     return;
                 }
+                if action == Action::Begin {
+                    self.notice.clear();
+                }
                 self.handle(now, Input::Action(action));
             }
             Wish::LeaderLeft => self.handle(now, Input::Hold(Held::LeaderLeft)),
             Wish::Again if self.session.is_over() => {
                 self.session = Session::new(self.recorder.options.protocol.clone());
                 self.trouble.clear();
+                self.notice.clear();
                 self.recorder.hub.forget_session();
             }
             Wish::Tune if self.tuning.is_none() && self.journal.is_none() => self.tune(),
@@ -239,9 +266,11 @@ impl Running {
     pub(super) fn tell(&mut self) {
         let view = self.session.view();
         if self.told.as_ref() != Some(&view) {
+            let told = [&self.trouble, &self.notice];
+            let trouble = told.into_iter().find(|text| !text.is_empty());
             self.recorder.hub.publish(&Event::Session {
                 view: view.clone(),
-                trouble: self.trouble.clone(),
+                trouble: trouble.cloned().unwrap_or_default(),
             });
             self.told = Some(view);
         }

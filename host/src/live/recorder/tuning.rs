@@ -13,7 +13,7 @@ use crate::live::event::Event;
 use crate::live::outcome::{Row, Tuning};
 use crate::run::personalize::{Personalized, TuningSettings, personalize};
 
-/// Measures that are shown; the first three decide.
+/// Measures that are shown; all of them decide.
 const SHOWN: [(Measure, &str); 4] = [
     (Measure::BalancedAccuracy, "balanced accuracy"),
     (Measure::TransitionAccuracy, "transition accuracy"),
@@ -148,25 +148,30 @@ fn told(done: Personalized, out: &Path, next: Vec<String>, installs: bool) -> Ou
         "on the {:.0} s held back, after {:.0} s to tune on",
         done.judged_seconds, done.tuned_seconds
     );
-    let worse = Tuning {
-        state: "worse",
-        text: format!(
-            "the tuned one is worse {held}. Nothing is written; more recordings may help."
-        ),
+    let judged = Tuning {
         rows: rows.to_vec(),
         ..Tuning::default()
     };
-    if !done.is_not_worse() {
+    let doubt = match &done.doubt[..] {
+        "" => String::new(),
+        doubt => format!(" {doubt}."),
+    };
+    if let Some(why) = done.worse() {
+        let worse = Tuning {
+            state: "worse",
+            text: format!("{held} {why}. Nothing is written; more recordings may help.{doubt}"),
+            ..judged
+        };
         return (worse, None);
     }
     match write_whole(out, &done.bytes) {
         Ok(()) => {
             let better = Tuning {
                 state: "better",
-                text: format!("not worse {held}. It is in {}", out.display()),
+                text: format!("not worse {held}. It is in {}.{doubt}", out.display()),
                 commands: next,
                 installs,
-                ..worse
+                ..judged
             };
             (better, Some(done.bytes))
         }

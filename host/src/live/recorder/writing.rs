@@ -1,17 +1,19 @@
 //! What a session says and hears, into its journal; and recordings of that at its end.
 
+use std::path::PathBuf;
 use std::time::SystemTime;
 
 use shared::intent::Intent;
 
 use super::told::told;
-use super::{RecordOptions, Running};
+use super::{RecordOptions, Running, Unkept};
+use crate::execution::progress;
 use crate::execution::run_folder::utc;
 use crate::live::event::Event;
-use crate::record::journal::{ENDING, Entry, Header, Journal};
+use crate::record::journal::{ENDING, Entry, Flushed, Header, Journal, WriteError};
 use crate::record::keep;
 use crate::record::protocol::Course;
-use crate::record::session::{Held, Input, Output};
+use crate::record::session::{Action, Held, Input, Output};
 
 impl Running {
     /// A new journal; false if there is none, which viewers are told.
@@ -87,23 +89,62 @@ impl Running {
             return;
         };
         match journal.flush(now) {
-            Ok(()) if self.trouble.is_empty() => {}
-            Ok(()) => {
-                self.trouble.clear();
-                self.told = None;
+            Ok(Flushed::InPlace) if journal.is_full() => {
+                self.note(
+                    "a session cannot last longer: it is ended and kept; record another one"
+                        .to_owned(),
+                );
+                self.handle(now, Input::Action(Action::Finish));
+            }
+            Ok(Flushed::InPlace) => self.is_well(),
+            Ok(Flushed::Anew { gone }) => {
+                let path = journal.path().display();
+                let text = format!(
+                    "{} was deleted, moved or replaced: all of the session was written anew to {path}. If it was moved, what was \
+                    written before is in the moved file, too",
+                    gone.display()
+                );
+                self.is_well();
+                self.note(text);
+                self.handle(now, Input::Hold(Held::Gone));
             }
             Err(error) => {
-                let path = journal.path().display();
+                let held = match error {
+                    WriteError::Gone { .. } => Held::Gone,
+                    _ => Held::Disk,
+                };
                 let trouble = format!(
-                    "{path}: {error}; what was recorded is kept, and writing is tried again"
+                    "{error}; what was recorded is kept while this program runs, and writing is tried again"
                 );
-                if self.trouble != trouble {
-                    self.trouble = trouble;
-                    self.told = None;
+                // An error that names only how often it was tried is no other trouble.
+                if self.trouble.is_empty() {
+                    self.fail(trouble);
                 }
-                self.handle(now, Input::Hold(Held::Disk));
+                self.handle(now, Input::Hold(held));
             }
         }
+    }
+
+    /// The journal is written again.
+    fn is_well(&mut self) {
+        if !self.trouble.is_empty() {
+            self.trouble.clear();
+            self.told = None;
+        }
+    }
+
+    /// Tells viewers and the terminal what has happened, until the person goes on.
+    fn note(&mut self, text: String) {
+        progress::log(&format!("warning: {text}"));
+        self.notice = text;
+        self.told = None;
+    }
+
+    /// Tells viewers and the terminal what goes wrong, until it does not.
+    fn fail(&mut self, text: String) {
+        progress::log(&format!("warning: {text}"));
+        self.trouble = text;
+        self.told = None;
     }
 
     pub(super) fn end_if_over(&mut self) {
@@ -115,23 +156,60 @@ impl Running {
         };
         // Before what was kept: it takes a moment.
         self.tell();
-        let path = journal.path().to_owned();
-        let closed = journal
-            .close()
-            .map_err(|error| format!("{}: {error}", path.display()));
-        let kept = closed.and_then(|()| keep(&path).map_err(|error| error.to_string()));
-        match kept {
+        match journal.close() {
+            Ok(path) => self.keep(path),
+            Err(error) => {
+                let told = match error {
+                    WriteError::Elsewhere { .. } => error.to_string(),
+                    _ => format!("{error}. {NEXT_START}"),
+                };
+                self.unkept.push(Unkept {
+                    journal: None,
+                    told: told.clone(),
+                });
+                self.fail(told);
+            }
+        }
+    }
+
+    /// Makes recordings of a journal that is whole.
+    fn keep(&mut self, path: PathBuf) {
+        match keep(&path) {
             Ok(kept) => {
                 let kept = told(&kept, &self.recorder);
                 self.recorder.hub.publish(&Event::Kept(kept));
             }
             Err(error) => {
-                self.trouble = format!(
-                    "{error}. What was recorded is in {}: the next start of `myointent record` for this person makes it into recordings",
+                let told = format!(
+                    "{error}. What was recorded is in {}. {NEXT_START}",
                     path.display()
                 );
-                self.told = None;
+                self.fail(told.clone());
+                self.unkept.push(Unkept {
+                    journal: Some(path),
+                    told,
+                });
             }
         }
     }
+
+    /// Makes recordings of the journals of which none could be made before: the disk may have room now.
+    ///
+    /// # Errors
+    /// With what is not kept, and where the journals are.
+    pub(super) fn keep_the_rest(&mut self) -> anyhow::Result<()> {
+        let mut left = Vec::new();
+        for unkept in self.unkept.drain(..) {
+            let kept = unkept.journal.as_deref().map(keep);
+            if !matches!(kept, Some(Ok(_))) {
+                left.push(unkept.told);
+            }
+        }
+        anyhow::ensure!(left.is_empty(), "{}", left.join("\n"));
+        Ok(())
+    }
 }
+
+/// What to do about a journal that is left.
+const NEXT_START: &str =
+    "The next start of `myointent record` for this person makes recordings of the journal";

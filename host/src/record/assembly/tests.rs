@@ -169,3 +169,33 @@ fn samples_of_a_bad_trial_stay_and_have_no_label() {
     // The muscle still works when the next trial's rest begins: no rest, no gesture of that trial.
     assert_ne!(bad.parts[0].labels[1250], R);
 }
+
+#[test]
+fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
+    // Rest and gesture in turn, five seconds each.
+    let label = |at: usize| if at / 1000 % 2 == 0 { R } else { O };
+    let part = |labels: Vec<Option<Intent>>| Part {
+        samples: vec![[0; CHANNELS]; labels.len()],
+        labels,
+        ..Part::default()
+    };
+    let long = part((0..20_000).map(label).collect());
+    let files = long.files(6_500);
+    assert_eq!(files.first().unwrap().start, 0);
+    assert_eq!(files.last().unwrap().end, 20_000);
+    for pair in files.windows(2) {
+        let [before, after] = pair else {
+            unreachable!()
+        };
+        assert_eq!(before.end, after.start);
+        assert!(before.len() <= 6_500 && before.len() > 3_000, "{before:?}");
+        assert_eq!(long.labels[before.end - 100..before.end + 100], [R; 200]);
+    }
+    // Without a rest it is cut all the same.
+    let held = part(vec![O; 20_000]).files(6_500);
+    assert_eq!(
+        held,
+        [0..6_500, 6_500..13_000, 13_000..19_500, 19_500..20_000]
+    );
+    assert_eq!(part(vec![O; 6_500]).files(6_500), [0..6_500]);
+}

@@ -1,60 +1,35 @@
 //! The journal's file: new, locked while it is written, and on the disk once a second.
+//!
+//! A file is found by its name, so a journal that has lost its name is lost when the program ends. With each flush the name is
+//! looked up: where it leads to nothing or to another file, the journal is written anew from the open file.
 
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, Read as _};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read as _, Seek as _};
 use std::path::{Path, PathBuf};
 
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::entry::FORMAT;
+use super::error::{JournalError, LARGEST, WriteError, folder};
+use super::name::{free, is_named, lock, name, unnamed};
 use super::{Contents, Entry, Header, Writer, read};
 
-/// Ending of a journal's name.
-pub const ENDING: &str = "journal";
 /// How often it is brought to the disk: so much is lost if the power fails.
 const SYNC_MS: u32 = 1_000;
-/// Most bytes of a journal: 10 hours and more.
-const LARGEST: u64 = 256 << 20;
+/// Bytes of a journal at which its session has to end: what waits for the disk has room after it.
+const FULL: u64 = LARGEST - (32 << 20);
+/// Bytes of a second of samples, at least.
+const SECOND: usize = 3_500;
 
-/// Why a journal is not begun or not read.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    /// It cannot be made, written or read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        #[source]
-        source: io::Error,
-    },
-    /// A session writes it.
-    #[error("{} is being written by another session: end that first", path.display())]
-    Busy {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Its first line was being written: no sample was recorded.
-    #[error("{} has no whole first line: no sample was recorded in it", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
-    /// It does not begin as a journal does.
-    #[error("{}: the first line is damaged, so nobody can say whose it is; it is left as it is", path.display())]
-    Headless {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Of a later program.
-    #[error("{}: format {found}, this program reads {FORMAT}: use the program that wrote it, version {version}", path.display())]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// What it says.
-        found: u32,
-        /// Of the program.
-        version: String,
+/// What a flush has found.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Flushed {
+    /// The file is where it was.
+    InPlace,
+    /// The file was gone from a name: it was written anew, under this name or another one.
+    Anew {
+        /// The name that it had.
+        gone: PathBuf,
     },
 }
 
@@ -64,10 +39,14 @@ pub struct Journal {
     path: PathBuf,
     writer: Writer<File>,
     synced: Option<Millis>,
+    /// When it could not be written anew.
+    refused: Option<Millis>,
 }
 
 impl Journal {
     /// A new file, with its first line.
+    ///
+    /// It is locked before it has its name: another start, which takes journals that nobody has locked, cannot take it.
     ///
     /// # Errors
     /// When there is one of that name, or it cannot be written.
@@ -76,17 +55,21 @@ impl Journal {
             path: path.to_owned(),
             source,
         };
-        let file = OpenOptions::new().append(true).create_new(true).open(path);
-        let file = file.map_err(failed)?;
+        let (unnamed, file) = unnamed(path).map_err(failed)?;
         lock(path, &file)?;
         let mut writer = Writer::new(file);
         header.format = FORMAT;
         writer.entry(&Entry::Begin(header));
-        writer.flush().map_err(failed)?;
+        let named = writer.flush().and_then(|()| name(&unnamed, path));
+        named.map_err(|error| {
+            let _ = fs::remove_file(&unnamed);
+            failed(error)
+        })?;
         Ok(Self {
             path: path.to_owned(),
             writer,
             synced: None,
+            refused: None,
         })
     }
 
@@ -106,31 +89,100 @@ impl Journal {
         self.writer.entry(entry);
     }
 
-    /// Writes what waits, and once a second brings it to the disk.
+    /// Whether the session has to end: a longer journal is not read.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        let length = self.writer.get_ref().metadata();
+        length.is_ok_and(|file| file.len() > FULL)
+    }
+
+    /// Writes what waits, and once a second brings it to the disk; writes all of it anew if the file has lost its name.
     ///
     /// # Errors
     /// When the disk takes no more. What it has not taken is kept for the next time.
-    pub fn flush(&mut self, now: Millis) -> io::Result<()> {
-        self.writer.flush()?;
-        if self
-            .synced
-            .is_none_or(|last| now.elapsed_since(last) >= SYNC_MS)
-        {
-            self.writer.get_ref().sync_data()?;
+    pub fn flush(&mut self, now: Millis) -> Result<Flushed, WriteError> {
+        let mut flushed = Flushed::InPlace;
+        if !is_named(self.writer.get_ref(), &self.path) {
+            let gone = self.path.clone();
+            // A long journal is not copied in vain many times a second.
+            let waits = |last: Millis| now.elapsed_since(last) < SYNC_MS;
+            let anew = if self.refused.is_some_and(waits) {
+                Err(ErrorKind::ResourceBusy.into())
+            } else {
+                self.refused = Some(now);
+                self.write_anew(folder(&gone))
+            };
+            if let Err(source) = anew {
+                return Err(WriteError::Gone { path: gone, source });
+            }
+            flushed = Flushed::Anew { gone };
+        }
+        self.refused = None;
+        let is_due = |last: Millis| now.elapsed_since(last) >= SYNC_MS;
+        let mut written = self.writer.flush();
+        if written.is_ok() && self.synced.is_none_or(is_due) {
+            written = self.writer.get_ref().sync_data();
             self.synced = Some(now);
         }
-        Ok(())
+        let path = self.path.clone();
+        written.map_err(|source| WriteError::Disk { path, source })?;
+        Ok(flushed)
     }
 
-    /// Writes all of it to the disk and lets go of it.
+    /// Writes all of it to the disk and lets go of it. Returns its name, which is another one if the file had lost it.
     ///
     /// # Errors
     /// When the disk takes no more: what it has taken can be read.
-    pub fn close(mut self) -> io::Result<()> {
+    pub fn close(mut self) -> Result<PathBuf, WriteError> {
         self.writer.close();
-        self.writer.flush()?;
-        self.writer.get_ref().sync_all()?;
-        self.writer.get_ref().unlock()
+        let path = self.path.clone();
+        let mut elsewhere = false;
+        if !is_named(self.writer.get_ref(), &path)
+            && let Err(source) = self.write_anew(folder(&path))
+        {
+            // Whatever has become of the folder, the samples are not lost with the program.
+            if self.write_anew(&std::env::temp_dir()).is_err() {
+                return Err(WriteError::Gone { path, source });
+            }
+            elsewhere = true;
+        }
+        let written = self.writer.flush();
+        written
+            .and_then(|()| self.writer.get_ref().sync_all())
+            .map_err(|source| WriteError::Cut {
+                path: self.path.clone(),
+                seconds: self.writer.pending().div_ceil(SECOND),
+                source,
+            })?;
+        // Closing the file lets go of it, too.
+        let _ = self.writer.get_ref().unlock();
+        let found = self.path;
+        if elsewhere {
+            return Err(WriteError::Elsewhere { path, found });
+        }
+        Ok(found)
+    }
+
+    /// Copies what was written into a file of the same name in a folder, or of the next name if another file has it.
+    fn write_anew(&mut self, folder: &Path) -> io::Result<()> {
+        fs::create_dir_all(folder)?;
+        let wanted = folder.join(self.path.file_name().unwrap_or_default());
+        let path = free(&wanted);
+        let (unnamed, mut file) = unnamed(&path)?;
+        // Nobody else can have it yet.
+        let _ = file.try_lock();
+        let mut old = self.writer.get_ref();
+        let copied = old.rewind().and_then(|()| io::copy(&mut old, &mut file));
+        let named = copied
+            .and_then(|_| file.sync_all())
+            .and_then(|()| name(&unnamed, &path));
+        if let Err(error) = named {
+            let _ = fs::remove_file(&unnamed);
+            return Err(error);
+        }
+        self.writer.go_on_in(file);
+        self.path = path;
+        Ok(())
     }
 }
 
@@ -145,6 +197,11 @@ pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
     };
     let file = File::open(path).map_err(failed)?;
     lock(path, &file)?;
+    let found = file.metadata().map_err(failed)?.len();
+    if found > LARGEST {
+        let path = path.to_owned();
+        return Err(JournalError::Large { path, found });
+    }
     let mut bytes = Vec::new();
     // Through the handle that has the lock.
     (&file)
@@ -170,16 +227,5 @@ pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
         _ => Err(JournalError::Headless {
             path: path.to_owned(),
         }),
-    }
-}
-
-fn lock(path: &Path, file: &File) -> Result<(), JournalError> {
-    match file.try_lock() {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(JournalError::Busy {
-            path: path.to_owned(),
-        }),
-        // Not every file system has locks: without one two sessions are told apart by the time in their names.
-        Err(TryLockError::Error(_)) => Ok(()),
     }
 }

@@ -2,11 +2,15 @@
 //! checksum. Wherever it ends, all lines before are whole; it is made into recordings at the end, or by the next start.
 
 mod entry;
+mod error;
 mod file;
+mod name;
 mod writer;
 
 pub use self::entry::{Entry, Header};
-pub use self::file::{ENDING, Journal, JournalError, open};
+pub use self::error::{JournalError, WriteError};
+pub use self::file::{Flushed, Journal, open};
+pub use self::name::ENDING;
 pub use self::writer::Writer;
 
 /// What a journal says, as far as it is whole.

@@ -1,4 +1,6 @@
 use std::io::{self, Write};
+#[cfg(unix)]
+use std::path::Path;
 
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
@@ -196,6 +198,142 @@ fn a_journal_is_new_and_one_session_s_alone() {
         (found.person.as_str(), samples(&contents).len()),
         ("anna", 30)
     );
+}
+
+/// Writes 40 samples, lets something happen to the journal in the folder `anna`, writes 40 more, and reads what is in the
+/// folder then: the samples of the journal that has the most.
+#[cfg(unix)]
+fn written_around(trouble: impl FnOnce(&Path)) -> usize {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("anna");
+    std::fs::create_dir(&folder).unwrap();
+    let path = folder.join("anna_1.journal");
+    let mut journal = Journal::create(&path, header()).unwrap();
+    let write = |journal: &mut Journal, from: u32| {
+        for at in from..from + 40 {
+            journal.samples(SampleIndex(at), &[sample(at)]);
+        }
+        // Whether it was moved is another question.
+        let _ = journal.flush(Millis(50 * from));
+    };
+    write(&mut journal, 0);
+    trouble(&path);
+    write(&mut journal, 40);
+    let _ = journal.close();
+    let files = std::fs::read_dir(&folder).map(|files| files.flatten().collect());
+    let files: Vec<std::fs::DirEntry> = files.unwrap_or_default();
+    let journals = files.iter().filter_map(|file| open(&file.path()).ok());
+    let found = journals.map(|(_, found, contents)| {
+        assert_eq!(found.person, "anna");
+        let expected = (0..80).map(|at| (at, sample(at)));
+        assert!(
+            expected
+                .take(samples(&contents).len())
+                .eq(samples(&contents))
+        );
+        samples(&contents).len()
+    });
+    found.max().unwrap_or(0)
+}
+
+#[cfg(unix)]
+#[test]
+fn whatever_happens_to_the_file_or_its_folder_the_folder_has_all_samples_at_the_end() {
+    use std::fs;
+    let folder = |path: &Path| path.parent().unwrap().to_owned();
+    assert_eq!(written_around(|_| ()), 80);
+    assert_eq!(written_around(|path| fs::remove_file(path).unwrap()), 80);
+    let deleted = |path: &Path| fs::remove_dir_all(folder(path)).unwrap();
+    assert_eq!(written_around(deleted), 80);
+    let renamed = |path: &Path| fs::rename(folder(path), path.with_file_name("../anna-old"));
+    assert_eq!(written_around(|path| renamed(path).unwrap()), 80);
+    let moved = |path: &Path| fs::rename(path, path.with_file_name("elsewhere")).unwrap();
+    assert_eq!(written_around(moved), 80);
+    let replaced = |path: &Path| {
+        fs::remove_file(path).unwrap();
+        fs::write(path, "somebody's").unwrap();
+    };
+    assert_eq!(written_around(replaced), 80);
+    // A program that synchronises folders puts another copy in its place.
+    let synced = |path: &Path| {
+        let copy = path.with_extension("copy");
+        fs::copy(path, &copy).unwrap();
+        fs::rename(copy, path).unwrap();
+    };
+    assert_eq!(written_around(synced), 80);
+    let read_only = |path: &Path| {
+        let mut permissions = fs::metadata(folder(path)).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(folder(path), permissions).unwrap();
+    };
+    assert_eq!(written_around(read_only), 80);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_elsewhere() {
+    use std::fs;
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("anna");
+    let begin = |name: &str| {
+        fs::create_dir(&folder).unwrap();
+        let mut journal = Journal::create(&folder.join(name), header()).unwrap();
+        journal.samples(SampleIndex(0), &[sample(0); 20]);
+        assert_eq!(journal.flush(Millis(0)).unwrap(), Flushed::InPlace);
+        fs::remove_dir_all(&folder).unwrap();
+        fs::write(&folder, "somebody's").unwrap();
+        let refused = journal.flush(Millis(20)).unwrap_err();
+        assert!(matches!(refused, WriteError::Gone { .. }), "{refused}");
+        journal.samples(SampleIndex(20), &[sample(20); 20]);
+        journal
+    };
+    let mut journal = begin("a.journal");
+    fs::remove_file(&folder).unwrap();
+    // Not many times a second, but soon.
+    journal.flush(Millis(40)).unwrap_err();
+    let gone = folder.join("a.journal");
+    let anew = journal.flush(Millis(1040)).unwrap();
+    assert_eq!(anew, Flushed::Anew { gone: gone.clone() });
+    assert_eq!(journal.flush(Millis(1060)).unwrap(), Flushed::InPlace);
+    assert_eq!(journal.close().unwrap(), gone);
+    assert_eq!(samples(&open(&gone).unwrap().2).len(), 40);
+    fs::remove_dir_all(&folder).unwrap();
+
+    let name = format!("elsewhere-{}.journal", std::process::id());
+    let ended = begin(&name).close().unwrap_err();
+    let WriteError::Elsewhere { found, .. } = &ended else {
+        panic!("{ended}");
+    };
+    assert!(ended.to_string().contains(found.to_str().unwrap()));
+    assert_eq!(samples(&open(found).unwrap().2).len(), 40);
+    fs::remove_file(found).unwrap();
+    assert_eq!(fs::read(&folder).unwrap(), b"somebody's");
+}
+
+#[test]
+fn a_journal_is_full_before_it_is_too_long_to_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.journal");
+    let journal = Journal::create(&path, header()).unwrap();
+    let file = std::fs::File::options().append(true).open(&path).unwrap();
+    file.set_len(200 << 20).unwrap();
+    assert!(!journal.is_full());
+    file.set_len(230 << 20).unwrap();
+    assert!(journal.is_full());
+}
+
+#[test]
+fn a_journal_beyond_what_is_read_is_refused_and_not_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.journal");
+    std::fs::write(&path, journal(60)).unwrap();
+    let file = std::fs::File::options().append(true).open(&path).unwrap();
+    file.set_len((256 << 20) + 335).unwrap();
+    let told = match open(&path) {
+        Ok((_, _, contents)) => panic!("{} bytes left off", contents.left_off),
+        Err(error) => error.to_string(),
+    };
+    assert!(told.contains("256 MiB"), "{told}");
 }
 
 proptest::proptest! {

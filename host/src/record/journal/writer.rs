@@ -81,6 +81,16 @@ impl<W: Write> Writer<W> {
         self.out.flush()
     }
 
+    /// Goes on in another place, which has all that this one has taken.
+    pub fn go_on_in(&mut self, out: W) {
+        self.out = out;
+    }
+
+    /// Bytes that were not taken.
+    pub const fn pending(&self) -> usize {
+        self.pending.len()
+    }
+
     /// What it writes to.
     pub const fn get_ref(&self) -> &W {
         &self.out

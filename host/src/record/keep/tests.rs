@@ -252,3 +252,89 @@ fn a_damaged_journal_is_kept_beside_what_could_be_read() {
         bytes
     );
 }
+
+#[test]
+fn a_session_of_hours_becomes_recordings_that_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("anna_1.journal");
+    let header = Header {
+        format: 0,
+        version: "0.1.0".into(),
+        began: "2026-11-22T11:03:23Z".into(),
+        person: "anna".into(),
+        protocol: "free".into(),
+        classes: vec!["relax".into(), "open".into()],
+        free: true,
+        source: "demo".into(),
+        synthetic: false,
+    };
+    let mut journal = Journal::create(&path, header).unwrap();
+    let said = |output| Entry::of(output);
+    let first = SampleIndex(0);
+    journal.entry(&said(Output::Round {
+        number: 1,
+        at: first,
+    }));
+    // Four hours at rest with a gesture now and then, as wide in text as samples can be.
+    let (count, together) = (4 * 3600 * 200_u32, 2000);
+    for (trial, at) in (0..count).step_by(together).enumerate() {
+        let (at, trial) = (SampleIndex(at), trial as u32 + 1);
+        let gesture = trial % 8 == 0;
+        let cue = Some(if gesture { Intent::Open } else { Intent::Relax });
+        journal.entry(&said(Output::Cue { at, cue, trial }));
+        let level = if gesture { -127 } else { -100 };
+        let sample = |at: usize| [level - (at % 2) as i8; 8];
+        let samples: Vec<Sample> = (0..together).map(sample).collect();
+        journal.entry(&Entry::samples(at, &samples));
+        let _ = journal.flush(Millis(at.0));
+    }
+    let _ = journal.close();
+    let kept = keep(&path).unwrap();
+    let read = |file: &PathBuf| load(file, &LoadOptions::default()).unwrap();
+    let lengths = kept.files.iter().map(|file| {
+        let library = read(file);
+        assert_eq!(library.recordings.len(), 1, "{}", file.display());
+        library.recordings[0].samples.len()
+    });
+    assert_eq!(lengths.sum::<usize>(), count as usize);
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().to_owned();
+    let recovering = std::sync::atomic::AtomicBool::new(true);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while recovering.load(std::sync::atomic::Ordering::Relaxed) {
+                // A journal that has an end already is taken; one that is being written is not.
+                let _ = recover(&person);
+            }
+        });
+        for number in 0..1000 {
+            let path = person.join(format!("anna_{number}.journal"));
+            let header = Header {
+                format: 0,
+                version: "0.1.0".into(),
+                began: "2026-11-22T11:03:23Z".into(),
+                person: "anna".into(),
+                protocol: "free".into(),
+                classes: vec!["relax".into()],
+                free: true,
+                source: "demo".into(),
+                synthetic: false,
+            };
+            let journal = Journal::create(&path, header);
+            let is_there = path.exists();
+            recovering.store(
+                journal.is_ok() && is_there,
+                std::sync::atomic::Ordering::Relaxed,
+            );
+            let journal = journal.unwrap();
+            assert!(is_there, "begun {number} times, and gone");
+            drop(journal);
+        }
+        recovering.store(false, std::sync::atomic::Ordering::Relaxed);
+    });
+}

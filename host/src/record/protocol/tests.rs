@@ -87,6 +87,11 @@ fn what_cannot_be_done_is_refused_with_its_reason() {
     assert_eq!(number(&edit("open = 1.5", "open = 0.5")), "seconds of open");
     assert_eq!(number(&edit("open = 1.5", "open = nan")), "seconds of open");
     assert_eq!(number(&edit("open = 1.5", "open = 1e9")), "seconds of open");
+    let turns = "\"open\", \"relax\", ".repeat(200);
+    let long = format!(
+        "rounds = 5\npause = 3\nsequence = [\"relax\", {turns}]\n[seconds]\nrelax = 60\nopen = 60\n"
+    );
+    assert_eq!(number(&long), "hours of a session");
     assert_eq!(
         wrong(&edit("open = 1.5\n", "")),
         ProtocolFault::NoSeconds { missing: "open" }

@@ -52,6 +52,8 @@ pub enum Held {
     Losses,
     /// What comes cannot be written down.
     Disk,
+    /// What was written down was deleted, moved or replaced.
+    Gone,
 }
 
 /// Why a trial is not used.

@@ -195,6 +195,7 @@ fn a_stream_that_stands_or_goes_holds_the_session_and_the_trial_is_asked_for_aga
         (Input::Hold(Held::SourceLost), Held::SourceLost),
         (Input::Hold(Held::LeaderLeft), Held::LeaderLeft),
         (Input::Hold(Held::Disk), Held::Disk),
+        (Input::Hold(Held::Gone), Held::Gone),
         (Input::Action(Action::Hold), Held::Person),
     ] {
         let mut played = Played::begun(SHORT);

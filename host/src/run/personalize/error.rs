@@ -3,6 +3,7 @@
 use shared::model::file::ModelError;
 use thiserror::Error;
 
+use super::exchange::Exchange;
 use crate::evaluation::EvaluationError;
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
@@ -75,6 +76,9 @@ pub enum PersonalizeError {
         "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
     )]
     NoChange,
+    /// Two classes of the labels seem exchanged.
+    #[error("{0}. Nothing was written, go on with the old model")]
+    Exchanged(Exchange),
     /// The user interrupted.
     #[error("interrupted; nothing was written")]
     Interrupted,
@@ -103,5 +107,11 @@ impl PersonalizeError {
     #[must_use]
     pub const fn is_interrupt(&self) -> bool {
         matches!(self, Self::Interrupted)
+    }
+
+    /// Whether the answer is to go on with the old model.
+    #[must_use]
+    pub const fn keeps_the_old(&self) -> bool {
+        matches!(self, Self::Exchanged(_))
     }
 }

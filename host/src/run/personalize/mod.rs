@@ -4,23 +4,31 @@
 //! judged as `evaluate --model` judges. Measured in docs/personalization.md.
 
 mod error;
+mod exchange;
 mod judgement;
 mod part;
 mod person;
+mod rule;
 mod tuning;
 
 use burn::tensor::Device;
 use shared::model::file::Model;
 
 pub use self::error::PersonalizeError;
-pub use self::judgement::{judge, judge_constant, not_worse};
+pub use self::exchange::{Exchange, exchange};
+pub use self::judgement::{judge, judge_constant};
 pub use self::part::Part;
 pub use self::person::Person;
+use self::rule::is_constant;
+pub use self::rule::{ABOVE_CONSTANT, Worse, worse};
 pub use self::tuning::{TuningSettings, tune};
 use crate::dataset::Library;
 use crate::evaluation::Score;
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
+
+/// What is said of a model that does not understand the person before it is tuned.
+const CONSTANT_BEFORE: &str = "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels";
 
 /// What came of it.
 #[derive(Clone, Debug)]
@@ -35,16 +43,18 @@ pub struct Personalized {
     pub tuned_seconds: f64,
     /// Seconds that were held back.
     pub judged_seconds: f64,
+    /// What makes the recordings doubtful, in words; empty if nothing does.
+    pub doubt: String,
     /// Scores on the part held back: the old model, the new one, and always relax.
     pub scores: [Score; 3],
 }
 
 impl Personalized {
-    /// Whether the new model is not worse than the old one ([`not_worse`]).
+    /// Why the new model is worse than the old one ([`worse`]); none if it is not.
     #[must_use]
-    pub fn is_not_worse(&self) -> bool {
-        let [old, new, _] = &self.scores;
-        not_worse(old, new)
+    pub fn worse(&self) -> Option<Worse> {
+        let [old, new, constant] = &self.scores;
+        worse(old, new, constant)
     }
 }
 
@@ -54,7 +64,8 @@ impl Personalized {
 /// [`TuningSettings::steps`] are taken.
 ///
 /// # Errors
-/// When the model is refused, the recordings do not allow it, the training diverges or the user interrupts.
+/// When the model is refused, the recordings do not allow it, two classes of their labels seem exchanged, the training
+/// diverges or the user interrupts.
 pub fn personalize(
     file: &[u8],
     library: &Library,
@@ -73,7 +84,19 @@ pub fn personalize(
         ));
     }
     progress::log(&format!("labels: {}", person.lag()));
+    let exchanged = exchange(file, &person.whole())?;
+    if let Some(found) = exchanged.clone().filter(|found| found.is_mutual) {
+        return Err(PersonalizeError::Exchanged(found));
+    }
     let (tuned, judged) = person.whole().divided()?;
+    let old = judge("before", file, &judged)?;
+    let constant = judge_constant(&judged, model.header.dimensions.vocabulary)?;
+    let constant_before = is_constant(&old, &constant).then(|| CONSTANT_BEFORE.to_owned());
+    let doubts = [exchanged.map(|found| found.to_string()), constant_before];
+    let doubt = doubts.into_iter().flatten().collect::<Vec<_>>().join("; ");
+    if !doubt.is_empty() {
+        progress::log(&format!("warning: {doubt}"));
+    }
     progress::log(&format!(
         "{}: {:.0} s to tune on, {:.0} s held back",
         person.subject(),
@@ -81,11 +104,7 @@ pub fn personalize(
         judged.seconds()
     ));
     let bytes = tune(file, &tuned, settings, device, interrupt, report)?;
-    let scores = [
-        judge("before", file, &judged)?,
-        judge("after", &bytes, &judged)?,
-        judge_constant(&judged, model.header.dimensions.vocabulary)?,
-    ];
+    let scores = [old, judge("after", &bytes, &judged)?, constant];
     let mut seen = model.header.provenance.subjects_seen.iter();
     Ok(Personalized {
         subject: person.subject().to_owned(),
@@ -93,6 +112,7 @@ pub fn personalize(
         tuned_seconds: tuned.seconds(),
         judged_seconds: judged.seconds(),
         bytes,
+        doubt,
         scores,
     })
 }

@@ -1,0 +1,114 @@
+//! Files that a command writes where the user says, and that are there already.
+//!
+//! A model is somebody's work and is never replaced. Tables and pages are made again at any time: a command replaces an
+//! earlier output of its own kind, and no other file.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read as _};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// How a page begins.
+pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";
+
+/// Why a file is not written.
+#[derive(Debug, Error)]
+pub(super) enum OutputError {
+    /// There is a file of that name.
+    #[error("{path} exists already: give another name with --out, or remove it")]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file of that name is of another kind.
+    #[error(
+        "{path} exists already, and it is no earlier output of this command: give another name, or remove it"
+    )]
+    Unlike {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file of that name cannot be looked at.
+    #[error("{path} cannot be replaced: {source}; give another name")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+/// Refuses a model's name that a file has.
+///
+/// # Errors
+/// [`OutputError::Exists`].
+pub(super) fn refuse_existing(path: &Path) -> Result<(), OutputError> {
+    if path.symlink_metadata().is_ok() {
+        let path = path.to_owned();
+        return Err(OutputError::Exists { path });
+    }
+    Ok(())
+}
+
+/// Refuses the name of a table or a page that a file of another kind has: one that does not start so.
+///
+/// # Errors
+/// [`OutputError::Unlike`], or [`OutputError::Unreadable`].
+pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError> {
+    let unreadable = |source| OutputError::Unreadable {
+        path: path.to_owned(),
+        source,
+    };
+    let unlike = || OutputError::Unlike {
+        path: path.to_owned(),
+    };
+    match path.metadata() {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(unreadable(error)),
+        // A pipe would be waited for.
+        Ok(found) if !found.is_file() => return Err(unlike()),
+        Ok(_) => {}
+    }
+    let mut found = Vec::new();
+    let file = File::open(path).map_err(unreadable)?;
+    file.take(start.len() as u64)
+        .read_to_end(&mut found)
+        .map_err(unreadable)?;
+    if found == start {
+        Ok(())
+    } else {
+        Err(unlike())
+    }
+}
+
+/// The first line of a table: what tells its kind.
+pub(super) fn first_line(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().position(|&byte| byte == b'\n');
+    &bytes[..end.map_or(bytes.len(), |at| at + 1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_replaces_a_table_of_its_kind_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.csv");
+        let start = first_line(b"label,logit_relax\n0,1\n");
+        assert_eq!(start, b"label,logit_relax\n");
+        refuse_unlike(&path, start).unwrap();
+        std::fs::write(&path, "label,logit_relax\n2,3\n").unwrap();
+        refuse_unlike(&path, start).unwrap();
+        for other in ["", "label", "gt,emg_0\n0,1\n"] {
+            std::fs::write(&path, other).unwrap();
+            let error = refuse_unlike(&path, start).unwrap_err();
+            assert!(matches!(error, OutputError::Unlike { .. }), "{error}");
+        }
+        let error = refuse_unlike(folder.path(), start).unwrap_err();
+        assert!(matches!(error, OutputError::Unlike { .. }), "{error}");
+        assert!(refuse_existing(&path).is_err());
+        assert!(refuse_existing(&folder.path().join("new")).is_ok());
+    }
+}

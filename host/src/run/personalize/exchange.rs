@@ -1,0 +1,198 @@
+//! Whether two classes are exchanged in the labels of a person's recordings.
+
+use std::slice;
+
+use shared::model::file::Model;
+
+use super::error::PersonalizeError;
+use super::part::Part;
+use crate::evaluation::{Candidate, Trial, confusion};
+use crate::run::candidates::integer_candidate;
+use crate::run::model_evaluation::look_ahead;
+
+/// Balanced accuracy that an exchange has to explain.
+const EXPLAINED: f64 = 0.1;
+
+/// Two classes whose labels seem exchanged.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[error(
+    "{} and {} seem exchanged{}: with the two exchanged the model before has {exchanged:.2} balanced accuracy instead of {before:.2}. Exchange the two in the labels. If the labels are right, the armband sits turned half way round: turn it, or align it (docs/alignment.md), and record again",
+    .classes[0], .classes[1], within(.recordings)
+)]
+pub struct Exchange {
+    /// Names of the two.
+    pub classes: [&'static str; 2],
+    /// Whether each of the two is taken for the other more often than for itself; else one of them alone.
+    pub is_mutual: bool,
+    /// Names of the recordings in which they are; empty if they are exchanged in all of them together.
+    pub recordings: Vec<String>,
+    /// Balanced accuracy of the model on these recordings as they are labelled.
+    pub before: f64,
+    /// Its balanced accuracy with the two exchanged.
+    pub exchanged: f64,
+}
+
+fn within(recordings: &[String]) -> String {
+    if recordings.is_empty() {
+        return String::new();
+    }
+    format!(" in {}", recordings.join(", "))
+}
+
+/// The two classes that a model takes for each other in a part of a person's recordings, in all of it or in single
+/// recordings; none if no exchange of two explains [`EXPLAINED`] of balanced accuracy.
+///
+/// # Errors
+/// When the model is refused.
+pub fn exchange(file: &[u8], part: &Part<'_>) -> Result<Option<Exchange>, PersonalizeError> {
+    let model = Model::parse(file)?;
+    let trials = part.trials();
+    let candidate = integer_candidate("before", &model, &trials)?;
+    let look_ahead = look_ahead(&model.header.smoother);
+    let vocabulary = model.header.dimensions.vocabulary;
+    let counts = |logits, trials: &[Trial]| {
+        let candidate = Candidate {
+            logits,
+            ..candidate.clone()
+        };
+        let found = confusion(&candidate, trials, vocabulary, look_ahead)?;
+        Ok::<_, PersonalizeError>(found.counts)
+    };
+    let name = |class: usize| vocabulary.intents()[class].name();
+    let named = |found: Found, recordings| Exchange {
+        classes: found.classes.map(name),
+        is_mutual: found.is_mutual,
+        recordings,
+        before: found.before,
+        exchanged: found.exchanged,
+    };
+    if let Some(found) = exchanged(&counts(candidate.logits.clone(), &trials)?) {
+        return Ok(Some(named(found, Vec::new())));
+    }
+    // Sittings are labelled one by one, so single ones may be exchanged; the first such pair is named, with all of its recordings.
+    let mut own: Vec<(Found, &Trial)> = Vec::new();
+    for (trial, logits) in trials.iter().zip(&candidate.logits) {
+        let found = exchanged(&counts(vec![logits.clone()], slice::from_ref(trial))?);
+        let found = found.filter(|found| found.is_mutual);
+        own.extend(found.map(|found| (found, trial)));
+    }
+    let Some(&(first, _)) = own.first() else {
+        return Ok(None);
+    };
+    own.retain(|(found, _)| found.classes == first.classes);
+    let recordings = own.iter().map(|(_, trial)| trial.name.clone()).collect();
+    let mean = |of: fn(&Found) -> f64| {
+        own.iter().map(|(found, _)| of(found)).sum::<f64>() / own.len() as f64
+    };
+    let found = Found {
+        classes: first.classes,
+        is_mutual: true,
+        before: mean(|found| found.before),
+        exchanged: mean(|found| found.exchanged),
+    };
+    Ok(Some(named(found, recordings)))
+}
+
+/// Two classes, and balanced accuracy before and after their exchange.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Found {
+    classes: [usize; 2],
+    is_mutual: bool,
+    before: f64,
+    exchanged: f64,
+}
+
+/// The pair of classes whose exchange explains most, of `counts[truth][prediction]`.
+fn exchanged(counts: &[Vec<u64>]) -> Option<Found> {
+    let share = |truth: usize, prediction: usize| {
+        let all: u64 = counts[truth].iter().sum();
+        (all > 0).then(|| counts[truth][prediction] as f64 / all as f64)
+    };
+    let classes = 0..counts.len();
+    let recalls: Vec<f64> = classes.clone().filter_map(|own| share(own, own)).collect();
+    let before = recalls.iter().sum::<f64>() / recalls.len() as f64;
+    let pairs = classes
+        .clone()
+        .flat_map(|one| (0..one).map(move |other| [other, one]));
+    let gained = |classes @ [one, other]: [usize; 2]| {
+        let gains = [
+            share(one, other)? - share(one, one)?,
+            share(other, one)? - share(other, other)?,
+        ];
+        let exchanged = before + (gains[0] + gains[1]) / recalls.len() as f64;
+        (exchanged >= before + EXPLAINED).then_some(Found {
+            classes,
+            is_mutual: gains.iter().all(|&gain| gain > 0.0),
+            before,
+            exchanged,
+        })
+    };
+    pairs
+        .filter_map(gained)
+        .max_by(|one, other| one.exchanged.total_cmp(&other.exchanged))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The predictions of each class, in percent; the last column is no label. The pair, and whether it is mutual.
+    fn found(counts: &[&[u64]]) -> Option<([usize; 2], bool)> {
+        let counts: Vec<Vec<u64>> = counts.iter().map(|row| row.to_vec()).collect();
+        exchanged(&counts).map(|found| (found.classes, found.is_mutual))
+    }
+
+    #[test]
+    fn every_pair_is_found_by_its_exchange_alone() {
+        for classes in [3, 6] {
+            for other in 1..classes {
+                for one in 0..other {
+                    let counts: Vec<Vec<u64>> = (0..classes)
+                        .map(|truth| {
+                            let taken = match truth {
+                                _ if truth == one => other,
+                                _ if truth == other => one,
+                                _ => truth,
+                            };
+                            let share = |prediction| if prediction == taken { 90 } else { 2 };
+                            (0..=classes).map(share).collect()
+                        })
+                        .collect();
+                    let found = exchanged(&counts).unwrap();
+                    assert_eq!(found.classes, [one, other]);
+                    assert!(found.exchanged > 0.85 && found.before < found.exchanged - 0.25);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_that_understands_a_person_badly_has_nothing_exchanged() {
+        // Always relax; one gesture for both.
+        assert_eq!(
+            found(&[&[100, 0, 0, 0], &[100, 0, 0, 0], &[100, 0, 0, 0]]),
+            None
+        );
+        assert_eq!(
+            found(&[&[90, 0, 10, 0], &[5, 0, 95, 0], &[5, 0, 95, 0]]),
+            None
+        );
+        assert_eq!(
+            found(&[&[98, 1, 1, 0], &[1, 98, 1, 0], &[1, 1, 98, 0]]),
+            None
+        );
+        // A class that is never labelled is exchanged with none.
+        assert_eq!(
+            found(&[&[98, 1, 1, 0], &[0, 0, 0, 0], &[1, 90, 9, 0]]),
+            None
+        );
+        assert_eq!(found(&[&[0; 4], &[0; 4], &[0; 4]]), None);
+    }
+
+    #[test]
+    fn an_exchange_that_explains_one_of_the_two_is_said_to_be_doubtful() {
+        // Close as labelled is taken for close all the same: an open hand that the model takes for a fist.
+        let counts: [&[u64]; 3] = [&[97, 0, 3, 0], &[0, 0, 100, 0], &[4, 26, 70, 0]];
+        assert_eq!(found(&counts), Some(([1, 2], false)));
+    }
+}

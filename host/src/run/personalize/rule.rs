@@ -1,0 +1,274 @@
+//! The rule that chooses between the old model and the new one.
+
+use thiserror::Error;
+
+use crate::evaluation::metric::event::activation::Rate;
+use crate::evaluation::metric::event::summary::Raised;
+use crate::evaluation::{Measure, Score};
+
+/// Measures none of which may fall.
+const NEVER_LOWER: [(Measure, &str); 3] = [
+    (Measure::BalancedAccuracy, "balanced accuracy"),
+    (Measure::TransitionAccuracy, "transition accuracy"),
+    (Measure::Recognition, "the share of gestures recognised"),
+];
+/// Balanced accuracy that a model needs beyond always saying relax.
+pub const ABOVE_CONSTANT: f64 = 0.2;
+/// False activations a minute of rest that the new model may have more than the old one.
+const MORE_AT_REST: f64 = 2.0;
+/// Share of the other movements that may raise a label with the new model and did not with the old one.
+const MORE_RAISED: f64 = 0.1;
+
+/// Why the new model is not written.
+#[derive(Clone, Copy, PartialEq, Debug, Error)]
+pub enum Worse {
+    /// It is hardly better than a label that never changes.
+    #[error(
+        "the tuned model is hardly better than always saying relax: its balanced accuracy is {found:.3}, always relax has {constant:.3}, at least {:.3} is needed; look at the recordings with `myointent data inspect`, above all at their scale, at hum and at the labels",
+        .constant + ABOVE_CONSTANT
+    )]
+    Constant {
+        /// Balanced accuracy of the new model; 0 if it has none.
+        found: f64,
+        /// Balanced accuracy of always saying relax.
+        constant: f64,
+    },
+    /// One of the measures that may not fall is lower.
+    #[error("{measure} fell from {old:.3} to {new:.3}")]
+    Lower {
+        /// Name of the measure.
+        measure: &'static str,
+        /// Value of the old model.
+        old: f64,
+        /// Value of the new model; 0 if it has none.
+        new: f64,
+    },
+    /// Rest raises more labels.
+    #[error(
+        "false activations at rest rose from {old:.1} to {new:.1} a minute, expected at most {MORE_AT_REST} more"
+    )]
+    Rest {
+        /// A minute, with the old model.
+        old: f64,
+        /// A minute, with the new model.
+        new: f64,
+    },
+    /// More movements outside the vocabulary raise a label.
+    #[error(
+        "{new} of {movements} other movements raise a label, {old} did before; expected at most a tenth of them more"
+    )]
+    Other {
+        /// Movements outside the vocabulary.
+        movements: usize,
+        /// Those that raise a label with the old model.
+        old: usize,
+        /// Those that raise a label with the new model.
+        new: usize,
+    },
+}
+
+/// Why a new model is worse than an old one; none if it is not, and may replace it.
+///
+/// It is not worse if it is better than always saying relax by [`ABOVE_CONSTANT`] of balanced accuracy; if neither
+/// balanced accuracy nor transition accuracy nor the share of gestures recognised is lower; and if rest and other
+/// movement raise not many more labels: 2 a minute of rest, a tenth of the other movements. A single label decides nothing,
+/// because what is held back is short.
+#[must_use]
+pub fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
+    if is_constant(new, constant) {
+        return Some(Worse::Constant {
+            found: balanced(new),
+            constant: balanced(constant),
+        });
+    }
+    let lower = NEVER_LOWER.into_iter().find_map(|(measure, name)| {
+        let old = value(measure, old)?;
+        let new = value(measure, new).unwrap_or(0.0);
+        (new < old).then_some(Worse::Lower {
+            measure: name,
+            old,
+            new,
+        })
+    });
+    lower
+        .or_else(|| more_at_rest(old, new))
+        .or_else(|| more_raised(old, new))
+}
+
+/// Whether a model is hardly better than always saying relax: by less than [`ABOVE_CONSTANT`] of balanced accuracy.
+#[must_use]
+pub fn is_constant(model: &Score, constant: &Score) -> bool {
+    balanced(model) < balanced(constant) + ABOVE_CONSTANT
+}
+
+fn balanced(score: &Score) -> f64 {
+    value(Measure::BalancedAccuracy, score).unwrap_or(0.0)
+}
+
+fn value(measure: Measure, score: &Score) -> Option<f64> {
+    measure.mean(score).map(|own| own.mean)
+}
+
+fn more_at_rest(old: &Score, new: &Score) -> Option<Worse> {
+    let [before, after] = [old, new].map(|score| {
+        let subjects = score.events.subjects.iter();
+        subjects.fold(Rate::default(), |sum, own| sum.plus(own.rest))
+    });
+    let (old, new) = (before.per_minute()?, after.per_minute()?);
+    let is_worse = after.count > before.count + 1 && new > old + MORE_AT_REST;
+    is_worse.then_some(Worse::Rest { old, new })
+}
+
+fn more_raised(old: &Score, new: &Score) -> Option<Worse> {
+    let [before, after] = [old, new].map(|score| {
+        let subjects = score.events.subjects.iter();
+        let kinds = subjects.flat_map(|own| own.raised.values().copied());
+        kinds.fold(Raised::default(), Raised::plus)
+    });
+    let (movements, old, new) = (after.movements, before.raised, after.raised);
+    let is_worse = new > old + 1 && (new - old) as f64 > MORE_RAISED * movements as f64;
+    is_worse.then_some(Worse::Other {
+        movements,
+        old,
+        new,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
+    use crate::evaluation::metric::summary::{SubjectScore, Summary};
+    use crate::evaluation::{LookAhead, Truth};
+
+    /// What a person's score is of.
+    #[derive(Clone)]
+    struct Scored {
+        /// Balanced accuracy, transition accuracy, recognition.
+        measures: [Option<f64>; 3],
+        /// False activations in a minute of rest.
+        rest: usize,
+        /// How many of twenty other movements raise a label; none if there is no other movement.
+        raised: Option<usize>,
+    }
+
+    impl Scored {
+        const fn of(measures: [Option<f64>; 3]) -> Self {
+            Self {
+                measures,
+                rest: 0,
+                raised: None,
+            }
+        }
+
+        fn score(&self) -> Score {
+            let [balanced_accuracy, transition_accuracy, recognition] = self.measures;
+            let subject = SubjectScore {
+                subject: "x/1".to_owned(),
+                recordings: 1,
+                balanced_accuracy,
+                raw_accuracy: None,
+                correct: 0,
+                events: 0,
+                transition_accuracy,
+                offsets: Vec::new(),
+                offset: None,
+            };
+            let raised = self.raised.map(|raised| {
+                let of = Raised {
+                    movements: 20,
+                    raised,
+                };
+                ("other".to_owned(), of)
+            });
+            let events = SubjectEvents {
+                recognition,
+                rest: Rate {
+                    count: self.rest,
+                    seconds: 60.0,
+                },
+                raised: raised.into_iter().collect::<BTreeMap<_, _>>(),
+                ..SubjectEvents::new("x/1", [])
+            };
+            let summary = Summary::of_subjects(vec![subject]);
+            Score {
+                model: "m".to_owned(),
+                data_set: "x".to_owned(),
+                look_ahead: LookAhead::None,
+                truth: Truth::LagCompensated,
+                reference: std::array::from_fn(|_| summary.clone()),
+                events: EventSummary::of_subjects(vec![events]),
+            }
+        }
+    }
+
+    /// Why the new one is worse; always saying relax has a third.
+    fn found(old: &Scored, new: &Scored) -> Option<Worse> {
+        let constant = Scored::of([Some(1.0 / 3.0), Some(0.0), Some(0.0)]);
+        worse(&old.score(), &new.score(), &constant.score())
+    }
+
+    #[test]
+    fn a_model_is_worse_if_any_of_three_measures_falls() {
+        let old = [0.8, 0.5, 0.6].map(Some);
+        let against_old = |new| found(&Scored::of(old), &Scored::of(new));
+        assert_eq!(against_old(old), None);
+        assert_eq!(against_old([0.9, 0.5, 0.7].map(Some)), None);
+        for fallen in 0..3 {
+            let mut new = [0.9; 3].map(Some);
+            new[fallen] = old[fallen].map(|value| value - 0.01);
+            assert!(
+                matches!(against_old(new), Some(Worse::Lower { .. })),
+                "{fallen}"
+            );
+            new[fallen] = None;
+            assert!(against_old(new).is_some(), "{fallen}");
+        }
+    }
+
+    #[test]
+    fn a_measure_that_the_recordings_do_not_have_decides_nothing() {
+        let old = Scored::of([Some(0.8), None, None]);
+        assert_eq!(found(&old, &old), None);
+        assert!(found(&old, &Scored::of([Some(0.7), None, None])).is_some());
+    }
+
+    #[test]
+    fn whatever_the_old_model_has_a_new_one_near_a_constant_is_refused() {
+        for balanced in [None, Some(0.0), Some(1.0 / 3.0), Some(0.53)] {
+            let new = Scored::of([balanced, Some(1.0), Some(1.0)]);
+            let old = Scored::of([balanced, Some(0.0), Some(0.0)]);
+            let why = found(&old, &new);
+            assert!(matches!(why, Some(Worse::Constant { .. })), "{why:?}");
+        }
+        let [old, new] = [0.31, 0.54].map(|own| Scored::of([own, 0.0, 0.0].map(Some)));
+        assert_eq!(found(&old, &new), None);
+    }
+
+    #[test]
+    fn more_labels_at_rest_or_in_other_movement_than_stated_are_worse() {
+        let with = |rest, raised| Scored {
+            rest,
+            raised,
+            ..Scored::of([0.8, 0.5, 0.6].map(Some))
+        };
+        assert_eq!(found(&with(0, None), &with(2, None)), None);
+        let rest = found(&with(0, None), &with(3, None));
+        assert_eq!(rest, Some(Worse::Rest { old: 0.0, new: 3.0 }));
+        assert_eq!(found(&with(3, None), &with(0, None)), None);
+        assert_eq!(found(&with(0, Some(8)), &with(0, Some(10))), None);
+        let other = found(&with(0, Some(8)), &with(0, Some(11)));
+        let (movements, old, new) = (20, 8, 11);
+        assert_eq!(
+            other,
+            Some(Worse::Other {
+                movements,
+                old,
+                new
+            })
+        );
+        assert_eq!(found(&with(0, Some(20)), &with(0, Some(0))), None);
+    }
+}
