@@ -98,3 +98,83 @@ impl<Q, A> Requests<Q, A> {
         self.answered.signal(answer);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use core::pin::pin;
+    use core::task::{Context, Poll, Waker};
+    use std::sync::{Mutex, MutexGuard, PoisonError};
+
+    use embassy_time::MockDriver;
+
+    use super::*;
+
+    /// The result of a future that is polled once.
+    macro_rules! now {
+        ($future:expr) => {
+            $future
+                .as_mut()
+                .poll(&mut Context::from_waker(Waker::noop()))
+        };
+    }
+
+    /// The request that waits; none if there is none.
+    fn taken<Q, A>(requests: &Requests<Q, A>) -> Option<Q> {
+        let mut receiving = pin!(requests.receive());
+        match now!(receiving) {
+            Poll::Ready(request) => Some(request),
+            Poll::Pending => None,
+        }
+    }
+
+    /// Virtual time is one for all tests: one of them at a time.
+    fn alone() -> MutexGuard<'static, ()> {
+        static TIME: Mutex<()> = Mutex::new(());
+        TIME.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    #[test]
+    fn control_and_installation_ask_the_inference_at_once_and_each_gets_its_own_answer() {
+        let _alone = alone();
+        let mut installation = pin!(INFERENCE.ask(InferenceRequest::Suspend));
+        let mut control = pin!(INFERENCE.ask(InferenceRequest::Gate(GateCommand::State)));
+        assert!(now!(installation).is_pending() && now!(control).is_pending());
+        // The gate is answered first. Flash would be erased under a model in use.
+        assert!(matches!(taken(&INFERENCE), Some(InferenceRequest::Gate(_))));
+        INFERENCE.answer(Ok(InferenceAnswer::Gate(Gate::default())));
+        assert!(now!(installation).is_pending(), "not suspended");
+        assert!(matches!(
+            now!(control),
+            Poll::Ready(Ok(InferenceAnswer::Gate(_)))
+        ));
+    }
+
+    #[test]
+    fn a_late_answer_is_not_taken_for_that_of_the_next_request() {
+        let _alone = alone();
+        let requests = Requests::<u8, u8>::new();
+        let mut first = pin!(requests.ask(1));
+        assert!(now!(first).is_pending());
+        assert_eq!(taken(&requests), Some(1));
+        MockDriver::get().advance(PATIENCE);
+        assert_eq!(now!(first), Poll::Ready(Err(Refusal::Busy)));
+        let mut second = pin!(requests.ask(2));
+        assert!(now!(second).is_pending());
+        requests.answer(Ok(10));
+        assert!(now!(second).is_pending(), "the answer to the first");
+        assert_eq!(taken(&requests), Some(2));
+        requests.answer(Ok(20));
+        assert_eq!(now!(second), Poll::Ready(Ok(20)));
+    }
+
+    #[test]
+    fn a_request_that_was_given_up_is_not_carried_out_later() {
+        let _alone = alone();
+        let requests = Requests::<u8, u8>::new();
+        let mut asking = pin!(requests.ask(1));
+        assert!(now!(asking).is_pending());
+        MockDriver::get().advance(PATIENCE);
+        assert_eq!(now!(asking), Poll::Ready(Err(Refusal::Busy)));
+        assert_eq!(taken(&requests), None);
+    }
+}

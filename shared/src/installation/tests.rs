@@ -391,6 +391,32 @@ fn flash_that_refuses_leaves_the_block_missing() {
 }
 
 #[test]
+fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
+    let (old, new) = (file(1), file(2));
+    for failing in [Step::Suspend, Step::Resume] {
+        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+        let mut progress = board.begin(transfer(&new)).unwrap();
+        let mut failed = None;
+        while let Progress::Next(number) = progress {
+            let block = Block::of(&new, number);
+            board.installation.take(number, &block, |_| true).unwrap();
+            while let Some(step) = board.installation.step() {
+                if step == failing && failed.is_none() {
+                    failed = Some(board.installation.done(false).unwrap_err());
+                    break;
+                }
+                let success = board.carry_out(step, &new).unwrap();
+                board.installation.done(success).unwrap();
+            }
+            progress = board.installation.progress();
+        }
+        // The block was missing still, and sent again.
+        assert_ne!(failed, Some(Refused::Flash), "{failing:?}");
+        assert_eq!(board.in_use, Some(2));
+    }
+}
+
+#[test]
 fn a_journal_is_read_back_and_a_damaged_one_is_none() {
     let transfer = Transfer {
         length: 84_729,
