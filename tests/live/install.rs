@@ -150,19 +150,16 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
                     };
                     let mut taken = installation.take(number, &block, is_ours);
                     while let (Ok(()), Some(step)) = (taken, installation.step()) {
-                        let success = match step {
-                            Step::Suspend => {
-                                in_use = None;
-                                true
+                        let mut outcome = Ok(());
+                        match step {
+                            Step::Suspend => in_use = None,
+                            Step::Verify if checksum(flash).is_none() => {
+                                outcome = Err(Refused::Model);
                             }
-                            Step::Verify => checksum(flash).is_some(),
-                            Step::Resume => {
-                                in_use = checksum(flash);
-                                true
-                            }
+                            Step::Resume => in_use = checksum(flash),
                             _ => write(&installation, flash, step),
-                        };
-                        taken = installation.done(success);
+                        }
+                        taken = installation.done(outcome);
                     }
                     taken
                         .map(|()| installation.progress())
@@ -184,7 +181,7 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
     }
 }
 
-fn write(installation: &Installation, flash: &mut Flash, step: Step) -> bool {
+fn write(installation: &Installation, flash: &mut Flash, step: Step) {
     match step {
         Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
         Step::WriteJournal => flash.journal[..16].copy_from_slice(&installation.record()),
@@ -196,7 +193,6 @@ fn write(installation: &Installation, flash: &mut Flash, step: Step) -> bool {
             .copy_from_slice(&installation.content().0),
         Step::Suspend | Step::Verify | Step::Resume => {}
     }
-    true
 }
 
 fn five_class_path() -> PathBuf {
