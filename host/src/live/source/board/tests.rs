@@ -3,7 +3,7 @@ use std::sync::{Arc, mpsc};
 
 use serde_json::Value;
 use shared::installation::Progress;
-use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::answer::{Answer, Identity, Refusal};
 use shared::uart_line::command::CommandReader;
 use tokio::sync::broadcast::error::TryRecvError;
 
@@ -32,6 +32,7 @@ fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::Join
                     Ok(Command::Install(_)) => answer,
                     Ok(Command::Raw(on)) => Answer::Raw(on),
                     Ok(Command::Align(command)) => Answer::Align(command),
+                    Ok(Command::Identify) => Answer::Identity(identity()),
                     _ => Answer::Refused(Refusal::Busy),
                 };
                 master.write_all(answer.to_string().as_bytes()).unwrap();
@@ -39,6 +40,20 @@ fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::Join
         }
     });
     (slave, thread)
+}
+
+/// What a board with the shipped model says that it is.
+fn identity() -> Identity<'static> {
+    let file = SHIPPED.to_vec();
+    Identity {
+        version: "0.1.0",
+        revision: "0123456789ab",
+        image: "test",
+        model: Some(ModelFile::new(&file).unwrap().checksum()),
+        armband: None,
+        firmware: None,
+        battery: None,
+    }
 }
 
 /// What viewers are told, from a request for an installation until the board is heard again and something else has come.
@@ -106,7 +121,7 @@ fn a_model_that_a_board_takes_is_the_one_whose_scores_are_shown() {
 
 #[test]
 fn a_model_that_a_board_refuses_is_said_so_and_the_board_is_read_again() {
-    let told = installed(Answer::Refused(Refusal::BuiltIn), SHIPPED);
+    let told = installed(Answer::Refused(Refusal::Length), SHIPPED);
     let installing = last(&told, "installing").unwrap();
     assert_eq!(installing["state"], "failed", "{installing}");
     let text = installing["text"].as_str().unwrap();
