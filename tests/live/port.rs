@@ -139,7 +139,7 @@ fn a_viewer_of_live_cannot_bind_a_board_and_is_told_where() {
     viewer.say(r#"{"do":"bind"}"#);
     let refused = viewer.find("refused", |message| message["do"] == "bind");
     let text = refused["text"].as_str().unwrap();
-    assert!(text.contains("`myointent record`"), "{text}");
+    assert!(text.contains("`myointent record"), "{text}");
     live.stop().unwrap();
     drop(board);
 }

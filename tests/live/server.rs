@@ -216,7 +216,7 @@ fn without_a_session_viewers_are_refused_what_belongs_to_one_and_told_why() {
     let mut viewer = Viewer::connect(live.url());
     for said in [BIND, BEGIN, GESTURE] {
         let text = refused(&mut viewer, said);
-        assert!(text.contains("`myointent record`"), "{text}");
+        assert!(text.contains("`myointent record"), "{text}");
     }
     // It stays.
     viewer.say(r#"{"do":"align"}"#);
