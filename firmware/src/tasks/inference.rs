@@ -101,8 +101,7 @@ pub async fn run(
 ) -> ! {
     let mut detector = GapDetector::new();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
-    let mut streams = false;
-    let mut absence = Absence::default();
+    let (mut streams, mut absence) = (false, Absence::default());
     match refused {
         Some(error) => refuse(pipeline, &mut absence, error),
         None => uart::enqueue(UartMessage::Report(pipeline.state_report())),
@@ -137,8 +136,7 @@ pub async fn run(
                     raw::enqueue(EmgReport { first, samples });
                 }
                 streams = received.samples.is_some();
-                let is_full = pipeline.status().valid();
-                if streams && trigger.begins(is_full) {
+                if streams && trigger.begins(pipeline.status().valid()) {
                     pipeline.begin_alignment(ARM);
                     enqueue(pipeline, Reports::default());
                 }

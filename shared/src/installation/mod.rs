@@ -246,9 +246,11 @@ impl Installation {
                 self.pending = END_JOURNAL;
             }
             // The model is whole, whatever the journal says; without one it is of no use.
-            (END_JOURNAL, _) if self.is_bad => return Err(self.end()),
-            (END_JOURNAL, _) => {}
-            (RESUME, Err(Refused::Model)) => return Err(self.end()),
+            (END_JOURNAL, _) if !self.is_bad => {}
+            (END_JOURNAL, _) | (RESUME, Err(Refused::Model)) => {
+                *self = Self::new(self.capacity);
+                return Err(Refused::Model);
+            }
             (_, Err(refused)) => {
                 self.pending = 0;
                 return Err(refused);
@@ -259,12 +261,6 @@ impl Installation {
             self.block_is_done();
         }
         Ok(())
-    }
-
-    /// Ends the transfer of a file that is no model.
-    const fn end(&mut self) -> Refused {
-        *self = Self::new(self.capacity);
-        Refused::Model
     }
 
     const fn block_is_done(&mut self) {
