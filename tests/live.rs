@@ -33,6 +33,9 @@ mod record;
 #[cfg(unix)]
 #[path = "live/record_process.rs"]
 mod record_process;
+#[cfg(target_os = "linux")]
+#[path = "live/scripted.rs"]
+mod scripted;
 #[path = "live/server.rs"]
 mod server;
 #[cfg(target_os = "linux")]

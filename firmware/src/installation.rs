@@ -9,7 +9,7 @@ use shared::uart_line::answer::Refusal;
 use crate::flash::{Flash, FlashFailed, PAGE_BYTES, Region, SharedFlash};
 use crate::messages::{
     heartbeat, model, pin_state,
-    requests::{INFERENCE, INSTALLATION, InferenceRequest, InstallationRequest},
+    requests::{INSTALLATION, InstallationRequest, MODEL, ModelRequest},
     uart::{self, UartMessage},
 };
 use crate::model_region;
@@ -31,7 +31,7 @@ pub async fn beside<F: Flash>(flash: F, radio: impl AsyncFnOnce(&SharedFlash<F>)
 async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
     let mut installation = Installation::new(Region::Model.length());
     loop {
-        let request = INSTALLATION.receive().await;
+        let (ticket, request) = INSTALLATION.receive().await;
         let answer = match request {
             InstallationRequest::Begin(transfer) if model::current() == Some(transfer.checksum) => {
                 Ok(Progress::Installed)
@@ -45,7 +45,7 @@ async fn serve(flash: &SharedFlash<impl Flash>) -> ! {
                 take(&mut installation, flash, number, &block).await
             }
         };
-        INSTALLATION.answer(answer.map_err(refusal));
+        INSTALLATION.answer(ticket, answer.map_err(refusal));
     }
 }
 
@@ -54,6 +54,7 @@ const fn refusal(refused: Refused) -> Refusal {
         Refused::Length => Refusal::Length,
         Refused::NotBegun => Refusal::NotBegun,
         Refused::NoSuchBlock => Refusal::Arguments,
+        Refused::Busy => Refusal::Busy,
         Refused::Flash => Refusal::Flash,
         Refused::Model => Refusal::Model,
     }
@@ -67,16 +68,17 @@ async fn take(
 ) -> Result<Progress, Refused> {
     installation.take(number, block, is_ours)?;
     while let Some(step) = installation.step() {
-        let success = match step {
+        let outcome = match step {
             Step::Suspend => suspend().await,
             Step::Verify => verify().await,
-            Step::Resume => INFERENCE.ask(InferenceRequest::Resume).await.is_ok(),
+            Step::Resume => inference(ModelRequest::Resume).await,
             _ => {
                 let mut flash = flash.lock().await;
-                write(installation, &mut *flash, step).await.is_ok()
+                let written = write(installation, &mut *flash, step).await;
+                written.map_err(|FlashFailed| Refused::Flash)
             }
         };
-        installation.done(success)?;
+        installation.done(outcome)?;
     }
     Ok(installation.progress())
 }
@@ -94,26 +96,31 @@ fn is_ours(first: &Block) -> bool {
     }
 }
 
+/// Has the inference do something about the model.
+async fn inference(request: ModelRequest) -> Result<(), Refused> {
+    MODEL.ask(request).await.map_err(|refusal| match refusal {
+        Refusal::Model => Refused::Model,
+        _ => Refused::Busy,
+    })
+}
+
 /// The pins are safe, and nothing reads the region.
-async fn suspend() -> bool {
-    if INFERENCE.ask(InferenceRequest::Suspend).await.is_err() {
-        return false;
-    }
+async fn suspend() -> Result<(), Refused> {
+    inference(ModelRequest::Suspend).await?;
     while !pin_state::is_shown() {
         yield_now().await;
     }
-    true
+    Ok(())
 }
 
-/// Whether the region holds a model that can be run. Says so if not.
-async fn verify() -> bool {
+/// Checks that the region holds a model that can be run. Says so if not.
+async fn verify() -> Result<(), Refused> {
     let Err(error) = model_region::load(&mut |_| ()) else {
-        return true;
+        return Ok(());
     };
-    let refused = InferenceRequest::Refuse(error);
     // If it does not answer, the reason is not said; the answer to the command is the same.
-    let _ = INFERENCE.ask(refused).await;
-    false
+    let _ = inference(ModelRequest::Refuse(error)).await;
+    Err(Refused::Model)
 }
 
 async fn write(

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serial2::SerialPort;
+use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
@@ -51,6 +52,18 @@ pub enum BoardError {
         /// The port.
         path: PathBuf,
     },
+    /// Answers came, and all belong to other commands.
+    #[error(
+        "{path}: expected the answer to {command}, found {answer}: close every other program that uses the port, and ask again"
+    )]
+    Unmatched {
+        /// The port.
+        path: PathBuf,
+        /// Its line.
+        command: String,
+        /// The last line that came.
+        answer: String,
+    },
     /// The board refuses.
     #[error("the board refuses: {0}")]
     Refused(#[from] Refusal),
@@ -60,9 +73,39 @@ pub enum BoardError {
         /// Its own words.
         reason: String,
     },
+    /// An installation gets no further.
+    #[error(
+        "the board gets no further than block {furthest} of {of}, begun {begins} times: it restarts, or asks for the same blocks again and again; check its power supply"
+    )]
+    NoProgress {
+        /// Blocks that it had at most.
+        furthest: u32,
+        /// Blocks of the file.
+        of: u32,
+        /// How often the installation was begun since it had them.
+        begins: u32,
+    },
+    /// The board says that a model is installed, and runs another one.
+    #[error(
+        "the board says that all is installed, but {}, expected {expected:08x}: close every other program that uses the port",
+        runs(*.found)
+    )]
+    OtherModel {
+        /// CRC-32 of the file.
+        expected: u32,
+        /// CRC-32 of the board's model; none if it runs none.
+        found: Option<u32>,
+    },
     /// The installation was stopped from here.
     #[error("stopped before the board had all of it")]
     Stopped,
+}
+
+fn runs(model: Option<u32>) -> String {
+    match model {
+        Some(model) => format!("runs model {model:08x}"),
+        None => "runs none".to_owned(),
+    }
 }
 
 /// A board.
@@ -73,6 +116,8 @@ pub struct Board {
     reader: LineReader,
     /// Why it has refused a model, in its own words.
     reason: Option<String>,
+    /// That an alignment ended as soon as it began, since the last command.
+    unavailable: Option<AlignmentReport>,
 }
 
 impl Board {
@@ -98,27 +143,31 @@ impl Board {
             port,
             reader: LineReader::new(),
             reason: None,
+            unavailable: None,
         })
     }
 
-    /// Sends a command, and gives what `read` makes of its answer. A line that was damaged on the way is sent again.
+    /// Sends a command, and gives what `read` makes of its answer. A line that was damaged on the way is sent again. Answers
+    /// to other commands, which are late or of another program, are passed over ([`Answer::answers`]).
     ///
     /// # Errors
-    /// The port is lost, no answer comes, or the board refuses.
+    /// The port is lost, no answer comes or those to other commands alone, or the board refuses.
     pub fn ask<T>(
         &mut self,
         command: Command,
         mut read: impl FnMut(&Answer<'_>) -> Option<T>,
     ) -> Result<T, BoardError> {
-        let is_block = matches!(command, Command::Block(..));
-        let mut refused = None;
+        let (mut refused, mut other) = (None, None);
+        self.unavailable = None;
         for _ in 0..ATTEMPTS {
             self.port
                 .write_all(command.to_string().as_bytes())
                 .map_err(|source| self.lost(source))?;
             let answer = self.wait(ANSWER, |line| match line {
-                // Of blocks alone: one that was sent twice, to a board that had restarted.
-                Line::Answer(Answer::Refused(Refusal::NotBegun)) if !is_block => None,
+                Line::Answer(answer) if !answer.answers(command) => {
+                    other = Some(answer.to_string());
+                    None
+                }
                 Line::Answer(Answer::Refused(refusal)) => Some(Err(*refusal)),
                 Line::Answer(answer) => read(answer).map(Ok),
                 _ => None,
@@ -138,11 +187,15 @@ impl Board {
                 Some(Err(refusal)) => return Err(refusal.into()),
             }
         }
-        Err(match refused {
-            Some(refusal) => refusal.into(),
-            None => BoardError::Silent {
-                path: self.path.clone(),
+        let path = self.path.clone();
+        Err(match (refused, other) {
+            (Some(refusal), _) => refusal.into(),
+            (None, Some(answer)) => BoardError::Unmatched {
+                path,
+                command: command.to_string().trim_end().to_owned(),
+                answer: answer.trim_end().to_owned(),
             },
+            (None, None) => BoardError::Silent { path },
         })
     }
 
@@ -164,10 +217,16 @@ impl Board {
                 Ok(_) => {
                     // A damaged line is no line: what it may have said is asked for again.
                     if let Some(Ok(line)) = self.reader.push(byte[0]) {
-                        if let Line::Comment(text) = line
-                            && text.starts_with(" model refused: ")
-                        {
-                            self.reason = Some(text.trim().to_owned());
+                        match line {
+                            Line::Comment(text) if text.starts_with(" model refused: ") => {
+                                self.reason = Some(text.trim().to_owned());
+                            }
+                            Line::Alignment(report)
+                                if report.state == AlignmentState::Unavailable =>
+                            {
+                                self.unavailable = Some(report);
+                            }
+                            _ => {}
                         }
                         if let Some(found) = read(&line) {
                             return Ok(Some(found));
@@ -183,6 +242,21 @@ impl Board {
             }
         }
         Ok(None)
+    }
+
+    /// Waits for the result of the alignment that the last command began; none after this time.
+    ///
+    /// # Errors
+    /// The port is lost.
+    pub fn aligned(&mut self, within: Duration) -> Result<Option<AlignmentReport>, BoardError> {
+        // Its line comes before the answer to the command.
+        if let Some(report) = self.unavailable.take() {
+            return Ok(Some(report));
+        }
+        self.wait(within, |line| match line {
+            Line::Alignment(report) if report.state != AlignmentState::Waiting => Some(*report),
+            _ => None,
+        })
     }
 
     fn lost(&self, source: std::io::Error) -> BoardError {

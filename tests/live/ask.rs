@@ -1,17 +1,26 @@
 //! One command to a board, and its answer.
 
-use std::time::Duration;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
+use clap::Parser as _;
 use myointent::board::{Board as Asked, BoardError};
+use myointent::cli::Cli;
 use serial2::SerialPort;
-use shared::stream::alignment::Arm;
+use shared::installation::{Block, Progress, Transfer};
+use shared::myo::Following;
+use shared::stream::alignment::{Alignment, Arm};
 use shared::stream::smoother::Gate;
-use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::answer::{Answer, Counts, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
 use shared::uart_line::line::Line;
+use shared::units::SampleIndex;
 
 use super::board::{Board, Damage, terminal};
+use super::scripted::{Scripted, armband, binding, identity};
 
 fn image(answer: &Answer<'_>) -> Option<String> {
     match answer {
@@ -86,4 +95,230 @@ fn a_port_without_a_board_is_silent_and_one_that_is_missing_cannot_be_opened() {
     );
     let missing = Asked::open("/no/such/port".as_ref());
     assert!(matches!(missing, Err(BoardError::Open { .. })));
+}
+
+const fn gate(entry: i16) -> Gate {
+    Gate {
+        entry: Some(entry),
+        other: None,
+    }
+}
+
+/// Commands, answers to others that come before their own, and their own.
+fn late() -> Vec<(Command, Vec<Answer<'static>>, Answer<'static>)> {
+    let [mine, other] = ["FA:12:34:56:78:9A", "FA:12:34:56:78:9B"].map(armband);
+    let bound = |address| binding(Following::Bound(address));
+    let turned = Alignment::new(3, true);
+    let align = |command| (Command::Align(command), Answer::Align(command));
+    let (begin, begun) = align(AlignCommand::Begin(Arm::Unknown));
+    let (cancel, cancelled) = align(AlignCommand::Cancel);
+    // The line does not say which one is set.
+    let set = Command::Align(AlignCommand::Set(turned));
+    let was_set = Answer::Align(AlignCommand::Set(Alignment::NONE));
+    let refused = |refusals: &[Refusal]| -> Vec<_> {
+        let refusals = refusals.iter().copied();
+        refusals.map(Answer::Refused).collect()
+    };
+    let transfer = Transfer {
+        length: 84_729,
+        checksum: 7,
+    };
+    let next = |block| Answer::Install(Progress::Next(block));
+    let (nobody, pairing) = (binding(Following::Nobody), binding(Following::Pairing));
+    let counts = Answer::Counts(Counts::default());
+    let line = |command| {
+        let others = [
+            Refusal::NoModel,
+            Refusal::NoStream,
+            Refusal::BuiltIn,
+            Refusal::Length,
+            Refusal::Block,
+            Refusal::NotBegun,
+            Refusal::Model,
+            Refusal::Flash,
+        ];
+        (command, refused(&others))
+    };
+    let mut all = Vec::new();
+    for ((command, others), own) in [
+        (line(Command::Identify), identity(7)),
+        (line(Command::Counters), counts),
+        (line(Command::Raw(true)), Answer::Raw(true)),
+    ] {
+        all.push((command, others, own));
+    }
+    all.extend([
+        (
+            Command::Identify,
+            vec![counts, next(1), nobody],
+            identity(7),
+        ),
+        (
+            Command::Counters,
+            vec![identity(7), Answer::Gate(gate(1))],
+            counts,
+        ),
+        (
+            Command::Raw(true),
+            vec![Answer::Raw(false)],
+            Answer::Raw(true),
+        ),
+        (
+            Command::Raw(false),
+            vec![Answer::Raw(true)],
+            Answer::Raw(false),
+        ),
+        (
+            begin,
+            vec![cancelled, was_set, Answer::Alignment(turned)],
+            begun,
+        ),
+        (
+            begin,
+            refused(&[Refusal::BuiltIn, Refusal::Flash, Refusal::Length]),
+            begun,
+        ),
+        (cancel, vec![begun, was_set], cancelled),
+        (
+            cancel,
+            refused(&[Refusal::NoStream, Refusal::BuiltIn]),
+            cancelled,
+        ),
+        (
+            set,
+            vec![begun, cancelled, Answer::Alignment(turned)],
+            was_set,
+        ),
+        (
+            Command::Align(AlignCommand::State),
+            vec![begun, was_set, Answer::Refused(Refusal::NoStream)],
+            Answer::Alignment(turned),
+        ),
+        (
+            Command::Bind(BindCommand::Begin),
+            vec![bound(mine), nobody],
+            pairing,
+        ),
+        (
+            Command::Bind(BindCommand::Set(mine)),
+            vec![nobody, pairing, bound(other)],
+            bound(mine),
+        ),
+        (
+            Command::Bind(BindCommand::Forget),
+            vec![pairing, bound(mine)],
+            nobody,
+        ),
+        (
+            Command::Bind(BindCommand::Forget),
+            vec![bound(mine)],
+            binding(Following::Strongest),
+        ),
+        (
+            Command::Bind(BindCommand::State),
+            vec![counts, Answer::Refused(Refusal::NoStream)],
+            bound(mine),
+        ),
+        (
+            Command::Gate(GateCommand::Set(gate(150))),
+            vec![Answer::Gate(Gate::default()), Answer::Gate(gate(50))],
+            Answer::Gate(gate(150)),
+        ),
+        (
+            Command::Gate(GateCommand::Set(gate(150))),
+            refused(&[Refusal::NoStream, Refusal::BuiltIn, Refusal::Flash]),
+            Answer::Gate(gate(150)),
+        ),
+        (
+            Command::Gate(GateCommand::State),
+            vec![nobody, identity(7)],
+            Answer::Gate(gate(1)),
+        ),
+        (Command::Install(transfer), vec![counts, nobody], next(0)),
+        (
+            Command::Install(transfer),
+            refused(&[Refusal::NotBegun, Refusal::NoStream, Refusal::Model]),
+            next(0),
+        ),
+        (
+            Command::Block(0, Block::ERASED),
+            vec![Answer::Refused(Refusal::Length), Answer::Raw(true)],
+            next(64),
+        ),
+    ]);
+    all
+}
+
+#[test]
+fn an_answer_to_another_request_is_passed_over_whatever_the_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    for (command, others, own) in late() {
+        let lines: String = others.iter().chain([&own]).map(Answer::to_string).collect();
+        let board = Scripted::start(&link, move |_| lines.clone());
+        let mut asked = Asked::open(&link).unwrap();
+        let answer = asked.ask(command, |answer| Some(answer.to_string()));
+        assert_eq!(answer.unwrap(), own.to_string(), "{command}");
+        board.end();
+    }
+}
+
+#[test]
+fn a_board_that_answers_something_else_alone_is_not_called_silent() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let _board = Scripted::start(&link, |_| Answer::Gate(gate(50)).to_string());
+    let mut asked = Asked::open(&link).unwrap();
+    let set = Command::Gate(GateCommand::Set(gate(150)));
+    let error = asked
+        .ask(set, |answer| Some(answer.to_string()))
+        .unwrap_err();
+    let text = error.to_string();
+    for part in ["GATE,set,150,-", "OK,GATE,50,-", "other program"] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+/// `myointent board --port LINK ...`; whether it succeeds.
+fn run(link: &Path, arguments: &[&str]) -> bool {
+    let line = ["myointent", "board", "--port", link.to_str().unwrap()];
+    let line = line.iter().chain(arguments);
+    Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
+}
+
+#[test]
+fn an_alignment_counts_as_set_once_the_board_says_that_it_is_in_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    for (in_force, expected) in [(Alignment::new(3, true), true), (Alignment::NONE, false)] {
+        let board = Scripted::start(&link, move |command| match command {
+            Command::Align(AlignCommand::State) => Answer::Alignment(in_force).to_string(),
+            // Of a set by somebody else.
+            _ => Answer::Align(AlignCommand::Set(Alignment::NONE)).to_string(),
+        });
+        let done = run(&link, &["align", "set", "3", "--mirrored"]);
+        assert_eq!(done, expected, "{in_force:?}");
+        board.end();
+    }
+}
+
+#[test]
+fn an_alignment_that_ends_before_it_is_answered_is_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let unavailable = AlignmentReport {
+        sequence: 7,
+        emitted: SampleIndex(100),
+        state: AlignmentState::Unavailable,
+        alignment: Alignment::NONE,
+        gestures: 0,
+        quality: None,
+    };
+    // Lines that follow from a command come before its answer.
+    let lines = unavailable.to_string() + &Answer::Align(AlignCommand::Cancel).to_string();
+    let begun = Answer::Align(AlignCommand::Begin(Arm::Unknown)).to_string();
+    let _board = Scripted::start(&link, move |_| lines.clone() + &begun);
+    let began = Instant::now();
+    assert!(!run(&link, &["align", "begin"]));
+    assert!(began.elapsed() < Duration::from_secs(10), "{began:?}");
 }

@@ -19,6 +19,7 @@ use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Answer, Binding, Counts, Identity, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand, Command, CommandReader};
 use shared::uart_line::emg::EmgReport;
+use shared::uart_line::gate::GateCommand;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::{shipped, synthetic};
@@ -241,8 +242,10 @@ fn answer(command: Result<Command, Refusal>, following: Following) -> Answer<'st
             following,
             is_kept: true,
         }),
-        Ok(Command::Gate(_)) => Answer::Gate(Gate::default()),
-        Ok(Command::Install(_) | Command::Block(..)) => Answer::Refused(Refusal::Flash),
+        Ok(Command::Gate(GateCommand::Set(gate))) => Answer::Gate(gate),
+        Ok(Command::Gate(GateCommand::State)) => Answer::Gate(Gate::default()),
+        Ok(Command::Install(_)) => Answer::Refused(Refusal::Length),
+        Ok(Command::Block(..)) => Answer::Refused(Refusal::NotBegun),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

@@ -5,7 +5,7 @@ use std::process::{Child, Command as Process, ExitCode, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::Parser as _;
 use myointent::board::{BoardError, ModelFile, Unfit, install};
@@ -20,6 +20,7 @@ use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::{Command, CommandReader};
 
 use super::board::Terminal;
+use super::scripted::{Scripted, identity};
 use super::shipped;
 
 const REGION: usize = 40 * PAGE_BYTES;
@@ -44,6 +45,20 @@ impl Board {
     /// It loses its power after each of `lives`, which are in bytes of its line, both ways: a cut that no load of the machine moves.
     /// Once they are over it stays on.
     fn on(link: &Path, flash: Flash, lives: Vec<usize>) -> (Self, Arc<Mutex<Flash>>) {
+        Self::play(link, flash, lives, None)
+    }
+
+    /// Before the answer to the command with this number it answers one that somebody else has sent.
+    fn late(link: &Path, flash: Flash, at: usize, answer: Progress) -> (Self, Arc<Mutex<Flash>>) {
+        Self::play(link, flash, Vec::new(), Some((at, answer)))
+    }
+
+    fn play(
+        link: &Path,
+        flash: Flash,
+        lives: Vec<usize>,
+        late: Option<(usize, Progress)>,
+    ) -> (Self, Arc<Mutex<Flash>>) {
         let flash = Arc::new(Mutex::new(flash));
         let stop = Arc::new(AtomicBool::new(false));
         let passed = Arc::new(AtomicUsize::new(0));
@@ -60,6 +75,7 @@ impl Board {
                         port: &terminal.master,
                         left: life,
                         passed: &passed,
+                        late,
                     };
                     run(&mut line, &stop, &flash);
                     if stop.load(Ordering::Relaxed) {
@@ -96,6 +112,8 @@ struct Line<'t> {
     port: &'t SerialPort,
     left: usize,
     passed: &'t AtomicUsize,
+    /// Commands until an answer to another one comes, and that answer.
+    late: Option<(usize, Progress)>,
 }
 
 impl Line<'_> {
@@ -135,6 +153,11 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
                 continue;
             };
             let flash = &mut *flash.lock().unwrap();
+            if command == Ok(Command::Identify) {
+                let answer = identity(in_use.unwrap_or(0));
+                line.write(answer.to_string().as_bytes());
+                continue;
+            }
             let answer = match command {
                 Ok(Command::Install(transfer)) if in_use == Some(transfer.checksum) => {
                     Ok(Progress::Installed)
@@ -150,19 +173,16 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
                     };
                     let mut taken = installation.take(number, &block, is_ours);
                     while let (Ok(()), Some(step)) = (taken, installation.step()) {
-                        let success = match step {
-                            Step::Suspend => {
-                                in_use = None;
-                                true
+                        let mut outcome = Ok(());
+                        match step {
+                            Step::Suspend => in_use = None,
+                            Step::Verify if checksum(flash).is_none() => {
+                                outcome = Err(Refused::Model);
                             }
-                            Step::Verify => checksum(flash).is_some(),
-                            Step::Resume => {
-                                in_use = checksum(flash);
-                                true
-                            }
+                            Step::Resume => in_use = checksum(flash),
                             _ => write(&installation, flash, step),
-                        };
-                        taken = installation.done(success);
+                        }
+                        taken = installation.done(outcome);
                     }
                     taken
                         .map(|()| installation.progress())
@@ -179,12 +199,20 @@ fn run(line: &mut Line, stop: &AtomicBool, flash: &Mutex<Flash>) {
                 Ok(progress) => Answer::Install(progress),
                 Err(refusal) => Answer::Refused(refusal),
             };
+            line.late = match line.late {
+                Some((0, late)) => {
+                    line.write(Answer::Install(late).to_string().as_bytes());
+                    None
+                }
+                Some((before, late)) => Some((before - 1, late)),
+                None => None,
+            };
             line.write(answer.to_string().as_bytes());
         }
     }
 }
 
-fn write(installation: &Installation, flash: &mut Flash, step: Step) -> bool {
+fn write(installation: &Installation, flash: &mut Flash, step: Step) {
     match step {
         Step::EraseJournal | Step::EndJournal => flash.journal.fill(0xff),
         Step::WriteJournal => flash.journal[..16].copy_from_slice(&installation.record()),
@@ -196,7 +224,6 @@ fn write(installation: &Installation, flash: &mut Flash, step: Step) -> bool {
             .copy_from_slice(&installation.content().0),
         Step::Suspend | Step::Verify | Step::Resume => {}
     }
-    true
 }
 
 fn five_class_path() -> PathBuf {
@@ -309,6 +336,9 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("board");
     let terminal = Terminal::new(&link);
+    let new = five_class();
+    let file = ModelFile::new(&new).unwrap();
+    let checksum = file.checksum();
     // It restarts before the first block and is so slow that the block has come twice.
     let board = std::thread::spawn(move || {
         let mut reader = CommandReader::new();
@@ -324,10 +354,11 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
                         blocks += 1;
                         vec![Answer::Refused(Refusal::NotBegun); 2]
                     }
-                    Some(_) => {
+                    Some(Ok(Command::Identify)) => {
                         blocks += 1;
-                        vec![Answer::Install(Progress::Installed)]
+                        vec![identity(checksum)]
                     }
+                    Some(_) => vec![Answer::Install(Progress::Installed)],
                 };
                 for answer in answers {
                     let answer = answer.to_string();
@@ -337,10 +368,102 @@ fn an_answer_to_a_block_that_was_sent_twice_is_no_refusal_to_begin_again() {
         }
         terminal
     });
-    let new = five_class();
-    let installed = install(&link, ModelFile::new(&new).unwrap(), || false, |_| ());
+    let installed = install(&link, file, || false, |_| ());
     assert!(installed.is_ok(), "{installed:?}");
     board.join().unwrap();
+}
+
+/// Installs on a board whose answers are scripted; it is stopped after half a minute. Gives what came of it, and how many
+/// commands it took.
+fn installed(
+    lines: impl FnMut(Command) -> String + Send + 'static,
+) -> (Result<(), BoardError>, usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let board = Scripted::start(&link, lines);
+    let new = five_class();
+    let end = Instant::now() + Duration::from_secs(30);
+    let over = || Instant::now() > end;
+    let ended = install(&link, ModelFile::new(&new).unwrap(), over, |_| ());
+    (ended, board.end())
+}
+
+/// What a person reads, and how many commands it took.
+fn refused(lines: impl FnMut(Command) -> String + Send + 'static) -> (String, usize) {
+    let (ended, commands) = installed(lines);
+    (ended.unwrap_err().to_string(), commands)
+}
+
+fn next(block: u32) -> String {
+    Answer::Install(Progress::Next(block)).to_string()
+}
+
+fn done() -> String {
+    Answer::Install(Progress::Installed).to_string()
+}
+
+#[test]
+fn a_late_done_of_another_installation_is_not_taken_for_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("board");
+    let new = five_class();
+    let file = ModelFile::new(&new).unwrap();
+    // Before the answers to the first command, to the first block, in the middle, to the last block.
+    for at in [0, 1, 700, file.blocks() as usize] {
+        let (board, flash) = Board::late(&link, flash_of(&shipped()), at, Progress::Installed);
+        install(&link, file, || false, |_| ()).unwrap();
+        assert!(flash.lock().unwrap().region.starts_with(&new), "{at}");
+        board.off();
+    }
+}
+
+#[test]
+fn a_board_that_says_done_and_runs_another_model_has_not_installed_it() {
+    let (said, commands) = refused(|command| match command {
+        Command::Identify => identity(7).to_string(),
+        _ => done(),
+    });
+    assert!(said.contains("00000007"), "{said}");
+    assert!(commands < 50, "{commands}");
+}
+
+#[test]
+fn a_board_that_restarts_at_each_block_is_given_up_with_words() {
+    let (said, commands) = refused(|command| match command {
+        Command::Install(_) => next(0),
+        _ => Answer::Refused(Refusal::NotBegun).to_string(),
+    });
+    assert!(said.contains("restart"), "{said}");
+    assert!(commands < 50, "{commands}");
+}
+
+#[test]
+fn a_board_that_restarts_in_the_middle_of_each_page_is_given_up_with_words() {
+    let mut since = 0;
+    let (said, commands) = refused(move |command| match command {
+        Command::Install(_) => {
+            since = 0;
+            next(0)
+        }
+        Command::Block(0, _) => next(64),
+        Command::Block(number, _) if since < 30 => {
+            since += 1;
+            next(number + 1)
+        }
+        _ => Answer::Refused(Refusal::NotBegun).to_string(),
+    });
+    assert!(said.contains("restart"), "{said}");
+    assert!(commands < 1000, "{commands}");
+}
+
+#[test]
+fn a_board_that_asks_for_the_same_blocks_again_and_again_is_given_up_with_words() {
+    let (said, commands) = refused(|command| match command {
+        Command::Block(number, _) => next(64 + (number + 1) % 3),
+        _ => next(0),
+    });
+    assert!(said.contains("again"), "{said}");
+    assert!(commands < 2000, "{commands}");
 }
 
 #[test]

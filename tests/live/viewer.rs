@@ -26,7 +26,10 @@ fn parts(url: &str) -> (&str, &str) {
     rest.split_at(slash)
 }
 
-fn dial(host: &str) -> TcpStream {
+/// A connection to the server of a page, on which nothing is asked for yet.
+pub fn dial(url: &str) -> TcpStream {
+    let host = url.strip_prefix("http://").unwrap_or(url);
+    let host = host.split('/').next().unwrap();
     let stream = TcpStream::connect(host.replace("0.0.0.0", "127.0.0.1")).unwrap();
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
     stream

@@ -1,4 +1,6 @@
-//! Requests of the control task to another task, which answers each.
+//! Requests of one task to another, which answers each.
+
+use core::sync::atomic::{AtomicU8, Ordering};
 
 use embassy_sync::{
     blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel, signal::Signal,
@@ -13,7 +15,7 @@ use shared::uart_line::gate::GateCommand;
 
 use crate::model_region::ModelRefused;
 
-/// To the inference.
+/// From the control task to the inference.
 pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
 
 /// What the inference is asked for.
@@ -23,12 +25,6 @@ pub enum InferenceRequest {
     Align(AlignCommand),
     /// The confidence gate.
     Gate(GateCommand),
-    /// Enter the safe state, and read the model's region no more.
-    Suspend,
-    /// The region holds no model, for this reason.
-    Refuse(ModelRefused),
-    /// Put the region's model in use.
-    Resume,
 }
 
 /// What the inference answers.
@@ -40,11 +36,23 @@ pub enum InferenceAnswer {
     Alignment(Alignment),
     /// This gate is in force from now on.
     Gate(Gate),
-    /// It is done.
-    Done,
 }
 
-/// To the task that exchanges the model.
+/// From the installation to the inference. A channel of its own: flash is erased on the strength of its answer.
+pub static MODEL: Requests<ModelRequest, ()> = Requests::new();
+
+/// What the installation asks the inference for.
+#[derive(Clone, Copy)]
+pub enum ModelRequest {
+    /// Enter the safe state, and read the model's region no more.
+    Suspend,
+    /// The region holds no model, for this reason.
+    Refuse(ModelRefused),
+    /// Put the region's model in use.
+    Resume,
+}
+
+/// From the control task to the installation.
 pub static INSTALLATION: Requests<InstallationRequest, Progress> = Requests::new();
 
 /// What it is asked for.
@@ -56,45 +64,148 @@ pub enum InstallationRequest {
     Block(u32, Block),
 }
 
-/// To the radio.
+/// From the control task to the radio.
 pub static BIND: Requests<BindCommand, Binding> = Requests::new();
 
 /// A task that does not answer for so long is busy, or does not run.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// Number of a request, which its answer carries too.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Ticket(u8);
+
 /// Requests of one task to one other, one at a time.
 pub struct Requests<Q, A> {
-    asked: Channel<CriticalSectionRawMutex, Q, 1>,
-    answered: Signal<CriticalSectionRawMutex, Result<A, Refusal>>,
+    tickets: AtomicU8,
+    asked: Channel<CriticalSectionRawMutex, (Ticket, Q), 1>,
+    answered: Signal<CriticalSectionRawMutex, (Ticket, Result<A, Refusal>)>,
 }
 
 impl<Q, A> Requests<Q, A> {
     const fn new() -> Self {
         Self {
+            tickets: AtomicU8::new(0),
             asked: Channel::new(),
             answered: Signal::new(),
         }
     }
 
-    /// Asks, and waits for the answer.
+    /// Asks, and waits for the answer. To be called by one task alone.
     ///
     /// # Errors
     /// What the other task answers, or that it does not answer in time.
     pub async fn ask(&self, request: Q) -> Result<A, Refusal> {
-        self.asked.clear();
-        self.answered.reset();
-        self.asked.send(request).await;
-        let answer = with_timeout(PATIENCE, self.answered.wait()).await;
-        answer.unwrap_or(Err(Refusal::Busy))
+        let own = Ticket(self.tickets.fetch_add(1, Ordering::Relaxed));
+        // It has room: a request is taken, or else withdrawn below.
+        let _ = self.asked.try_send((own, request));
+        let answer = async {
+            loop {
+                // One to an earlier request, which was given up, is passed over.
+                let (ticket, answer) = self.answered.wait().await;
+                if ticket == own {
+                    return answer;
+                }
+            }
+        };
+        with_timeout(PATIENCE, answer).await.unwrap_or_else(|_| {
+            // Or it would be carried out when nobody waits for it any more.
+            self.asked.clear();
+            Err(Refusal::Busy)
+        })
     }
 
-    /// Waits for a request.
-    pub async fn receive(&self) -> Q {
+    /// Waits for a request, which is answered with its ticket.
+    pub async fn receive(&self) -> (Ticket, Q) {
         self.asked.receive().await
     }
 
-    /// Answers the request received last.
-    pub fn answer(&self, answer: Result<A, Refusal>) {
-        self.answered.signal(answer);
+    /// Answers a request.
+    pub fn answer(&self, ticket: Ticket, answer: Result<A, Refusal>) {
+        self.answered.signal((ticket, answer));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::pin::pin;
+    use core::task::{Context, Poll, Waker};
+    use std::sync::{Mutex, MutexGuard, PoisonError};
+
+    use embassy_time::MockDriver;
+
+    use super::*;
+
+    /// The result of a future that is polled once.
+    macro_rules! now {
+        ($future:expr) => {
+            $future
+                .as_mut()
+                .poll(&mut Context::from_waker(Waker::noop()))
+        };
+    }
+
+    /// The request that waits; none if there is none.
+    fn taken<Q, A>(requests: &Requests<Q, A>) -> Option<(Ticket, Q)> {
+        let mut receiving = pin!(requests.receive());
+        match now!(receiving) {
+            Poll::Ready(request) => Some(request),
+            Poll::Pending => None,
+        }
+    }
+
+    /// Virtual time is one for all tests: one of them at a time.
+    fn alone() -> MutexGuard<'static, ()> {
+        static TIME: Mutex<()> = Mutex::new(());
+        TIME.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    #[test]
+    fn control_and_installation_ask_the_inference_at_once_and_each_gets_its_own_answer() {
+        let _alone = alone();
+        let mut installation = pin!(MODEL.ask(ModelRequest::Suspend));
+        let mut control = pin!(INFERENCE.ask(InferenceRequest::Gate(GateCommand::State)));
+        assert!(now!(installation).is_pending() && now!(control).is_pending());
+        // The gate is answered first. Flash would be erased under a model in use.
+        let (ticket, _) = taken(&INFERENCE).unwrap();
+        INFERENCE.answer(ticket, Ok(InferenceAnswer::Gate(Gate::default())));
+        assert!(now!(installation).is_pending(), "not suspended");
+        assert!(matches!(
+            now!(control),
+            Poll::Ready(Ok(InferenceAnswer::Gate(_)))
+        ));
+        let (ticket, request) = taken(&MODEL).unwrap();
+        assert!(matches!(request, ModelRequest::Suspend));
+        MODEL.answer(ticket, Ok(()));
+        assert_eq!(now!(installation), Poll::Ready(Ok(())));
+    }
+
+    #[test]
+    fn a_late_answer_is_not_taken_for_that_of_the_next_request() {
+        let _alone = alone();
+        let requests = Requests::<u8, u8>::new();
+        let mut first = pin!(requests.ask(1));
+        assert!(now!(first).is_pending());
+        let (late, _) = taken(&requests).unwrap();
+        MockDriver::get().advance(PATIENCE);
+        assert_eq!(now!(first), Poll::Ready(Err(Refusal::Busy)));
+        let mut second = pin!(requests.ask(2));
+        assert!(now!(second).is_pending());
+        requests.answer(late, Ok(10));
+        assert!(now!(second).is_pending(), "the answer to the first");
+        let (ticket, request) = taken(&requests).unwrap();
+        assert_eq!(request, 2);
+        requests.answer(ticket, Ok(20));
+        assert_eq!(now!(second), Poll::Ready(Ok(20)));
+    }
+
+    #[test]
+    fn a_request_that_was_given_up_is_not_carried_out_later() {
+        let _alone = alone();
+        let requests = Requests::<u8, u8>::new();
+        let mut asking = pin!(requests.ask(1));
+        assert!(now!(asking).is_pending());
+        MockDriver::get().advance(PATIENCE);
+        assert_eq!(now!(asking), Poll::Ready(Err(Refusal::Busy)));
+        assert!(taken(&requests).is_none());
     }
 }

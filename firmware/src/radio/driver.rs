@@ -150,8 +150,9 @@ impl<'q> SessionDriver<'q> {
             if self.progress.get().is_alive(now()) {
                 heartbeat::RADIO.beat();
             }
-            if let Either::Second(command) = select(ticker.next(), requests::BIND.receive()).await {
-                requests::BIND.answer(self.bind(command));
+            let next = select(ticker.next(), requests::BIND.receive()).await;
+            if let Either::Second((ticket, command)) = next {
+                requests::BIND.answer(ticket, self.bind(command));
             }
         }
     }

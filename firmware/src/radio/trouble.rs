@@ -14,7 +14,7 @@ use bt_hci::{
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::NoopRawMutex, channel::Channel, mutex::Mutex};
 use embassy_time::{Duration, with_timeout};
-use shared::myo::{self, AddressKind};
+use shared::myo::{self, AddressKind, ConnectionParameters};
 use trouble_host::{
     Address, Controller, HostResources, Stack,
     central::Central,
@@ -38,15 +38,21 @@ const MAX_SERVICES: usize = 1;
 /// Window and interval of a scan. Equal: it scans all the time, which costs nothing but power.
 const SCAN_WINDOW: Duration = Duration::from_millis(60);
 
-/// A longer interval loses data, and so does a latency.
+/// The session's connection parameters, in the units of this host.
 const LINK: RequestedConnParams = RequestedConnParams {
-    min_connection_interval: Duration::from_micros(7_500),
-    max_connection_interval: Duration::from_millis(15),
-    max_latency: 0,
+    min_connection_interval: interval(OURS.min_interval),
+    max_connection_interval: interval(OURS.max_interval),
+    max_latency: OURS.latency,
     min_event_length: Duration::from_ticks(0),
-    max_event_length: Duration::from_millis(15),
-    supervision_timeout: Duration::from_secs(2),
+    max_event_length: interval(OURS.max_interval),
+    supervision_timeout: Duration::from_millis(OURS.supervision_timeout as u64 * 10),
 };
+const OURS: ConnectionParameters = ConnectionParameters::OURS;
+
+/// A connection interval of so many units of 1.25 ms.
+const fn interval(units: u16) -> Duration {
+    Duration::from_micros(units as u64 * 1_250)
+}
 
 /// The commands that this central needs of a controller: legacy scanning and connecting.
 pub trait CentralController:

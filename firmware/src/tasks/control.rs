@@ -97,8 +97,6 @@ async fn ask_inference(request: InferenceRequest) -> Answer<'static> {
         Ok(InferenceAnswer::Align(command)) => Answer::Align(command),
         Ok(InferenceAnswer::Alignment(alignment)) => Answer::Alignment(alignment),
         Ok(InferenceAnswer::Gate(gate)) => Answer::Gate(gate),
-        // That of another request, which was late.
-        Ok(InferenceAnswer::Done) => Answer::Refused(Refusal::Busy),
         Err(refusal) => Answer::Refused(refusal),
     }
 }

@@ -1,7 +1,7 @@
 //! From packets to labels.
 
 use embassy_futures::{
-    select::{Either3, select3},
+    select::{Either4, select4},
     yield_now,
 };
 use embassy_time::{Duration, Instant, Timer};
@@ -10,7 +10,6 @@ use shared::pipeline::{AlignmentPhase, Pipeline, Reports};
 use shared::stream::alignment::{Arm, Trigger};
 use shared::stream::link_sequence::GapDetector;
 use shared::stream::safe_state::Start;
-use shared::stream::smoother::Gate;
 use shared::uart_line::answer::Refusal;
 use shared::uart_line::command::AlignCommand;
 use shared::uart_line::emg::EmgReport;
@@ -24,7 +23,7 @@ use crate::messages::{
     heartbeat, model,
     packets::PACKETS,
     pin_state, raw,
-    requests::{self, InferenceAnswer, InferenceRequest},
+    requests::{INFERENCE, InferenceAnswer, InferenceRequest, MODEL, ModelRequest},
     uart::{self, UartMessage},
 };
 use crate::model_region::{self, Loaded, ModelRefused};
@@ -102,22 +101,22 @@ pub async fn run(
 ) -> ! {
     let mut detector = GapDetector::new();
     let mut trigger = Trigger::new(ALIGN_ON_CONNECTION);
-    let mut streams = false;
-    let mut absence = Absence::default();
+    let (mut streams, mut absence) = (false, Absence::default());
     match refused {
         Some(error) => refuse(pipeline, &mut absence, error),
         None => uart::enqueue(UartMessage::Report(pipeline.state_report())),
     }
     loop {
         let silence = timer_until(pipeline.deadline());
-        let next = select3(PACKETS.receive(), silence, requests::INFERENCE.receive()).await;
+        let (asked, exchange) = (INFERENCE.receive(), MODEL.receive());
+        let next = select4(PACKETS.receive(), silence, asked, exchange).await;
         let now = now();
         // Before anything else finds that it is late, and takes that for a silence of the armband.
         if dead_man.has_expired() {
             stalled(pipeline, now);
         }
         match next {
-            Either3::First(packet) => {
+            Either4::First(packet) => {
                 let first = packet.first;
                 let received = detector.receive(packet);
                 if received.disconnected {
@@ -137,8 +136,7 @@ pub async fn run(
                     raw::enqueue(EmgReport { first, samples });
                 }
                 streams = received.samples.is_some();
-                let is_full = pipeline.status().valid();
-                if streams && trigger.begins(is_full) {
+                if streams && trigger.begins(pipeline.status().valid()) {
                     pipeline.begin_alignment(ARM);
                     enqueue(pipeline, Reports::default());
                 }
@@ -152,37 +150,38 @@ pub async fn run(
                 }
                 heartbeat::INFERENCE.beat();
             }
-            Either3::Second(()) => {
+            Either4::Second(()) => {
                 let reports = pipeline.tick(now);
                 enqueue(pipeline, reports);
             }
-            Either3::Third(InferenceRequest::Align(command)) => {
-                let done = align(pipeline, command, streams);
+            Either4::Third((ticket, request)) => {
+                let done = match request {
+                    InferenceRequest::Align(command) => align(pipeline, command, streams),
+                    InferenceRequest::Gate(command) => set_gate(pipeline, command),
+                };
                 if let Ok(InferenceAnswer::Align(_)) = done {
                     trigger.requested();
                 }
-                requests::INFERENCE.answer(done);
+                INFERENCE.answer(ticket, done);
                 enqueue(pipeline, Reports::default());
             }
-            Either3::Third(InferenceRequest::Gate(command)) => {
-                let gate = set_gate(pipeline, command);
-                requests::INFERENCE.answer(gate.map(InferenceAnswer::Gate));
-            }
-            Either3::Third(InferenceRequest::Suspend) => {
-                model::set(None);
-                let reports = pipeline.suspend(now);
-                enqueue(pipeline, reports);
-                absence.began(now, ModelRefused::Incomplete);
-                requests::INFERENCE.answer(Ok(InferenceAnswer::Done));
-            }
-            Either3::Third(InferenceRequest::Refuse(error)) => {
-                refuse(pipeline, &mut absence, error);
-                requests::INFERENCE.answer(Ok(InferenceAnswer::Done));
-            }
-            Either3::Third(InferenceRequest::Resume) => {
-                let resumed = resume(pipeline).map_err(|_| Refusal::Model);
-                enqueue(pipeline, Reports::default());
-                requests::INFERENCE.answer(resumed.map(|()| InferenceAnswer::Done));
+            Either4::Fourth((ticket, request)) => {
+                let done = match request {
+                    ModelRequest::Suspend => {
+                        model::set(None);
+                        let reports = pipeline.suspend(now);
+                        enqueue(pipeline, reports);
+                        absence.began(now, ModelRefused::Incomplete);
+                        Ok(())
+                    }
+                    ModelRequest::Refuse(error) => Err(error),
+                    ModelRequest::Resume => resume(pipeline),
+                };
+                match done {
+                    Ok(()) => enqueue(pipeline, Reports::default()),
+                    Err(error) => refuse(pipeline, &mut absence, error),
+                }
+                MODEL.answer(ticket, done.map_err(|_| Refusal::Model));
             }
         }
         // After requests too: whoever asks often enough would put the timer off for ever.
@@ -228,10 +227,13 @@ fn align(
     Ok(InferenceAnswer::Align(command))
 }
 
-fn set_gate(pipeline: &mut DevicePipeline, command: GateCommand) -> Result<Gate, Refusal> {
+fn set_gate(
+    pipeline: &mut DevicePipeline,
+    command: GateCommand,
+) -> Result<InferenceAnswer, Refusal> {
     match command {
         GateCommand::Set(gate) if !pipeline.set_gate(gate) => Err(Refusal::Arguments),
-        GateCommand::Set(_) | GateCommand::State => Ok(pipeline.gate()),
+        GateCommand::Set(_) | GateCommand::State => Ok(InferenceAnswer::Gate(pipeline.gate())),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use shared::installation::{Block, Progress, Transfer};
+use shared::installation::{BLOCK_BYTES, Block, PAGE_BYTES, Progress, Transfer};
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::{Model, ModelError};
 use shared::uart_line::answer::{Answer, Refusal};
@@ -15,6 +15,12 @@ use super::{Board, BoardError};
 const REGION_BYTES: usize = 160 * 1024;
 /// How long a board that is lost is looked for.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Beginnings without progress after which a board is given up: it restarts each time.
+const MOST_BEGINS: u32 = 10;
+/// Blocks without progress likewise. After a beginning the first block and those of one page are written again.
+const MOST_BLOCKS: u32 = MOST_BEGINS * (1 + (PAGE_BYTES / BLOCK_BYTES) as u32);
+/// How often a board may say that all is installed while it runs another model: late answers to others.
+const MOST_DOUBTS: u32 = 3;
 /// Between two looks.
 const AGAIN: Duration = Duration::from_millis(100);
 
@@ -79,10 +85,12 @@ impl<'f> ModelFile<'f> {
 }
 
 /// Installs a model on the board at a port; `report` is told how many blocks the board has. A board that is lost is looked
-/// for, and the installation gone on with, until there was none for 30 s. It ends early once `stopped`.
+/// for, and the installation gone on with, until there was no progress for 30 s or for ten beginnings. It ends early once
+/// `stopped`. The model counts as installed once the board says that it runs it.
 ///
 /// # Errors
-/// There is no board, it refuses, it is lost or this was stopped: the same call goes on where this one ended.
+/// There is no board, it refuses, it is lost or gets no further, it runs another model in the end, or this was stopped: the
+/// same call goes on where this one ended.
 pub fn install(
     path: &Path,
     file: ModelFile<'_>,
@@ -90,23 +98,13 @@ pub fn install(
     mut report: impl FnMut(u32),
 ) -> Result<(), BoardError> {
     let mut board = Board::open(path)?;
-    let mut furthest = None;
-    let mut since = Instant::now();
+    let mut effort = Effort::new(file.blocks());
     loop {
-        let sent = board.send_model(file, &stopped, &mut |before| {
-            if furthest
-                .replace(before)
-                .is_none_or(|furthest| furthest != before)
-            {
-                since = Instant::now();
-            }
-            report(before);
-        });
-        match sent {
+        match board.send_model(file, &stopped, &mut effort, &mut report) {
             Err(error @ (BoardError::Lost { .. } | BoardError::Silent { .. })) => {
                 // Until it answers again, or for too long.
                 board = loop {
-                    if since.elapsed() > PATIENCE || furthest.is_none() {
+                    if effort.is_hopeless() {
                         return Err(error);
                     }
                     if stopped() {
@@ -123,23 +121,109 @@ pub fn install(
     }
 }
 
+/// What was done since a board had more blocks than ever before.
+struct Effort {
+    /// Blocks of the file.
+    of: u32,
+    /// Blocks that the board had at most; none before its first answer.
+    furthest: Option<u32>,
+    since: Instant,
+    begins: u32,
+    blocks: u32,
+}
+
+impl Effort {
+    fn new(of: u32) -> Self {
+        Self {
+            of,
+            furthest: None,
+            since: Instant::now(),
+            begins: 0,
+            blocks: 0,
+        }
+    }
+
+    /// The board has so many blocks.
+    fn reached(&mut self, blocks: u32) {
+        if self.furthest.is_none_or(|furthest| blocks > furthest) {
+            *self = Self {
+                furthest: Some(blocks),
+                ..Self::new(self.of)
+            };
+        }
+    }
+
+    /// The installation is begun, or gone on with.
+    fn begin(&mut self) -> Result<(), BoardError> {
+        self.begins += 1;
+        self.check()
+    }
+
+    /// A block is sent.
+    fn block(&mut self) -> Result<(), BoardError> {
+        self.blocks += 1;
+        self.check()
+    }
+
+    const fn check(&self) -> Result<(), BoardError> {
+        if self.begins <= MOST_BEGINS && self.blocks <= MOST_BLOCKS {
+            return Ok(());
+        }
+        let furthest = match self.furthest {
+            Some(furthest) => furthest,
+            None => 0,
+        };
+        Err(BoardError::NoProgress {
+            furthest,
+            of: self.of,
+            begins: self.begins,
+        })
+    }
+
+    /// Whether a board that is lost is looked for no longer.
+    fn is_hopeless(&self) -> bool {
+        self.furthest.is_none() || self.since.elapsed() > PATIENCE
+    }
+}
+
 impl Board {
-    /// Sends the blocks that the board asks for.
+    /// Sends the blocks that the board asks for, until it runs the model.
     fn send_model(
         &mut self,
         file: ModelFile<'_>,
         stopped: &impl Fn() -> bool,
+        effort: &mut Effort,
         report: &mut impl FnMut(u32),
     ) -> Result<(), BoardError> {
-        let begin = Command::Install(file.transfer);
-        let mut progress = self.ask(begin, missing)?;
+        let mut progress = self.begin(file, effort)?;
         let mut may_begin_again = true;
-        while let Progress::Next(number) = progress {
+        let mut doubts = 0;
+        loop {
             if stopped() {
                 return Err(BoardError::Stopped);
             }
+            let Progress::Next(number) = progress else {
+                let found = self.ask(Command::Identify, |answer| match answer {
+                    Answer::Identity(identity) => Some(identity.model),
+                    _ => None,
+                })?;
+                if found == Some(file.checksum()) {
+                    break;
+                }
+                // That was the answer to somebody else's block, or an old one.
+                doubts += 1;
+                if doubts > MOST_DOUBTS {
+                    let expected = file.checksum();
+                    return Err(BoardError::OtherModel { expected, found });
+                }
+                progress = self.begin(file, effort)?;
+                continue;
+            };
             // A board asks for no other one; if it does, it is told so.
-            report(file.transfer.before(number.min(file.blocks())));
+            let before = file.transfer.before(number.min(file.blocks()));
+            effort.reached(before);
+            effort.block()?;
+            report(before);
             let block = Command::Block(number, Block::of(file.bytes, number));
             let answer = self.ask(block, |answer| {
                 // It never asks for the block that it has just taken: this is the answer to an earlier line.
@@ -147,11 +231,11 @@ impl Board {
             });
             progress = match answer {
                 // It has restarted.
-                Err(BoardError::Refused(Refusal::NotBegun)) => self.ask(begin, missing)?,
+                Err(BoardError::Refused(Refusal::NotBegun)) => self.begin(file, effort)?,
                 // What was in its flash before is not what its journal says.
                 Err(BoardError::Refused(Refusal::Model)) if number != 0 && may_begin_again => {
                     may_begin_again = false;
-                    self.ask(begin, missing)?
+                    self.begin(file, effort)?
                 }
                 Err(BoardError::Refused(Refusal::Model)) => {
                     let reason = self.reason.take();
@@ -164,6 +248,12 @@ impl Board {
         }
         report(file.blocks());
         Ok(())
+    }
+
+    /// Begins, or goes on: what is missing.
+    fn begin(&mut self, file: ModelFile<'_>, effort: &mut Effort) -> Result<Progress, BoardError> {
+        effort.begin()?;
+        self.ask(Command::Install(file.transfer), missing)
     }
 }
 

@@ -38,6 +38,7 @@ pub use self::recorder::RecordOptions;
 use self::recorder::{Recorder, Wish};
 use self::server::Server;
 use self::server::access::Access;
+use self::server::rights::Mode;
 pub use self::source::Source;
 use self::source::{Asked, Context, Request, Stop};
 
@@ -134,6 +135,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let url = access.url();
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
+    let mode = Mode::of(&options.source, options.record.is_some());
     let (mut recording, mut wishes, mut played) = (None, None, None);
     if let Some(record) = options.record {
         let asked = Asked::default();
@@ -156,7 +158,8 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         wishes = Some(sender);
     }
     let stream = Stream::start(hub.clone(), options.source, options.model, played, requests)?;
-    let server = Server::start(listener, access, hub, stream.requests.clone(), wishes)?;
+    let requests = stream.requests.clone();
+    let server = Server::start(listener, access, mode, hub, requests, wishes)?;
     Ok(Live {
         stream,
         server,
@@ -238,5 +241,5 @@ impl Live {
 /// Whether an address is of this machine alone.
 #[must_use]
 pub const fn is_local(address: IpAddr) -> bool {
-    address.is_loopback()
+    address.to_canonical().is_loopback()
 }

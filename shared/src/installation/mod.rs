@@ -83,6 +83,8 @@ pub enum Refused {
     NotBegun,
     /// The file has no such block.
     NoSuchBlock,
+    /// The inference did not do its part in time.
+    Busy,
     /// Flash was not erased or written.
     Flash,
     /// The region holds no model now.
@@ -231,29 +233,29 @@ impl Installation {
         journal::to_record(self.transfer.unwrap_or_default())
     }
 
-    /// The step was carried out, or it failed: then no other one is left, and the block is missing still.
+    /// Takes the outcome of the step. After a failure no other step is left, and the block is missing still.
     ///
     /// # Errors
-    /// What failed: [`Refused::Flash`]; [`Refused::Model`], with which the transfer is over.
-    pub const fn done(&mut self, success: bool) -> Result<(), Refused> {
+    /// The failure; [`Refused::Model`] where the region holds no model, with which the transfer is over.
+    pub const fn done(&mut self, outcome: Result<(), Refused>) -> Result<(), Refused> {
         let step = self.lowest();
         self.pending &= !step;
-        match step {
-            VERIFY if !success => {
+        match (step, outcome) {
+            (VERIFY, Err(_)) => {
                 self.is_bad = true;
                 self.pending = END_JOURNAL;
             }
             // The model is whole, whatever the journal says; without one it is of no use.
-            END_JOURNAL if self.is_bad => {
+            (END_JOURNAL, _) if !self.is_bad => {}
+            (END_JOURNAL, _) | (RESUME, Err(Refused::Model)) => {
                 *self = Self::new(self.capacity);
                 return Err(Refused::Model);
             }
-            END_JOURNAL => {}
-            _ if !success => {
+            (_, Err(refused)) => {
                 self.pending = 0;
-                return Err(Refused::Flash);
+                return Err(refused);
             }
-            _ => {}
+            (_, Ok(())) => {}
         }
         if step != 0 && self.pending == 0 {
             self.block_is_done();

@@ -114,26 +114,28 @@ impl Board {
             return Ok(Err(refused));
         }
         while let Some(step) = self.installation.step() {
-            let success = self.carry_out(step, file)?;
-            if let Err(refused) = self.installation.done(success) {
+            let outcome = self.carry_out(step, file)?;
+            if let Err(refused) = self.installation.done(outcome) {
                 return Ok(Err(refused));
             }
         }
         Ok(Ok(self.installation.progress()))
     }
 
-    fn carry_out(&mut self, step: Step, file: &[u8]) -> Result<bool, PowerFailed> {
+    fn carry_out(&mut self, step: Step, file: &[u8]) -> Result<Result<(), Refused>, PowerFailed> {
         match step {
             Step::Suspend => {
                 self.is_safe = true;
                 self.in_use = None;
-                return Ok(true);
+                return Ok(Ok(()));
             }
-            Step::Verify => return Ok(self.flash.holds(file)),
+            Step::Verify => {
+                return Ok(self.flash.holds(file).then_some(()).ok_or(Refused::Model));
+            }
             Step::Resume => {
                 self.in_use = Some(file[0]);
                 self.is_safe = false;
-                return Ok(true);
+                return Ok(Ok(()));
             }
             _ => assert!(
                 self.is_safe && self.in_use.is_none(),
@@ -170,7 +172,7 @@ impl Board {
             }
             Step::Suspend | Step::Verify | Step::Resume => {}
         }
-        flash.power().map(|()| true)
+        flash.power().map(Ok)
     }
 }
 
@@ -356,8 +358,8 @@ fn a_file_that_is_no_model_is_refused_and_the_next_begins_from_the_start() {
             let block = Block::of(from, number);
             board.installation.take(number, &block, |_| true).unwrap();
             while let Some(step) = board.installation.step() {
-                let success = board.carry_out(step, &new).unwrap();
-                board.installation.done(success).unwrap();
+                let outcome = board.carry_out(step, &new).unwrap();
+                board.installation.done(outcome).unwrap();
             }
             progress = board.installation.progress();
             continue;
@@ -382,12 +384,65 @@ fn flash_that_refuses_leaves_the_block_missing() {
     for failing in 1..4 {
         installation.take(0, &Block::of(&new, 0), |_| true).unwrap();
         for _ in 0..failing {
-            installation.done(true).unwrap();
+            installation.done(Ok(())).unwrap();
         }
-        assert_eq!(installation.done(false), Err(Refused::Flash));
+        let failed = Err(Refused::Flash);
+        assert_eq!(installation.done(failed), failed);
         assert_eq!(installation.step(), None);
         assert_eq!(installation.progress(), Progress::Next(0));
     }
+}
+
+#[test]
+fn a_model_that_is_not_suspended_or_not_put_in_use_is_no_failure_of_flash() {
+    let (old, new) = (file(1), file(2));
+    for failing in [Step::Suspend, Step::Resume] {
+        let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+        let mut progress = board.begin(transfer(&new)).unwrap();
+        let mut failed = None;
+        while let Progress::Next(number) = progress {
+            let block = Block::of(&new, number);
+            board.installation.take(number, &block, |_| true).unwrap();
+            while let Some(step) = board.installation.step() {
+                if step == failing && failed.is_none() {
+                    let busy = Err(Refused::Busy);
+                    failed = Some(board.installation.done(busy).unwrap_err());
+                    break;
+                }
+                let outcome = board.carry_out(step, &new).unwrap();
+                board.installation.done(outcome).unwrap();
+            }
+            progress = board.installation.progress();
+        }
+        // The block was missing still, and sent again.
+        assert_eq!(failed, Some(Refused::Busy), "{failing:?}");
+        assert_eq!(board.in_use, Some(2));
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_put_in_use_ends_the_transfer() {
+    let (old, new) = (file(1), file(2));
+    let mut board = Board::start(Flash::of(&old), &[&old, &new]);
+    let mut progress = board.begin(transfer(&new)).unwrap();
+    let refused = 'refused: loop {
+        let Progress::Next(number) = progress else {
+            panic!("installed");
+        };
+        let block = Block::of(&new, number);
+        board.installation.take(number, &block, |_| true).unwrap();
+        while let Some(step) = board.installation.step() {
+            if step == Step::Resume {
+                break 'refused board.installation.done(Err(Refused::Model));
+            }
+            let outcome = board.carry_out(step, &new).unwrap();
+            board.installation.done(outcome).unwrap();
+        }
+        progress = board.installation.progress();
+    };
+    assert_eq!(refused, Err(Refused::Model));
+    assert_eq!(board.take(&new, 63).unwrap(), Err(Refused::NotBegun));
+    assert!(board.is_safe);
 }
 
 #[test]

@@ -51,6 +51,7 @@
 //! $ERR,checksum,04*4C
 //! ```
 
+mod matching;
 mod reading;
 
 use core::fmt;

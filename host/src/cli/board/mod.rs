@@ -3,7 +3,6 @@
 mod words;
 
 use std::io::Write as _;
-use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -16,10 +15,9 @@ use shared::uart_line::alignment::AlignmentState;
 use shared::uart_line::answer::Answer;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::uart_line::gate::GateCommand;
-use shared::uart_line::line::Line;
 
 use self::words::{Bound, Counted, Identified, Placed, why};
-use crate::board::{self, Board, ModelFile};
+use crate::board::{self, Board, BoardError, ModelFile};
 use crate::cli::arguments::mirrored;
 use crate::cli::read_model;
 use crate::execution::progress;
@@ -185,32 +183,27 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
         Align::Cancel => AlignCommand::Cancel,
         Align::Set { turn, mirrored } => AlignCommand::Set(Alignment::new(turn, mirrored)),
         Align::State => {
-            let read = |answer: &Answer<'_>| match answer {
-                Answer::Alignment(alignment) => Some(*alignment),
-                _ => None,
-            };
-            let alignment = board.ask(Command::Align(AlignCommand::State), read)?;
-            writeln!(std::io::stdout(), "{}", Placed(alignment))?;
+            writeln!(std::io::stdout(), "{}", Placed(in_force(board)?))?;
             return Ok(());
         }
     };
-    // Of a dialogue that was cut short, an answer to another command may still come. This one does not say which alignment is set.
-    let kind = discriminant(&command);
-    let accepted = |answer: &Answer<'_>| {
-        matches!(answer, Answer::Align(own) if discriminant(own) == kind).then_some(())
-    };
+    let accepted = |answer: &Answer<'_>| matches!(answer, Answer::Align(_)).then_some(());
     board.ask(Command::Align(command), accepted)?;
     let mut out = std::io::stdout();
+    if let AlignCommand::Set(wanted) = command {
+        // The answer does not say which one is set.
+        let found = in_force(board)?;
+        if found != wanted {
+            let (wanted, found) = (Placed(wanted), Placed(found));
+            bail!("expected `{wanted}` in force, found `{found}`: set it again");
+        }
+    }
     if !matches!(command, AlignCommand::Begin(_)) {
         writeln!(out, "done")?;
         return Ok(());
     }
     writeln!(out, "open the hand twice, with rest before and after")?;
-    let result = board.wait(PATIENCE, |line| match line {
-        Line::Alignment(report) if report.state != AlignmentState::Waiting => Some(*report),
-        _ => None,
-    })?;
-    let Some(result) = result else {
+    let Some(result) = board.aligned(PATIENCE)? else {
         bail!("the board did not say what came of the alignment");
     };
     match result.state {
@@ -220,6 +213,15 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
         }
         state => bail!("not aligned, nothing has changed: {}", why(state)),
     }
+}
+
+/// The alignment in force.
+fn in_force(board: &mut Board) -> Result<Alignment, BoardError> {
+    let state = Command::Align(AlignCommand::State);
+    board.ask(state, |answer| match answer {
+        Answer::Alignment(alignment) => Some(*alignment),
+        _ => None,
+    })
 }
 
 fn run_bind(board: &mut Board, bind: &Bind) -> anyhow::Result<()> {

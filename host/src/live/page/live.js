@@ -28,6 +28,7 @@ let held = null;
 let marks = 0;
 let aligning = false;
 let skipped = 0;
+let dropped = 0;
 let arrived = [];
 let shown = 0;
 let latencies = [];
@@ -60,8 +61,11 @@ const TAKE = {
     panel.number("battery", message.battery === null ? "–" : `${message.battery} %`);
   },
   counts(message) {
-    const dropped = message.packets_dropped + message.lines_dropped + message.emg_dropped;
-    panel.notice(dropped ? `dropped by the board: ${dropped} lines and packets` : "");
+    const sum = message.packets_dropped + message.lines_dropped + message.emg_dropped;
+    if (sum !== dropped) {
+      dropped = sum;
+      panel.notice(sum ? `dropped by the board: ${sum} lines and packets` : "");
+    }
   },
   line({ damaged, missing, samples }) {
     panel.number("line", `${samples} samples, ${missing + damaged} lines`);
@@ -93,6 +97,7 @@ const TAKE = {
   tuning: (message) => session.tuning(message),
   installing: (message) => session.installing(message),
   comment: (message) => panel.number("comment", message.text),
+  refused: (message) => panel.notice(`not done: ${message.text}`),
   skipped(message) {
     skipped += message.messages;
     panel.number("skipped", `${skipped} messages`);

@@ -1,10 +1,11 @@
 //! Who may look: this machine alone, or who knows the token.
 //!
 //! A page of somebody else in the same browser is kept out twice. Its websocket has a foreign `Origin`. And if its name is
-//! made to resolve to this machine (DNS rebinding), it asks for that name: only addresses and `localhost` are answered.
+//! made to resolve to this machine (DNS rebinding), it asks for that name: only addresses and `localhost` are answered. Nobody
+//! can make those resolve to another machine. The port does not matter: a tunnel has one of its own.
 
 use std::fmt::Write as _;
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
 use axum::http::{HeaderMap, StatusCode, header};
 use subtle::ConstantTimeEq as _;
@@ -20,13 +21,13 @@ pub(crate) struct Access {
 }
 
 /// Why a request is not answered.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum Denied {
-    /// A name that anybody may give to this machine.
+    /// A name that anybody may give to this machine, or an address of another one.
     #[error(
-        "expected an address such as 127.0.0.1, or localhost, in place of the name in this page's address\n"
+        "expected localhost or an address such as 127.0.0.1 or [::1], found \"{0}\": open the page under one of these, with any port\n"
     )]
-    Host,
+    Host(String),
     /// A page of somebody else.
     #[error("a page of another origin may not look in\n")]
     Origin,
@@ -36,11 +37,66 @@ pub(crate) enum Denied {
 }
 
 impl Denied {
-    pub(super) const fn status(self) -> StatusCode {
+    fn host(found: &str) -> Self {
+        let letters = found.chars().filter(char::is_ascii_graphic);
+        Self::Host(letters.take(MAX_NAME).collect())
+    }
+
+    pub(super) const fn status(&self) -> StatusCode {
         match self {
-            Self::Host => StatusCode::MISDIRECTED_REQUEST,
+            Self::Host(_) => StatusCode::MISDIRECTED_REQUEST,
             Self::Origin | Self::Token => StatusCode::FORBIDDEN,
         }
+    }
+}
+
+/// Characters of a refused name that are said again.
+const MAX_NAME: usize = 64;
+
+/// A name that cannot be made to mean another machine, and a port.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Authority {
+    name: Name,
+    port: u16,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Name {
+    Localhost,
+    Address(IpAddr),
+}
+
+impl Authority {
+    /// Reads a `Host`, or an origin without its scheme (RFC 3986, 3.2); none for any other name.
+    fn parse(text: &str) -> Option<Self> {
+        let (name, port) = match text.strip_prefix('[') {
+            Some(rest) => {
+                let (address, port) = rest.split_once(']')?;
+                let address: Ipv6Addr = address.parse().ok()?;
+                (Name::Address(address.to_canonical()), port)
+            }
+            None => {
+                let (name, port) = text.split_at(text.find(':').unwrap_or(text.len()));
+                // The root of all names may be written.
+                let name = name.strip_suffix('.').unwrap_or(name);
+                let address = || name.parse().map(|address: Ipv4Addr| address.into());
+                let name = if name.eq_ignore_ascii_case("localhost") {
+                    Name::Localhost
+                } else {
+                    Name::Address(address().ok()?)
+                };
+                (name, port)
+            }
+        };
+        let port = match port.strip_prefix(':') {
+            Some(digits) if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
+                digits.parse().ok()?
+            }
+            // The default of HTTP.
+            None if port.is_empty() => 80,
+            _ => return None,
+        };
+        Some(Self { name, port })
     }
 }
 
@@ -86,12 +142,17 @@ impl Access {
     ) -> Result<Allowed<'p>, Denied> {
         let host = headers
             .get(header::HOST)
-            .and_then(|host| host.to_str().ok());
-        let host = host.filter(|host| self.is_own(host)).ok_or(Denied::Host)?;
-        if let Some(origin) = headers.get(header::ORIGIN)
-            && origin.to_str().ok() != Some(&format!("http://{host}"))
-        {
-            return Err(Denied::Origin);
+            .and_then(|host| host.to_str().ok())
+            .unwrap_or_default();
+        let own = Authority::parse(host)
+            .filter(|authority| self.is_own(authority.name))
+            .ok_or_else(|| Denied::host(host))?;
+        if let Some(origin) = headers.get(header::ORIGIN) {
+            let origin = origin.to_str().ok();
+            let origin = origin.and_then(|origin| origin.strip_prefix("http://"));
+            if origin.and_then(Authority::parse) != Some(own) {
+                return Err(Denied::Origin);
+            }
         }
         let path = path.strip_prefix('/').unwrap_or(path);
         let path = match &self.token {
@@ -112,107 +173,14 @@ impl Access {
         })
     }
 
-    /// Whether a `Host` names this server by an address, or as `localhost`.
-    fn is_own(&self, host: &str) -> bool {
-        let (name, port) = match host.rsplit_once(':') {
-            Some((name, port)) if !port.ends_with(']') => (name, port.parse().ok()),
-            // The default of HTTP.
-            _ => (host, Some(80)),
-        };
-        if port != Some(self.address.port()) {
-            return false;
-        }
-        let bare = name
-            .strip_prefix('[')
-            .and_then(|name| name.strip_suffix(']'));
-        let address: Option<IpAddr> = bare.unwrap_or(name).parse().ok();
-        match address {
-            Some(address) => is_local(address) || !is_local(self.address.ip()),
-            None => name.eq_ignore_ascii_case("localhost"),
+    /// Whether this server may be asked for by this name.
+    const fn is_own(&self, name: Name) -> bool {
+        match name {
+            Name::Localhost => true,
+            Name::Address(address) => is_local(address) || !is_local(self.address.ip()),
         }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn access(address: &str) -> Access {
-        Access::new(address.parse().unwrap())
-    }
-
-    fn headers(host: Option<&str>, origin: Option<&str>) -> HeaderMap {
-        let mut headers = HeaderMap::new();
-        for (name, value) in [(header::HOST, host), (header::ORIGIN, origin)] {
-            if let Some(value) = value {
-                headers.insert(name, value.parse().unwrap());
-            }
-        }
-        headers
-    }
-
-    #[test]
-    fn on_this_machine_addresses_and_localhost_are_answered_and_no_other_name() {
-        let access = access("127.0.0.1:8377");
-        for (host, expected) in [
-            (Some("127.0.0.1:8377"), None),
-            (Some("localhost:8377"), None),
-            (Some("LOCALHOST:8377"), None),
-            (Some("[::1]:8377"), None),
-            (None, Some(Denied::Host)),
-            (Some(""), Some(Denied::Host)),
-            (Some("127.0.0.1"), Some(Denied::Host)),
-            (Some("127.0.0.1:80"), Some(Denied::Host)),
-            (Some("192.168.0.2:8377"), Some(Denied::Host)),
-            (Some("evil.example:8377"), Some(Denied::Host)),
-            (Some("127.0.0.1.evil.example:8377"), Some(Denied::Host)),
-            (Some("evil.example:8377@127.0.0.1:8377"), Some(Denied::Host)),
-            (Some("[::1"), Some(Denied::Host)),
-        ] {
-            let found = access.check("/", &headers(host, None));
-            assert_eq!(found.err(), expected, "{host:?}");
-        }
-        assert_eq!(access.url(), "http://127.0.0.1:8377/");
-    }
-
-    #[test]
-    fn a_page_of_another_origin_is_kept_out() {
-        let access = access("127.0.0.1:8377");
-        let host = Some("127.0.0.1:8377");
-        for (origin, expected) in [
-            ("http://127.0.0.1:8377", None),
-            ("http://localhost:8377", Some(Denied::Origin)),
-            ("http://evil.example", Some(Denied::Origin)),
-            ("https://127.0.0.1:8377", Some(Denied::Origin)),
-            ("null", Some(Denied::Origin)),
-        ] {
-            let found = access.check("/socket", &headers(host, Some(origin)));
-            assert_eq!(found.err(), expected, "{origin}");
-        }
-    }
-
-    #[test]
-    fn for_others_the_token_is_asked_for_and_a_name_still_refused() {
-        let access = access("0.0.0.0:8377");
-        let token = access.token.clone().unwrap();
-        assert_eq!(token.len(), 32);
-        assert_ne!(token, self::access("0.0.0.0:8377").token.unwrap());
-        let headers = |host| headers(Some(host), None);
-        let check = |path: &str| {
-            let found = access.check(path, &headers("192.168.0.2:8377"));
-            found.map(|allowed| allowed.path.to_owned())
-        };
-        assert_eq!(check(&format!("/{token}/")), Ok(String::new()));
-        assert_eq!(check(&format!("/{token}/socket")), Ok("socket".to_owned()));
-        let other = format!("/{}/", token.replace(|digit| digit != '0', "0"));
-        let short = format!("/{}/", &token[1..]);
-        let twice = format!("/{token}{token}/");
-        let bare = format!("/{token}");
-        for path in ["", "/", "/socket", "//", &other, &short, &twice, &bare] {
-            assert_eq!(check(path), Err(Denied::Token), "{path}");
-        }
-        let path = format!("/{token}/");
-        let named = access.check(&path, &headers("evil.example:8377"));
-        assert_eq!(named.err(), Some(Denied::Host));
-    }
-}
+mod tests;

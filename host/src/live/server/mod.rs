@@ -2,6 +2,10 @@
 
 pub(crate) mod access;
 mod assets;
+mod connections;
+mod rate;
+pub(crate) mod rights;
+mod said;
 mod viewer;
 
 use std::net::TcpListener;
@@ -12,14 +16,16 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use axum::Router;
-use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::{ConnectInfo, State};
 use axum::http::{HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse as _, Response};
 use tokio::sync::{Semaphore, watch};
 
 use self::access::{Access, Denied};
+use self::connections::{Bounded, Kept};
+use self::rights::Mode;
 use super::hub::Hub;
 use super::lead::Lead;
 use super::recorder::Wish;
@@ -37,6 +43,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 struct Served {
     hub: Arc<Hub>,
     access: Access,
+    mode: Mode,
     requests: SyncSender<Request>,
     wishes: Option<SyncSender<Wish>>,
     lead: Arc<Lead>,
@@ -60,6 +67,7 @@ impl Server {
     pub(crate) fn start(
         listener: TcpListener,
         access: Access,
+        mode: Mode,
         hub: Arc<Hub>,
         requests: SyncSender<Request>,
         wishes: Option<SyncSender<Wish>>,
@@ -71,12 +79,13 @@ impl Server {
         listener.set_nonblocking(true)?;
         let listener = {
             let _within = runtime.enter();
-            tokio::net::TcpListener::from_std(listener)?
+            Bounded::new(tokio::net::TcpListener::from_std(listener)?)
         };
         let (stop, stopped) = watch::channel(false);
         let served = Served {
             hub,
             access,
+            mode,
             requests,
             wishes,
             lead: Arc::default(),
@@ -93,7 +102,8 @@ impl Server {
                     let _ = stopped.wait_for(|stop| *stop).await;
                 };
                 runtime.block_on(async {
-                    let serve = axum::serve(listener, router).into_future();
+                    let service = router.into_make_service_with_connect_info::<Kept>();
+                    let serve = axum::serve(listener, service).into_future();
                     tokio::select! {
                         _ = serve => {}
                         () = ended => tokio::time::sleep(PATIENCE / 4).await,
@@ -115,6 +125,7 @@ impl Server {
 /// Every request: is it allowed, and what is asked for?
 async fn answer(
     State(served): State<Arc<Served>>,
+    ConnectInfo(connection): ConnectInfo<Kept>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
@@ -139,6 +150,7 @@ async fn answer(
     };
     let viewer = viewer::Viewer {
         hub: served.hub.clone(),
+        mode: served.mode,
         requests: served.requests.clone(),
         wishes: served.wishes.clone(),
         lead: served.lead.clone(),
@@ -149,6 +161,7 @@ async fn answer(
         .max_message_size(MAX_REQUEST_BYTES)
         .max_frame_size(MAX_REQUEST_BYTES)
         .on_upgrade(async move |socket| {
+            connection.keep();
             viewer.serve(socket).await;
             drop(place);
         })

@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
-use serde::Deserialize;
 use shared::intent::Intent;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::sync::watch;
-use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 
+use super::rate::{Heard, Rate};
+use super::rights::{self, Mode, Right};
+use super::said::Said;
 use crate::live::event::Event;
 use crate::live::hub::{Hub, Message, Subscription};
 use crate::live::lead::{Lead, ViewerId};
@@ -22,6 +25,13 @@ use crate::record::session::Action;
 const TOGETHER: Duration = Duration::from_millis(8);
 /// A viewer that takes nothing for so long is gone.
 const GONE: Duration = Duration::from_secs(20);
+/// Between two questions whether a viewer is there. One that is cut off does not answer, and its connection ends.
+const BEAT: Duration = Duration::from_secs(60);
+
+const UNKNOWN: &str = "there is no such request: load the page again, it may be of another version";
+const TOO_OFTEN: &str = "asked too often: at most 20 requests at once and 10 a second are heard";
+const WATCHES: &str = "another page leads the session, and this one watches";
+const BUSY: &str = "not done, because the program is busy or ends: ask again";
 /// Characters of the text of a mark.
 const MAX_MARK: usize = 80;
 
@@ -29,6 +39,7 @@ const MAX_MARK: usize = 80;
 #[derive(Debug)]
 pub(super) struct Viewer {
     pub(super) hub: Arc<Hub>,
+    pub(super) mode: Mode,
     pub(super) requests: SyncSender<Request>,
     /// Of a recording session, if there is one.
     pub(super) wishes: Option<SyncSender<Wish>>,
@@ -42,53 +53,7 @@ enum Woken {
     Stop,
     Said(Option<Result<Frame, axum::Error>>),
     Tick,
-}
-
-/// What a viewer says.
-#[derive(Deserialize)]
-#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-enum Said {
-    /// What is the time there? Answered with `sent` as it is.
-    Ping { sent: f64 },
-    /// Remember this sample.
-    Mark { sample: u32, text: String },
-    /// Begin an alignment.
-    Align,
-    /// End it.
-    Cancel,
-    /// Begin a pairing of the board.
-    Bind,
-    /// Of the recording session.
-    Session { wish: SessionWish },
-    /// Free: this is done from now on.
-    Gesture { class: String },
-}
-
-/// What a viewer wants of a session.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum SessionWish {
-    Begin,
-    Repeat,
-    Hold,
-    Finish,
-    Again,
-    Tune,
-    Install,
-}
-
-impl SessionWish {
-    const fn wish(self) -> Wish {
-        match self {
-            Self::Begin => Wish::Action(Action::Begin),
-            Self::Repeat => Wish::Action(Action::Repeat),
-            Self::Hold => Wish::Action(Action::Hold),
-            Self::Finish => Wish::Action(Action::Finish),
-            Self::Again => Wish::Again,
-            Self::Tune => Wish::Tune,
-            Self::Install => Wish::Install,
-        }
-    }
+    Beat,
 }
 
 impl Viewer {
@@ -113,18 +78,25 @@ impl Viewer {
         }
         let mut ticks = interval(TOGETHER);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut beats = interval_at(tokio::time::Instant::now() + BEAT, BEAT);
+        let mut rate = Rate::new(Instant::now());
         loop {
             // What the branches borrow ends here: a guard of `stop` may not be held while something is sent.
             let woken = tokio::select! {
                 biased;
                 _ = stop.wait_for(|stop| *stop) => Woken::Stop,
-                said = socket.recv() => Woken::Said(said),
+                // Before what it says: one that says a lot sees what happens all the same.
                 _ = ticks.tick() => Woken::Tick,
+                _ = beats.tick() => Woken::Beat,
+                said = socket.recv() => Woken::Said(said),
             };
             let stays = match woken {
                 Woken::Stop => break,
                 Woken::Tick => self.tell(&mut socket, &mut subscription).await,
-                Woken::Said(Some(Ok(Frame::Text(text)))) => self.hear(&mut socket, &text).await,
+                Woken::Beat => is_sent(&mut socket, Frame::Ping(Bytes::new())).await,
+                Woken::Said(Some(Ok(Frame::Text(text)))) => {
+                    self.hear(&mut socket, &mut rate, &text).await
+                }
                 Woken::Said(Some(Ok(Frame::Ping(_) | Frame::Pong(_)))) => true,
                 Woken::Said(_) => false,
             };
@@ -158,49 +130,78 @@ impl Viewer {
         messages.is_empty() || send(socket, messages).await
     }
 
-    /// Does what a viewer asks for; false if it is gone, or says what no page of ours does.
-    async fn hear(&self, socket: &mut WebSocket, text: &str) -> bool {
-        let Ok(said) = serde_json::from_str(text) else {
+    /// Does what a viewer asks for, or tells it why not; false if it is gone, or says what no page of ours does.
+    async fn hear(&self, socket: &mut WebSocket, rate: &mut Rate, text: &str) -> bool {
+        let Ok(said) = serde_json::from_str::<Said>(text) else {
+            refuse(socket, "", UNKNOWN).await;
             return false;
         };
-        match said {
-            Said::Ping { sent } => {
-                let now = self.hub.now();
-                let pong = serde_json::json!({ "type": "pong", "sent": sent, "now": now });
-                return send(socket, [pong.to_string().into()]).await;
+        let name = said.name();
+        match rate.ask(Instant::now()) {
+            Heard::Yes => {}
+            Heard::Refused => return refuse(socket, name, TOO_OFTEN).await,
+            Heard::Ignored => {
+                // However many wait, the other viewers come in between.
+                tokio::task::yield_now().await;
+                return true;
             }
-            Said::Mark { sample, text } => {
+        }
+        let done = self.may(name).and_then(|()| match said {
+            Said::Ping { .. } => Ok(()),
+            Said::Mark { sample, ref text } => {
                 let letters = text.chars().filter(|letter| !letter.is_control());
                 let text = letters.take(MAX_MARK).collect();
                 self.hub.publish(&Event::Mark { sample, text });
+                Ok(())
             }
-            // A source that takes no requests is busy or ending: the viewer sees that nothing happens.
-            Said::Align => drop(self.requests.try_send(Request::Align)),
-            Said::Cancel => drop(self.requests.try_send(Request::CancelAlignment)),
-            Said::Bind => drop(self.requests.try_send(Request::Bind)),
+            Said::Align => self.request(Request::Align),
+            Said::Cancel => self.request(Request::CancelAlignment),
+            Said::Bind => self.request(Request::Bind),
             Said::Session { wish } => self.wish(wish.wish()),
-            Said::Gesture { class } => {
-                if let Some(intent) = Intent::from_name(&class) {
-                    self.wish(Wish::Action(Action::Mark(intent)));
-                }
+            Said::Gesture { ref class } => match Intent::from_name(class) {
+                Some(intent) => self.wish(Wish::Action(Action::Mark(intent))),
+                None => Err(UNKNOWN),
+            },
+        });
+        match (done, said) {
+            (Err(why), _) => refuse(socket, name, why).await,
+            (Ok(()), Said::Ping { sent }) => {
+                let now = self.hub.now();
+                let pong = serde_json::json!({ "type": "pong", "sent": sent, "now": now });
+                send(socket, [pong.to_string().into()]).await
             }
+            (Ok(()), _) => true,
         }
-        true
     }
 
-    /// Passes a wish on if this viewer leads, or nobody does yet.
-    fn wish(&self, wish: Wish) {
-        let Some(wishes) = &self.wishes else {
-            return;
-        };
-        let (leads, is_new) = self.lead.claim(self.id);
-        if is_new {
-            let viewer = Some(self.id);
-            self.hub.publish(&Event::Lead { viewer });
+    /// Whether this viewer may ask for it. Where one has to lead and nobody does yet, this one does from now on.
+    ///
+    /// # Errors
+    /// Why not, in words.
+    fn may(&self, name: &str) -> Result<(), &'static str> {
+        match rights::of(name, self.mode) {
+            Right::All => Ok(()),
+            Right::Nobody(why) => Err(why),
+            Right::Leader => {
+                let (leads, is_new) = self.lead.claim(self.id);
+                if is_new {
+                    let viewer = Some(self.id);
+                    self.hub.publish(&Event::Lead { viewer });
+                }
+                leads.then_some(()).ok_or(WATCHES)
+            }
         }
-        if leads {
-            let _ = wishes.try_send(wish);
-        }
+    }
+
+    /// Passes a request on to the source.
+    fn request(&self, request: Request) -> Result<(), &'static str> {
+        self.requests.try_send(request).map_err(|_| BUSY)
+    }
+
+    /// Passes a wish on to the session.
+    fn wish(&self, wish: Wish) -> Result<(), &'static str> {
+        let wishes = self.wishes.as_ref().ok_or(BUSY)?;
+        wishes.try_send(wish).map_err(|_| BUSY)
     }
 
     fn hello(&self) -> Message {
@@ -210,6 +211,12 @@ impl Viewer {
             .to_string()
             .into()
     }
+}
+
+/// Tells a viewer why what it asks for is not done; false if it is gone.
+async fn refuse(socket: &mut WebSocket, name: &str, why: &str) -> bool {
+    let refused = serde_json::json!({ "type": "refused", "do": name, "text": why });
+    send(socket, [refused.to_string().into()]).await
 }
 
 /// Sends messages as one JSON array; false if the viewer is gone.
@@ -222,6 +229,10 @@ async fn send(socket: &mut WebSocket, messages: impl IntoIterator<Item = Message
         text += &message;
     }
     text.push(']');
-    let sent = timeout(GONE, socket.send(Frame::text(text))).await;
-    matches!(sent, Ok(Ok(())))
+    is_sent(socket, Frame::text(text)).await
+}
+
+/// Sends a frame; false if the viewer is gone.
+async fn is_sent(socket: &mut WebSocket, frame: Frame) -> bool {
+    matches!(timeout(GONE, socket.send(frame)).await, Ok(Ok(())))
 }

@@ -82,6 +82,9 @@ impl Board {
             let ended = match self.open() {
                 Ok(port) => {
                     missing.clear();
+                    if let model @ Some(_) = installation::asked_before(context) {
+                        return model;
+                    }
                     self.tell(context, false, NOTHING_YET);
                     let session = Session {
                         context,
@@ -101,15 +104,14 @@ impl Board {
             }
             context.hub.forget_stream();
             let lost = match ended {
-                Ended::Lost(error) => error,
                 Ended::Installs(model) => return Some(model),
+                Ended::Lost(error) if error.kind() == ErrorKind::UnexpectedEof => {
+                    "the port was closed".to_owned()
+                }
+                Ended::Lost(error) => error.to_string(),
             };
-            let lost = match lost.kind() {
-                ErrorKind::UnexpectedEof => "the port was closed".to_owned(),
-                _ => lost.to_string(),
-            };
-            // As long as it stays so, it is said once.
             let detail = format!("{lost}; looking for it again");
+            // As long as it stays so, it is said once.
             if detail != missing {
                 self.tell(context, false, &detail);
                 missing = detail;
@@ -206,9 +208,8 @@ impl<E: Encode> Session<'_, '_, E> {
         Ok(())
     }
 
-    /// Leaves the line as it was found.
+    /// Leaves the line as it was found. One that is lost has no stream either.
     fn leave(&self) {
-        // A line that is lost has no stream either.
         let _ = self.send(Command::Raw(false));
     }
 
@@ -267,7 +268,7 @@ impl<E: Encode> Session<'_, '_, E> {
     }
 }
 
-/// Whether a read may be tried again: nothing came in time.
+/// Whether nothing came in time.
 fn is_patient(error: &std::io::Error) -> bool {
     matches!(
         error.kind(),

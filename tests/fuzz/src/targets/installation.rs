@@ -91,11 +91,16 @@ pub fn run(data: &[u8]) {
                 Step::Verify => {}
                 _ => assert!(!in_use, "{step:?} while a model is in use"),
             }
-            let success = success && (step != Step::Verify || flash.region.starts_with(file));
-            if success {
+            let outcome = match step {
+                Step::Verify if !flash.region.starts_with(file) => Err(Refused::Model),
+                Step::Suspend | Step::Resume if !success => Err(Refused::Busy),
+                _ if !success => Err(Refused::Flash),
+                _ => Ok(()),
+            };
+            if outcome.is_ok() {
                 write(&mut flash, &installation, step);
             }
-            if installation.done(success).is_err() {
+            if installation.done(outcome).is_err() {
                 assert_eq!(installation.step(), None);
             }
         }

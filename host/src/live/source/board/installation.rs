@@ -2,10 +2,19 @@
 
 use std::path::Path;
 
-use super::Context;
+use super::{Context, Request};
 use crate::board::{ModelFile, install as send};
 use crate::live::event::Event;
 use crate::live::outcome::Installing;
+
+/// The model that was to be installed before there was a connection. Whatever else was asked for then is not done later.
+pub(super) fn asked_before(context: &Context) -> Option<Vec<u8>> {
+    let installs = |request: &Request| matches!(request, Request::Install(_));
+    match context.requests.try_iter().filter(installs).last() {
+        Some(Request::Install(model)) => Some(model),
+        _ => None,
+    }
+}
 
 /// Installs a model, and tells viewers how far it is and what came of it; whether it is in use now.
 pub(super) fn install(path: &Path, model: &[u8], context: &Context) -> bool {

@@ -3,7 +3,7 @@ use std::sync::{Arc, mpsc};
 
 use serde_json::Value;
 use shared::installation::Progress;
-use shared::uart_line::answer::{Answer, Refusal};
+use shared::uart_line::answer::{Answer, Identity, Refusal};
 use shared::uart_line::command::CommandReader;
 use tokio::sync::broadcast::error::TryRecvError;
 
@@ -13,8 +13,9 @@ use crate::live::SHIPPED;
 use crate::live::hub::Hub;
 use crate::live::source::Stop;
 
-/// A terminal whose other end answers every command, and every installation in one way; until it is stopped.
-fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::JoinHandle<()>) {
+/// A terminal whose other end answers every command, and every installation in one way; until it is stopped. The thread gives
+/// how many alignments and pairings were begun.
+fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::JoinHandle<usize>) {
     let (mut master, slave) = SerialPort::pair().unwrap();
     master.set_read_timeout(WAIT).unwrap();
     master.set_write_timeout(WRITE).unwrap();
@@ -22,23 +23,44 @@ fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::Join
     let thread = std::thread::spawn(move || {
         let mut reader = CommandReader::new();
         let mut buffer = [0; 256];
+        let mut begun = 0;
         while !stop.requested() {
             let length = master.read(&mut buffer).unwrap_or(0);
             for command in buffer[..length]
                 .iter()
                 .filter_map(|&byte| reader.push(byte))
             {
+                begun += usize::from(matches!(
+                    command,
+                    Ok(Command::Align(AlignCommand::Begin(_)) | Command::Bind(BindCommand::Begin))
+                ));
                 let answer = match command {
                     Ok(Command::Install(_)) => answer,
                     Ok(Command::Raw(on)) => Answer::Raw(on),
                     Ok(Command::Align(command)) => Answer::Align(command),
+                    Ok(Command::Identify) => Answer::Identity(identity()),
                     _ => Answer::Refused(Refusal::Busy),
                 };
                 master.write_all(answer.to_string().as_bytes()).unwrap();
             }
         }
+        begun
     });
     (slave, thread)
+}
+
+/// What a board with the shipped model says that it is.
+fn identity() -> Identity<'static> {
+    let file = SHIPPED.to_vec();
+    Identity {
+        version: "0.1.0",
+        revision: "0123456789ab",
+        image: "test",
+        model: Some(ModelFile::new(&file).unwrap().checksum()),
+        armband: None,
+        firmware: None,
+        battery: None,
+    }
 }
 
 /// What viewers are told, from a request for an installation until the board is heard again and something else has come.
@@ -83,6 +105,38 @@ fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
     told
 }
 
+#[test]
+fn what_was_asked_for_before_the_board_was_there_is_not_done_once_it_is() {
+    let (hub, stop) = (Arc::new(Hub::new()), Stop::default());
+    let (slave, thread) = board(Answer::Install(Progress::Installed), &stop);
+    let path = std::fs::read_link(format!("/proc/self/fd/{}", slave.as_raw_fd())).unwrap();
+    let mut following = hub.subscribe().following;
+    let (requests, received) = mpsc::channel();
+    let context = Context {
+        hub,
+        requests: received,
+        stop: stop.clone(),
+    };
+    for early in [Request::Align, Request::Bind] {
+        requests.send(early).unwrap();
+    }
+    let source = std::thread::Builder::new()
+        .stack_size(crate::live::STACK)
+        .spawn(move || Board { path, model: None }.run(&context))
+        .unwrap();
+    let end = Instant::now() + Duration::from_secs(60);
+    let is_heard = |message: &str| message.contains(r#""connected":true"#);
+    while !following.try_recv().is_ok_and(|message| is_heard(&message)) {
+        assert!(Instant::now() < end, "never heard");
+        std::thread::yield_now();
+    }
+    // All that was to be sent at the beginning was sent by then.
+    std::thread::sleep(10 * WAIT);
+    stop.request();
+    source.join().unwrap().unwrap();
+    assert_eq!(thread.join().unwrap(), 0);
+}
+
 /// The last message of a kind.
 fn last<'t>(told: &'t [Value], kind: &str) -> Option<&'t Value> {
     told.iter().rfind(|message| message["type"] == kind)
@@ -106,7 +160,7 @@ fn a_model_that_a_board_takes_is_the_one_whose_scores_are_shown() {
 
 #[test]
 fn a_model_that_a_board_refuses_is_said_so_and_the_board_is_read_again() {
-    let told = installed(Answer::Refused(Refusal::BuiltIn), SHIPPED);
+    let told = installed(Answer::Refused(Refusal::Length), SHIPPED);
     let installing = last(&told, "installing").unwrap();
     assert_eq!(installing["state"], "failed", "{installing}");
     let text = installing["text"].as_str().unwrap();

@@ -1,0 +1,230 @@
+//! How many connections there are, of one address and in all, and how long one stays that is not a viewer's.
+//!
+//! A connection needs no token before its first request, so anybody who reaches the port can open some. None of them may use
+//! up the program's descriptors or keep a viewer out for long.
+
+use std::collections::HashMap;
+use std::io;
+use std::net::{IpAddr, Ipv6Addr, SocketAddr};
+use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::extract::connect_info::Connected;
+use axum::serve::{IncomingStream, Listener};
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::time::{Sleep, sleep};
+
+/// Connections at a time: below 1024, the usual limit of descriptors.
+const MOST: usize = 256;
+/// Of them, those of one address: 16 viewers with the files of their pages need fewer.
+const MOST_OF_ADDRESS: usize = 64;
+/// A connection that has not become a viewer's by then is closed, whatever it sends.
+const REQUESTS: Duration = Duration::from_secs(30);
+
+/// A listener that closes at once what is too many.
+#[derive(Debug)]
+pub(super) struct Bounded {
+    inner: TcpListener,
+    open: Open,
+}
+
+impl Bounded {
+    pub(super) fn new(inner: TcpListener) -> Self {
+        let open = Open::default();
+        Self { inner, open }
+    }
+}
+
+impl Listener for Bounded {
+    type Io = Connection;
+    type Addr = SocketAddr;
+
+    async fn accept(&mut self) -> (Connection, SocketAddr) {
+        loop {
+            let (stream, address) = Listener::accept(&mut self.inner).await;
+            if let Some(place) = self.open.place(address.ip()) {
+                let connection = Connection {
+                    stream,
+                    end: Box::pin(sleep(REQUESTS)),
+                    kept: Kept::default(),
+                    _place: place,
+                };
+                return (connection, address);
+            }
+        }
+    }
+
+    fn local_addr(&self) -> io::Result<SocketAddr> {
+        self.inner.local_addr()
+    }
+}
+
+/// How many connections each network has open.
+#[derive(Clone, Debug, Default)]
+struct Open(Arc<Mutex<HashMap<IpAddr, usize>>>);
+
+impl Open {
+    fn lock(&self) -> MutexGuard<'_, HashMap<IpAddr, usize>> {
+        // Nothing is left half-changed by a panic.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A place for a connection from this address; none if there are too many.
+    fn place(&self, address: IpAddr) -> Option<Place> {
+        let network = network(address);
+        let mut open = self.lock();
+        let own = open.get(&network).copied().unwrap_or(0);
+        if own >= MOST_OF_ADDRESS || open.values().sum::<usize>() >= MOST {
+            return None;
+        }
+        open.insert(network, own + 1);
+        Some(Place {
+            network,
+            open: self.clone(),
+        })
+    }
+}
+
+/// Whose connections are counted together: an IPv4 address, or the 64 bits of an IPv6 network, of which one machine has all.
+fn network(address: IpAddr) -> IpAddr {
+    match address.to_canonical() {
+        IpAddr::V6(address) => {
+            Ipv6Addr::from_bits(address.to_bits() & !u128::from(u64::MAX)).into()
+        }
+        address => address,
+    }
+}
+
+/// One connection's place, until it is dropped.
+#[derive(Debug)]
+struct Place {
+    network: IpAddr,
+    open: Open,
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let mut open = self.open.lock();
+        if let Some(own) = open.get_mut(&self.network) {
+            *own -= 1;
+            if *own == 0 {
+                open.remove(&self.network);
+            }
+        }
+    }
+}
+
+/// Whether a connection is a viewer's, which has no end.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept(Arc<AtomicBool>);
+
+impl Kept {
+    /// Keeps the connection.
+    pub(super) fn keep(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Connected<IncomingStream<'_, Bounded>> for Kept {
+    fn connect_info(stream: IncomingStream<'_, Bounded>) -> Self {
+        stream.io().kept.clone()
+    }
+}
+
+/// A connection that fails at its end.
+#[derive(Debug)]
+pub(super) struct Connection {
+    stream: TcpStream,
+    end: Pin<Box<Sleep>>,
+    kept: Kept,
+    _place: Place,
+}
+
+impl Connection {
+    /// The stream before the connection's end; an error from then on, which wakes whoever waits.
+    fn stream(&mut self, context: &mut Context<'_>) -> io::Result<Pin<&mut TcpStream>> {
+        let is_kept = self.kept.0.load(Ordering::Relaxed);
+        if !is_kept && self.end.as_mut().poll(context).is_ready() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        Ok(Pin::new(&mut self.stream))
+    }
+}
+
+impl AsyncRead for Connection {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        self.stream(context)?.poll_read(context, buffer)
+    }
+}
+
+impl AsyncWrite for Connection {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        self.stream(context)?.poll_write(context, bytes)
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        self.stream(context)?.poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        self.stream(context)?.poll_shutdown(context)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        self.stream(context)?.poll_write_vectored(context, bytes)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ip(text: &str) -> IpAddr {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn an_address_has_its_share_and_all_together_their_bound() {
+        let open = Open::default();
+        let mut places: Vec<_> = (0..MOST_OF_ADDRESS)
+            .map(|_| open.place(ip("127.0.0.1")).unwrap())
+            .collect();
+        // The same one, written as IPv6.
+        for same in ["127.0.0.1", "::ffff:127.0.0.1"] {
+            assert!(open.place(ip(same)).is_none(), "{same}");
+        }
+        for other in 1..MOST / MOST_OF_ADDRESS {
+            let network = format!("2001:db8:0:{other}::");
+            places.extend(
+                (0..MOST_OF_ADDRESS)
+                    .map(|host| open.place(ip(&format!("{network}{host:x}"))).unwrap()),
+            );
+        }
+        assert_eq!(places.len(), MOST);
+        assert!(open.place(ip("192.168.0.2")).is_none());
+        places.swap_remove(0);
+        assert!(open.place(ip("192.168.0.2")).is_some());
+        places.clear();
+        assert!(open.lock().is_empty());
+    }
+}

@@ -1,0 +1,100 @@
+//! What a viewer may ask for, by what the program does: one table for all of it. docs/live.md has the same one.
+
+use crate::live::source::Source;
+
+/// What the program does for its viewers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Mode {
+    /// `live` of a board or an armband.
+    Live,
+    /// `live` of a recording or of the demo.
+    Replay,
+    /// `record` of anything but a board.
+    Record,
+    /// `record` of a board.
+    RecordBoard,
+}
+
+impl Mode {
+    /// Of a source, with a recording session or without.
+    pub(crate) const fn of(source: &Source, records: bool) -> Self {
+        match (source, records) {
+            (Source::Port(_), true) => Self::RecordBoard,
+            (_, true) => Self::Record,
+            (Source::Port(_) | Source::Bluetooth(_), false) => Self::Live,
+            (Source::Demo | Source::Replay(_), false) => Self::Replay,
+        }
+    }
+}
+
+/// Who may ask for something.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Right {
+    /// Every viewer.
+    All,
+    /// The viewer who leads the session; who asks first does.
+    Leader,
+    /// Nobody, for this reason.
+    Nobody(&'static str),
+}
+
+use Right::{All, Leader, Nobody};
+
+const NO_SESSION: Right = Nobody(
+    "no session is recorded here: `myointent record` has a page for it; viewers of `live` may mark and align",
+);
+const NOT_HERE: Right = Nobody(
+    "viewers of `live` may mark and align: bind an armband with `myointent record --port PATH`, `myointent board --port PATH bind begin` or the board's button",
+);
+const NO_BOARD: Right = Nobody("there is no board here: `myointent record --port PATH` has one");
+
+/// What is asked for, and who may: in [`Mode::Live`], `Replay`, `Record`, `RecordBoard`.
+const TABLE: [(&str, [Right; 4]); 8] = [
+    ("ping", [All, All, All, All]),
+    ("mark", [All, All, All, All]),
+    ("align", [All, All, All, All]),
+    ("cancel", [All, All, All, All]),
+    ("bind", [NOT_HERE, NOT_HERE, NO_BOARD, Leader]),
+    ("session", [NO_SESSION, NO_SESSION, Leader, Leader]),
+    ("gesture", [NO_SESSION, NO_SESSION, Leader, Leader]),
+    ("install", [NO_SESSION, NO_SESSION, NO_BOARD, Leader]),
+];
+
+/// Who may ask for this; nobody, where the table does not have it.
+pub(super) fn of(asked: &str, mode: Mode) -> Right {
+    let row = TABLE.iter().find(|(name, _)| *name == asked);
+    row.map_or(Nobody("there is no such request"), |(_, rights)| {
+        rights[mode as usize]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_that_of_the_documentation() {
+        let page = include_str!("../../../../docs/live.md");
+        let word = |right| match right {
+            All => "every viewer",
+            Leader => "who leads",
+            Nobody(_) => "nobody",
+        };
+        for (name, rights) in TABLE {
+            let [live, replay, record, board] = rights.map(word);
+            let row = format!("| `{name}` | {live} | {replay} | {record} | {board} |");
+            assert!(page.contains(&row), "docs/live.md lacks {row}");
+        }
+    }
+
+    #[test]
+    fn a_pairing_and_an_installation_are_for_the_session_of_a_board_alone() {
+        for asked in ["bind", "install"] {
+            for mode in [Mode::Live, Mode::Replay, Mode::Record] {
+                assert!(matches!(of(asked, mode), Nobody(_)), "{asked} {mode:?}");
+            }
+            assert_eq!(of(asked, Mode::RecordBoard), Leader);
+        }
+        assert!(matches!(of("reboot", Mode::RecordBoard), Nobody(_)));
+    }
+}
