@@ -198,3 +198,68 @@ fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    use super::*;
+
+    /// A tar archive of these files.
+    fn archive(folder: &Path, files: &[(&str, &str)]) -> PathBuf {
+        let path = folder.join("archive.tar");
+        let mut archive = tar::Builder::new(std::fs::File::create(&path).unwrap());
+        for (name, content) in files {
+            let mut header = tar::Header::new_ustar();
+            header.set_size(content.len() as u64);
+            header.set_mode(0o644);
+            let content = content.as_bytes();
+            archive.append_data(&mut header, name, content).unwrap();
+        }
+        archive.finish().unwrap();
+        path
+    }
+
+    fn fetch(name: &str, archive: PathBuf, to: &Path) -> anyhow::Result<()> {
+        run(&Arguments {
+            name: Some(name.to_owned()),
+            to: to.to_owned(),
+            archive: vec![archive],
+            accept_licence: true,
+        })
+    }
+
+    #[test]
+    fn a_wrong_archive_is_refused_and_the_right_one_is_put_in_place_afterwards() {
+        let folder = tempfile::tempdir().unwrap();
+        let to = folder.path().join("data");
+        let fist = "1,2,3,4,5,6,7,8,7\n".repeat(30);
+        let right = [("_readings_right_hand/12345-1/7.txt", fist.as_str())];
+        let wrong = [("notes.txt", "no recording\n")];
+        for (name, files) in [("myo-readings", &wrong), ("roshambo", &right)] {
+            let error = fetch(name, archive(folder.path(), files), &to).unwrap_err();
+            assert!(format!("{error:#}").contains(name), "{error:#}");
+            let left: Vec<_> = std::fs::read_dir(&to).unwrap().collect();
+            assert!(left.is_empty(), "{left:?}");
+        }
+        fetch("myo-readings", archive(folder.path(), &right), &to).unwrap();
+        let whole = to.join("myo-readings/_readings_right_hand/12345-1/7.txt");
+        assert_eq!(std::fs::read_to_string(whole).unwrap(), fist);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let mut command = std::process::Command::new("mkfifo");
+        assert!(command.arg(&pipe).status().unwrap().success());
+        let (sender, receiver) = mpsc::channel();
+        let to = folder.path().join("data");
+        std::thread::spawn(move || sender.send(fetch("myoup", pipe, &to)));
+        let result = receiver.recv_timeout(Duration::from_secs(20));
+        let error = result.expect("an answer").unwrap_err();
+        assert!(format!("{error:#}").contains("regular file"), "{error:#}");
+    }
+}

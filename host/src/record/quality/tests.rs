@@ -156,3 +156,10 @@ fn every_finding_says_what_to_do() {
         assert!(finding.advice().len() > 20, "{finding}");
     }
 }
+
+#[test]
+fn a_free_session_without_a_gesture_is_not_good_enough() {
+    let take = take(0, loud);
+    let quality = judge(&take, &CLASSES, true, false);
+    assert!(!quality.is_good_enough(), "{quality:?}");
+}
