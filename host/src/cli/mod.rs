@@ -222,7 +222,7 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
 }
 /// The bytes of a model file.
 fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
-    bounded_read::read(path, bounded_read::MODEL).with_context(|| path.display().to_string())
+    bounded_read::read_model(path).with_context(|| path.display().to_string())
 }
 
 #[cfg(test)]
