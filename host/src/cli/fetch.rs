@@ -24,7 +24,7 @@ use crate::report::Table;
         breaks off is continued by the same command. Checksums are compared where the publisher states them; of every download\n\
         its SHA-256 is printed.\n\n\
         Without a network: download the archive elsewhere, from the page that the list names, and give it with --archive. zip, tar\n\
-        and tar.gz are told by content.\n\n\
+        and tar.gz are told by content. An archive without a recording of the set is refused, and nothing of it is kept.\n\n\
         Examples:\n  myointent data fetch\n  \
         myointent data fetch ss-stm\n  \
         myointent data fetch roshambo --to recordings --accept-licence\n  \
@@ -169,7 +169,7 @@ fn report(planned: &Plan, received: &[Received]) -> std::io::Result<()> {
 
 /// Puts archives in place and says what was recognised.
 fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
-    let done = put_in_place(files, place)?;
+    let done = put_in_place(files, place, own.data_set)?;
     let mut out = std::io::stdout().lock();
     let left_out = match done.left_out {
         0 => String::new(),
@@ -182,20 +182,8 @@ fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
         done.files,
         done.bytes as f64 / (1024.0 * 1024.0)
     )?;
-    let library = load(place, &LoadOptions::default()).with_context(|| {
-        format!(
-            "unpacked, but no reader recognises a recording in {}: docs/recordings.md has the layouts",
-            place.display()
-        )
-    })?;
+    let library = load(place, &LoadOptions::default())?;
     out.write_all(tables(&Recordings::new(&library)).as_bytes())?;
-    let mut recordings = library.recordings.iter();
-    if !recordings.any(|recording| recording.data_set == own.data_set) {
-        progress::log(&format!(
-            "warning: none of these recordings is of {}: is it the right archive?",
-            own.data_set.name()
-        ));
-    }
     Ok(())
 }
 
@@ -240,8 +228,7 @@ mod tests {
         for (name, files) in [("myo-readings", &wrong), ("roshambo", &right)] {
             let error = fetch(name, archive(folder.path(), files), &to).unwrap_err();
             assert!(format!("{error:#}").contains(name), "{error:#}");
-            let left: Vec<_> = std::fs::read_dir(&to).unwrap().collect();
-            assert!(left.is_empty(), "{left:?}");
+            assert!(!to.exists());
         }
         fetch("myo-readings", archive(folder.path(), &right), &to).unwrap();
         let whole = to.join("myo-readings/_readings_right_hand/12345-1/7.txt");
