@@ -12,6 +12,7 @@ use shared::uart_line::flag;
 
 pub use backend::{Backend, BackendArguments, BackendError};
 
+use crate::dataset::readers::excerpt::printable;
 use crate::dataset::{Library, LoadError, LoadOptions, load, synthetic};
 use crate::execution::interrupt::Interrupt;
 use crate::execution::progress;
@@ -210,6 +211,9 @@ fn log_found(library: &Library, path: &Path) {
         library.recordings.len(),
         path.display()
     ));
+    for sentence in &library.people {
+        progress::log(&printable(sentence));
+    }
 }
 
 /// What stops a load, with the option that leaves damaged files out.

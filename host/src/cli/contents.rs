@@ -103,6 +103,9 @@ pub(super) fn tables(recordings: &Recordings) -> String {
         text += &format!("labels of {}: {}\n", set.data_set.name(), set.labels);
     }
     text += &("\n".to_owned() + &taken(&inspection.taken).plain());
+    for sentence in &inspection.people {
+        text += &format!("\n{}\n", printable(sentence));
+    }
     for suspicion in &inspection.suspicions {
         text += &format!(
             "\n{} ({})\n",

@@ -49,8 +49,9 @@ fn inspect_help() -> String {
     format!(
         "Reads every recording at or below PATH and shows what is in it: a folder of many data sets, one set, or one \
          file.\n\nFormats are recognised by content and name of the files:\n{readers}\n\
-         Names of folders identify the person: keep the published layout below PATH. A file of eight channels in none \
-         of these layouts is read, as react-emg without labels, if PATH is that file. Nothing is read but regular files \
+         Names of folders identify the person: keep the published layout below PATH. In your own recordings the folder \
+         is the person, whatever the files are called. A file of eight columns without a header is read, without labels, \
+         if PATH is that file. Nothing is read but regular files \
          of at most 128 MiB.\n\nExamples:\n  \
          myointent data inspect recordings\n  \
          myointent data inspect recordings/s1/s1_grasp.csv --json"

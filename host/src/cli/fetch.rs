@@ -24,7 +24,7 @@ use crate::report::Table;
         breaks off is continued by the same command. Checksums are compared where the publisher states them; of every download\n\
         its SHA-256 is printed.\n\n\
         Without a network: download the archive elsewhere, from the page that the list names, and give it with --archive. zip, tar\n\
-        and tar.gz are told by content.\n\n\
+        and tar.gz are told by content. An archive without a recording of the set is refused, and nothing of it is kept.\n\n\
         Examples:\n  myointent data fetch\n  \
         myointent data fetch ss-stm\n  \
         myointent data fetch roshambo --to recordings --accept-licence\n  \
@@ -169,7 +169,7 @@ fn report(planned: &Plan, received: &[Received]) -> std::io::Result<()> {
 
 /// Puts archives in place and says what was recognised.
 fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
-    let done = put_in_place(files, place)?;
+    let done = put_in_place(files, place, own.data_set)?;
     let mut out = std::io::stdout().lock();
     let left_out = match done.left_out {
         0 => String::new(),
@@ -182,19 +182,71 @@ fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
         done.files,
         done.bytes as f64 / (1024.0 * 1024.0)
     )?;
-    let library = load(place, &LoadOptions::default()).with_context(|| {
-        format!(
-            "unpacked, but no reader recognises a recording in {}: docs/recordings.md has the layouts",
-            place.display()
-        )
-    })?;
+    let library = load(place, &LoadOptions::default())?;
     out.write_all(tables(&Recordings::new(&library)).as_bytes())?;
-    let mut recordings = library.recordings.iter();
-    if !recordings.any(|recording| recording.data_set == own.data_set) {
-        progress::log(&format!(
-            "warning: none of these recordings is of {}: is it the right archive?",
-            own.data_set.name()
-        ));
-    }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    use super::*;
+
+    /// A tar archive of these files.
+    fn archive(folder: &Path, files: &[(&str, &str)]) -> PathBuf {
+        let path = folder.join("archive.tar");
+        let mut archive = tar::Builder::new(std::fs::File::create(&path).unwrap());
+        for (name, content) in files {
+            let mut header = tar::Header::new_ustar();
+            header.set_size(content.len() as u64);
+            header.set_mode(0o644);
+            let content = content.as_bytes();
+            archive.append_data(&mut header, name, content).unwrap();
+        }
+        archive.finish().unwrap();
+        path
+    }
+
+    fn fetch(name: &str, archive: PathBuf, to: &Path) -> anyhow::Result<()> {
+        run(&Arguments {
+            name: Some(name.to_owned()),
+            to: to.to_owned(),
+            archive: vec![archive],
+            accept_licence: true,
+        })
+    }
+
+    #[test]
+    fn a_wrong_archive_is_refused_and_the_right_one_is_put_in_place_afterwards() {
+        let folder = tempfile::tempdir().unwrap();
+        let to = folder.path().join("data");
+        let fist = "1,2,3,4,5,6,7,8,7\n".repeat(30);
+        let right = [("_readings_right_hand/12345-1/7.txt", fist.as_str())];
+        let wrong = [("notes.txt", "no recording\n")];
+        for (name, files) in [("myo-readings", &wrong), ("roshambo", &right)] {
+            let error = fetch(name, archive(folder.path(), files), &to).unwrap_err();
+            assert!(format!("{error:#}").contains(name), "{error:#}");
+            assert!(!to.exists());
+        }
+        fetch("myo-readings", archive(folder.path(), &right), &to).unwrap();
+        let whole = to.join("myo-readings/_readings_right_hand/12345-1/7.txt");
+        assert_eq!(std::fs::read_to_string(whole).unwrap(), fist);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let mut command = std::process::Command::new("mkfifo");
+        assert!(command.arg(&pipe).status().unwrap().success());
+        let (sender, receiver) = mpsc::channel();
+        let to = folder.path().join("data");
+        std::thread::spawn(move || sender.send(fetch("myoup", pipe, &to)));
+        let result = receiver.recv_timeout(Duration::from_secs(20));
+        let error = result.expect("an answer").unwrap_err();
+        assert!(format!("{error:#}").contains("regular file"), "{error:#}");
+    }
 }

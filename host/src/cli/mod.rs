@@ -229,5 +229,33 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
 }
 /// The bytes of a model file.
 fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
-    bounded_read::read(path, bounded_read::MODEL).with_context(|| path.display().to_string())
+    bounded_read::read_model(path).with_context(|| path.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_kind_of_file_as_a_model_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let lfs = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n";
+        for (bytes, words) in [
+            (&b"gt,emg_0,emg_1\n0,1,2\n"[..], &["csv"][..]),
+            (b"\x93NUMPY\x01\x00", &["npy"]),
+            (lfs.as_bytes(), &["Git LFS", "git lfs pull"]),
+            (b"<!DOCTYPE html>\n<html>", &["HTML", "raw file"]),
+            (b"{\"model\": 1}", &["JSON"]),
+            (b"PK\x03\x04....", &["zip"]),
+            (b"", &["empty"]),
+        ] {
+            let path = folder.path().join("model.intent");
+            std::fs::write(&path, bytes).unwrap();
+            let error = format!("{:#}", read_model(&path).unwrap_err());
+            for word in words {
+                assert!(error.contains(word), "{error}");
+            }
+            assert!(error.contains("model.intent"), "{error}");
+        }
+    }
 }

@@ -7,12 +7,14 @@ use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 
+use super::file_kind::FileKind;
+
 const MIB: u64 = 1 << 20;
 
 /// Most bytes of a file of recordings: 23 hours of the armband at one byte a value.
 pub(crate) const RECORDING: u64 = 128 * MIB;
 /// Most bytes of a model file: many times what a board's flash holds.
-pub(crate) const MODEL: u64 = 16 * MIB;
+const MODEL: u64 = 16 * MIB;
 /// Most bytes of a checkpoint to start from: two thousand times the paper's teacher.
 pub(crate) const CHECKPOINT: u64 = 1024 * MIB;
 /// Most bytes of a preset.
@@ -24,6 +26,9 @@ pub(crate) enum Refusal {
     /// A folder, a device or a pipe.
     #[error("expected a regular file, found {0}")]
     Kind(&'static str),
+    /// Another file than a model.
+    #[error("expected a model file (.intent), found {0}")]
+    NoModel(FileKind),
     /// Larger than the bound.
     #[error("expected at most {} MiB, found more: give a smaller file", most / MIB)]
     Large {
@@ -64,7 +69,26 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(invalid)
 }
 
-fn regular(kind: FileType) -> io::Result<()> {
+/// Reads a model file, which is refused by its kind if its first bytes are those of another.
+///
+/// # Errors
+/// As [`read`], and with [`Refusal::NoModel`] inside.
+pub(crate) fn read_model(path: &Path) -> io::Result<Vec<u8>> {
+    let bytes = read(path, MODEL)?;
+    match FileKind::of(&bytes) {
+        FileKind::Model => Ok(bytes),
+        other => Err(io::Error::new(
+            ErrorKind::InvalidData,
+            Refusal::NoModel(other),
+        )),
+    }
+}
+
+/// Refuses folders, devices, pipes and sockets.
+///
+/// # Errors
+/// With [`Refusal::Kind`] inside.
+pub(crate) fn regular(kind: FileType) -> io::Result<()> {
     if kind.is_file() {
         return Ok(());
     }

@@ -1,6 +1,7 @@
 //! Infrastructure of long computations: run folder, progress, interrupt, parallel work, bounded reads.
 
 pub mod bounded_read;
+pub mod file_kind;
 pub mod fingerprint;
 pub mod interrupt;
 pub mod parallel;

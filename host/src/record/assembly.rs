@@ -3,7 +3,7 @@
 //! A recording is a stretch of one round without a gap. Up to five missing samples are bridged as a board bridges them, by
 //! repeating the last one, and said so; more begin another recording.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use shared::intent::Intent;
@@ -52,6 +52,17 @@ pub(crate) struct Take {
     pub lost: u64,
     /// Whether the session came to its end.
     pub complete: bool,
+}
+
+impl Take {
+    /// The classes that every model has, and those that were asked for.
+    pub fn classes(&self) -> Vec<Intent> {
+        let cues = self.parts.iter().flat_map(|part| &part.cues);
+        let always = [Intent::Relax, Intent::Open, Intent::Close];
+        let asked = always.iter().chain(cues.flatten());
+        let asked: BTreeSet<usize> = asked.map(|intent| intent.class()).collect();
+        asked.into_iter().filter_map(Intent::from_class).collect()
+    }
 }
 
 /// Puts the recordings together.

@@ -4,7 +4,6 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
 use super::assembly::assemble;
@@ -114,14 +113,9 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
         }
         files.push(path);
     }
-    let classes: Vec<Intent> = header
-        .classes
-        .iter()
-        .filter_map(|name| Intent::from_name(name))
-        .collect();
     let kept = Kept {
         person: header.person,
-        quality: judge(&take, &classes, header.free, contents.damaged),
+        quality: judge(&take, contents.damaged),
         files,
         bad: take.bad.len(),
         left_off: contents.left_off,

@@ -182,11 +182,12 @@ impl Quality {
     }
 }
 
-/// Judges a session that asked for these classes.
-pub(crate) fn judge(take: &Take, classes: &[Intent], free: bool, damaged: bool) -> Quality {
+/// Judges recordings: of one session at its end, or of all of a person's.
+pub(crate) fn judge(take: &Take, damaged: bool) -> Quality {
     let samples: usize = take.parts.iter().map(|part| part.samples.len()).sum();
     let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;
     let mut findings = Vec::new();
+    let classes = take.classes();
     let counts = classes
         .iter()
         .map(|&intent| (intent.name(), count(take, intent)))
@@ -194,7 +195,7 @@ pub(crate) fn judge(take: &Take, classes: &[Intent], free: bool, damaged: bool) 
     if samples == 0 {
         findings.push(Finding::Nothing);
     } else {
-        gestures(take, classes, free, &mut findings);
+        gestures(take, &classes, &mut findings);
         electrodes(&take.parts, &mut findings);
         let percent = 100.0 * take.lost as f64 / (samples as f64 + take.lost as f64);
         if percent > 100.0 * LOSSES {
@@ -225,7 +226,7 @@ fn count(take: &Take, intent: Intent) -> usize {
     parts.map(labelled).sum()
 }
 
-fn gestures(take: &Take, classes: &[Intent], free: bool, findings: &mut Vec<Finding>) {
+fn gestures(take: &Take, classes: &[Intent], findings: &mut Vec<Finding>) {
     let mut late = Vec::new();
     for &intent in classes.iter().filter(|&&intent| intent != Intent::Relax) {
         let class = intent.name();
@@ -241,9 +242,8 @@ fn gestures(take: &Take, classes: &[Intent], free: bool, findings: &mut Vec<Find
                 }
             }
         }
-        // In a free session a gesture that was not made was not wanted.
         let found = count(take, intent);
-        if found < ENOUGH && !(free && of == 0) {
+        if found < ENOUGH {
             let expected = if found < FEWEST { FEWEST } else { ENOUGH };
             findings.push(Finding::Seldom {
                 class,

@@ -1,6 +1,6 @@
 //! Recordings of guided sessions, judged again from their files: all that a person has recorded counts together.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use shared::intent::Intent;
@@ -43,18 +43,10 @@ pub fn recorded(library: &Library) -> Vec<Recorded> {
         take.parts.push(part);
         take.complete = true;
     }
-    let judged = people.into_iter().map(|(person, take)| {
-        let cues = take.parts.iter().flat_map(|part| &part.cues);
-        // A session may have ended before each was asked for, and every model has these.
-        let always = [Intent::Relax, Intent::Open, Intent::Close];
-        let asked = always.iter().chain(cues.flatten());
-        let asked: BTreeSet<usize> = asked.map(|intent| intent.class()).collect();
-        let classes = asked.into_iter().filter_map(Intent::from_class);
-        Recorded {
-            person: person.to_owned(),
-            files: take.parts.len(),
-            quality: judge(&take, &classes.collect::<Vec<_>>(), false, false),
-        }
+    let judged = people.into_iter().map(|(person, take)| Recorded {
+        person: person.to_owned(),
+        files: take.parts.len(),
+        quality: judge(&take, false),
     });
     judged.collect()
 }

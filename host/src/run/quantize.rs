@@ -71,11 +71,9 @@ impl ModelFile {
     /// # Errors
     /// When it cannot be read.
     pub fn read(context: &RunContext, path: &Path) -> Result<Self, StepError> {
-        let bytes = bounded_read::read(path, bounded_read::MODEL).map_err(|source| {
-            StepError::NoModelFile {
-                path: path.to_owned(),
-                source,
-            }
+        let bytes = bounded_read::read_model(path).map_err(|source| StepError::NoModelFile {
+            path: path.to_owned(),
+            source,
         })?;
         let is_own = context.has(distillation::NAME) && {
             let figures = Model::parse(&bytes)?.header.provenance.metrics;

@@ -3,3 +3,5 @@
 
 #[path = "../../../host/src/execution/bounded_read.rs"]
 pub mod bounded_read;
+#[path = "../../../host/src/execution/file_kind.rs"]
+pub mod file_kind;

@@ -77,6 +77,8 @@ pub(crate) struct Inspection {
     pub taken: Vec<Files>,
     /// Files that no reader took, by reason.
     pub ignored: Vec<Files>,
+    /// Who was taken for whom, a sentence each.
+    pub people: Vec<String>,
 }
 
 impl Inspection {
@@ -114,6 +116,7 @@ impl Inspection {
                 .collect(),
             taken: taken(library),
             ignored: ignored(library),
+            people: library.people.clone(),
         }
     }
 }

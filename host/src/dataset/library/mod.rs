@@ -1,8 +1,10 @@
 //! All recordings below a path.
 
 pub(crate) mod inspection;
+mod people;
+mod session;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -12,7 +14,9 @@ use shared::units::Sample;
 
 use super::labels::timing;
 use super::readers::error::LoadError;
+use super::readers::excerpt::excerpt;
 use super::readers::open::{Found, Request, open};
+use super::readers::path::left_arm;
 use super::readers::why::Why;
 use super::recording::{DataSet, Recording};
 
@@ -42,6 +46,8 @@ pub struct Library {
     pub repeats: Vec<Repeat>,
     /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of nobody's.
     pub ignored: Vec<Ignored>,
+    /// Who was taken for whom in recordings that no publication gives a person, a sentence each.
+    pub people: Vec<String>,
 }
 
 /// A file that is not read.
@@ -72,7 +78,8 @@ pub struct Repeat {
 /// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
 /// itself cannot be read.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
-    let (alone, files) = files(path)?;
+    let (root, files) = files(path)?;
+    let alone = !root.is_dir();
     let request = Request {
         wants: |data_set| options.wants(data_set),
         alone,
@@ -100,9 +107,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     if library.recordings.is_empty() && library.skipped.is_empty() {
         return Err(LoadError::NoRecordings {
             path: path.to_owned(),
+            found: passed_over(&library.ignored),
         });
     }
     library.leave_out_repeats();
+    let folder = if alone { root.parent() } else { None };
+    library.people = people::by_folder(folder.unwrap_or(&root), &mut library.recordings);
     library.follow_wearers();
     timing::find(&mut library.recordings);
     Ok(library)
@@ -119,11 +129,12 @@ impl Library {
     }
 
     /// Normalization follows a wearer from one recording to the next, in path order. Many are of a few seconds: by
-    /// themselves they would show it nothing.
+    /// themselves they would show it nothing. A person's two arms are two wearers.
     fn follow_wearers(&mut self) {
-        let mut wearers: HashMap<String, Normalizer> = HashMap::new();
+        let mut wearers: HashMap<(String, bool), Normalizer> = HashMap::new();
         for recording in &mut self.recordings {
-            let wearer = wearers.entry(recording.subject.clone()).or_default();
+            let arm = (recording.subject.clone(), left_arm(&recording.path));
+            let wearer = wearers.entry(arm).or_default();
             recording.wearer = *wearer;
             for &sample in &recording.samples {
                 wearer.push(sample);
@@ -158,16 +169,33 @@ impl Library {
     }
 }
 
-/// Files at or below a path in path order, absolute so that folder names are known, or why one cannot be read;
-/// and whether the path is that of a single file.
-fn files(path: &Path) -> Result<(bool, Vec<Result<PathBuf, LoadError>>), LoadError> {
+/// Files that were passed over, by reason.
+fn passed_over(ignored: &[Ignored]) -> String {
+    let mut by_reason: BTreeMap<Why, Vec<&Path>> = BTreeMap::new();
+    for Ignored { path, why } in ignored {
+        by_reason.entry(*why).or_default().push(path);
+    }
+    let told = by_reason.into_iter().map(|(why, paths)| {
+        let count = paths.len();
+        let first = paths[0].file_name().unwrap_or_default().to_string_lossy();
+        format!("{count} {why}, such as {}", excerpt(&first))
+    });
+    let told: Vec<String> = told.collect();
+    if told.is_empty() {
+        return "no file".to_owned();
+    }
+    told.join("; ")
+}
+
+/// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be
+/// read.
+fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
     let root = path.canonicalize().map_err(|source| LoadError::Io {
         path: path.to_owned(),
         source,
     })?;
-    let alone = !root.is_dir();
     let mut files = Vec::new();
-    for entry in walkdir::WalkDir::new(root)
+    for entry in walkdir::WalkDir::new(&root)
         .follow_links(true)
         .sort_by_file_name()
     {
@@ -182,7 +210,7 @@ fn files(path: &Path) -> Result<(bool, Vec<Result<PathBuf, LoadError>>), LoadErr
             })),
         }
     }
-    Ok((alone, files))
+    Ok((root, files))
 }
 
 #[cfg(test)]
@@ -274,9 +302,10 @@ mod tests {
         let folder = folder(&[("113_waveIn.npy", &array())]);
         let file = folder.path().join("113_waveIn.npy");
         let library = load(&file, &LoadOptions::default()).unwrap();
+        let person = folder.path().file_name().unwrap().to_str().unwrap();
         assert_eq!(
             library.recordings[0].full_name(),
-            "react-emg/unknown/113_waveIn"
+            format!("react-emg/{person}/113_waveIn")
         );
     }
 
@@ -287,20 +316,20 @@ mod tests {
         let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
         assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
         let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
-        assert_eq!(one.subjects(), ["react-emg/unknown"]);
+        assert_eq!(one.subjects(), ["react-emg/a"]);
     }
 
     #[test]
     fn numbers_of_files_are_not_people() {
         let text = format!("{HEADER}{}", "0,1,2,3,4,5,6,7,8\n".repeat(10));
         let folder = folder(&[
-            ("12_grasp.csv", text.as_bytes()),
-            ("13_grasp.csv", text.as_bytes()),
+            ("lab/12_grasp.csv", text.as_bytes()),
+            ("lab/13_grasp.csv", text.as_bytes()),
             ("s4/s4_grasp.csv", text.as_bytes()),
             ("anna/anna_grasp.csv", text.as_bytes()),
         ]);
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
-        let expected = ["react-emg/anna", "react-emg/s4", "react-emg/unknown"];
+        let expected = ["react-emg/anna", "react-emg/lab", "react-emg/s4"];
         assert_eq!(library.subjects(), expected);
     }
 

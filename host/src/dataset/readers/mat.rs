@@ -47,11 +47,6 @@ impl Matrix {
     }
 }
 
-/// Whether these are the first bytes of a MATLAB 5 file.
-pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"MATLAB 5.0 MAT-file")
-}
-
 /// The real numeric matrices of two axes in the bytes of a file, in their order.
 ///
 /// # Errors

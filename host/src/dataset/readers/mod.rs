@@ -1,15 +1,19 @@
 //! Files of recordings: the published formats, and what their readers share.
 
+mod columns;
 pub(crate) mod error;
 pub(crate) mod excerpt;
+mod fault;
 pub(crate) mod formats;
 pub(crate) mod label_file;
 mod labels;
-mod layout;
 pub(crate) mod mat;
 pub mod npy;
 pub(crate) mod open;
-mod path;
+pub(crate) mod path;
+mod recognition;
+pub(crate) mod separator;
+mod shape;
 mod table;
 mod text;
 pub(crate) mod why;

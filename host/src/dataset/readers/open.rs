@@ -1,19 +1,17 @@
 //! One file: which format it has, and the recordings in it.
 
+mod rows;
+
 use std::path::Path;
 
 use super::error::{Damage, Fault, LoadError};
-use super::formats::{
-    cote_allard, emg_epn, epn, myo_readings, myo_rps, myoup, one_subject_myo, react_emg, roshambo,
-    ss_stm, uci_gestures, wang_myo,
-};
-use super::layout::Layout;
+use super::formats::{cote_allard, epn, myoup, react_emg, roshambo, wang_myo};
 use super::npy::{self, Values};
-use super::text::Text;
 use super::why::Why;
 use super::{mat, table};
 use crate::dataset::recording::{DataSet, Recording};
 use crate::execution::bounded_read;
+use crate::execution::file_kind::FileKind;
 
 /// What one file turned out to be.
 pub(crate) enum Found {
@@ -22,32 +20,6 @@ pub(crate) enum Found {
     Part,
     /// No recording that is read.
     Nothing(Why),
-}
-
-impl DataSet {
-    /// What a file is recognised by as one of the set.
-    #[must_use]
-    pub const fn recognised_by(self) -> &'static str {
-        match self {
-            Self::Roshambo => {
-                "subject*_emg.npy (n, 8) of integers with *_ann.npy, a gesture's name per sample"
-            }
-            Self::SsStm => "subN/MxTy.csv, eight decimals a row (count / 128)",
-            Self::CoteAllard => "classe_N.dat, int16, eight values a sample",
-            Self::MyoReadings => "12345-1/G.txt, eight integers and the label a row",
-            Self::OneSubjectMyo => "csv, eight integers a row, classes in metadata.json",
-            Self::WangMyo => {
-                "EMG_SN/1_fist.npy (n, 8), or EMG_SN/..._1_x.mat with data (count / 128)"
-            }
-            Self::MyoRps => "csv with index,timestamp,0,...,7, named sN_r_1-rock-0-emg.csv",
-            Self::Myoup => "sN/e2_emg.npy with e2_ann.npy, or sNe2.mat with emg and pulse",
-            Self::Epn => "userN/training/001_fist.npy (n, 8)",
-            Self::UciGestures => "01/1_raw_data_*.txt with time, channel1..channel8, class",
-            Self::EmgEpn612 => "JSON per user with trainingSamples, testingSamples",
-            Self::ReactEmg => "csv with gt and emg_0..emg_7, or npy (n, 9) with the label first",
-            Self::Synthetic => "as react-emg, with a column synthetic_muscle",
-        }
-    }
 }
 
 /// How a file is asked for.
@@ -91,38 +63,41 @@ pub(crate) fn of_bytes(
     let Some(extension) = extension(path) else {
         return Ok(Found::Nothing(Why::Ending));
     };
-    if bytes.is_empty() {
-        return Err(Damage::of_file(Fault::Empty).in_file(path));
-    }
     let damage = |damage: Damage| damage.in_file(path);
-    if extension == "dat" {
-        return request.one(DataSet::CoteAllard, || {
+    let kind = FileKind::of(bytes);
+    match kind {
+        FileKind::Empty => return Err(damage(Damage::of_file(Fault::Empty))),
+        FileKind::Npy => return array(path, bytes, request),
+        FileKind::Mat => return matrices(path, bytes, request),
+        FileKind::LfsPointer
+        | FileKind::Html
+        | FileKind::Zip
+        | FileKind::Gzip
+        | FileKind::Model => {
+            let expected = KINDS;
+            let fault = Fault::Kind {
+                expected,
+                found: kind,
+            };
+            return Err(damage(Damage::of_file(fault)));
+        }
+        _ => {}
+    }
+    match extension {
+        "dat" if cote_allard::is_named(path) => request.one(DataSet::CoteAllard, || {
             cote_allard::read(path, bytes).map_err(damage)
-        });
+        }),
+        "npy" => Err(damage(Damage::of_file(Fault::Kind {
+            expected: "an npy array",
+            found: kind,
+        }))),
+        "mat" => matrices(path, bytes, request),
+        _ => rows::open(path, bytes, request),
     }
-    if extension == "npy" || npy::looks_like(bytes) {
-        return array(path, bytes, request);
-    }
-    if extension == "mat" || mat::looks_like(bytes) {
-        return matrices(path, bytes, request);
-    }
-    let text = match Text::of(bytes) {
-        Text::Utf8(text) => text,
-        Text::Utf16(beginning) if Layout::of(&beginning).is_some() => {
-            return Err(damage(Damage::of_file(Fault::Utf16)));
-        }
-        Text::Utf16(_) | Text::Binary => return Ok(Found::Nothing(Why::Layout)),
-    };
-    if extension == "json" {
-        if !emg_epn::looks_like(text) {
-            return Ok(Found::Nothing(Why::Layout));
-        }
-        return request.several(DataSet::EmgEpn612, || {
-            emg_epn::read(path, text).map_err(damage)
-        });
-    }
-    rows(path, text, request)
 }
+
+/// What a recording may be.
+const KINDS: &str = "a recording (csv, npy, mat, dat or json)";
 
 impl<W: Fn(DataSet) -> bool> Request<W> {
     fn several(
@@ -150,6 +125,19 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         self.several(data_set, || Ok(vec![read()?]))
     }
 
+    /// A file that is no recording: passed over, unless it is the one that was asked for.
+    fn nothing(&self, path: &Path, found: FileKind) -> Result<Found, LoadError> {
+        if self.alone {
+            let fault = Fault::Kind {
+                expected: KINDS,
+                found,
+            };
+            Err(Damage::of_file(fault).in_file(path))
+        } else {
+            Ok(Found::Nothing(Why::Layout))
+        }
+    }
+
     /// Eight channels of no known set.
     fn unknown(
         &self,
@@ -159,47 +147,6 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
             self.one(DataSet::ReactEmg, read)
         } else {
             Ok(Found::Nothing(Why::UnknownSet))
-        }
-    }
-}
-
-fn rows(
-    path: &Path,
-    text: &str,
-    request: &Request<impl Fn(DataSet) -> bool>,
-) -> Result<Found, LoadError> {
-    let damage = |damage: Damage| damage.in_file(path);
-    let Some(layout) = Layout::of(text) else {
-        return Ok(Found::Nothing(Why::Layout));
-    };
-    match layout {
-        Layout::ReactEmg => request.one(DataSet::ReactEmg, || {
-            react_emg::read_csv(path, text).map_err(damage)
-        }),
-        Layout::MyoRps => request.one(DataSet::MyoRps, || {
-            myo_rps::read(path, text).map_err(damage)
-        }),
-        Layout::UciGestures => request.one(DataSet::UciGestures, || {
-            uci_gestures::read(path, text).map_err(damage)
-        }),
-        Layout::MyoReadings => request.one(DataSet::MyoReadings, || {
-            myo_readings::read(path, text).map_err(damage)
-        }),
-        Layout::SsStm => request.one(DataSet::SsStm, || ss_stm::read(path, text).map_err(damage)),
-        Layout::Counts => {
-            let metadata = path.with_file_name("metadata.json");
-            let metadata = bounded_read::read(&metadata, bounded_read::RECORDING).ok();
-            let metadata = metadata.and_then(|bytes| String::from_utf8(bytes).ok());
-            if one_subject_myo::is_recording(path, metadata.as_deref()) {
-                request.one(DataSet::OneSubjectMyo, || {
-                    one_subject_myo::read(path, text, metadata.as_deref()).map_err(damage)
-                })
-            } else {
-                request.unknown(|| {
-                    let samples = table::counts(text).map_err(damage)?;
-                    react_emg::unlabelled(path, samples).map_err(damage)
-                })
-            }
         }
     }
 }
@@ -233,7 +180,7 @@ fn array(
             epn::read(path, &name, &array).map_err(damage)
         });
     }
-    if react_emg::is_recording(&array) {
+    if react_emg::is_recording(path, &array) {
         return request.one(DataSet::ReactEmg, || {
             react_emg::read_npy(path, &array).map_err(damage)
         });
@@ -243,6 +190,13 @@ fn array(
             let samples = table::samples(&array).map_err(damage)?;
             react_emg::unlabelled(path, samples).map_err(damage)
         }),
+        (shape, _) if request.alone || matches!(shape, [_, 9 | 16] | [8, _]) => {
+            Err(damage(Damage::of_file(Fault::Array {
+                expected: "eight channels of numbers, (n, 8); where a label or times are beside them, a csv with a \
+                           header says so, gt,emg_0 to emg_7",
+                found: array.describe(),
+            })))
+        }
         _ => Ok(Found::Nothing(Why::Layout)),
     }
 }
@@ -272,7 +226,7 @@ fn matrices(
             wang_myo::read_mat(path, &name, &matrices).map_err(damage)
         });
     }
-    Ok(Found::Nothing(Why::Layout))
+    request.nothing(path, FileKind::of(bytes))
 }
 
 #[cfg(test)]
@@ -323,8 +277,8 @@ mod tests {
             Some(array(path, bytes, &REQUEST))
         } else if path.extension()? == "mat" {
             Some(matrices(path, bytes, &REQUEST))
-        } else if let Text::Utf8(text) = Text::of(bytes) {
-            Some(rows(path, text, &REQUEST))
+        } else if let Ok(text) = std::str::from_utf8(bytes) {
+            Some(rows::of_text(path, text, &REQUEST))
         } else {
             None
         }

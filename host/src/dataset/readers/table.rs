@@ -16,6 +16,12 @@ pub(crate) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .map(|(index, line)| (index + 1, line))
 }
 
+/// Whether a row in front of a table is no part of it: empty, a comment, or the separator as spreadsheets note it.
+pub(crate) fn is_note(row: &str) -> bool {
+    let row = row.trim();
+    row.is_empty() || row.starts_with('#') || row.to_lowercase().starts_with("sep=")
+}
+
 /// One row of comma-separated numbers; it has exactly `N`.
 pub(crate) fn numbers<const N: usize>(line: usize, row: &str) -> Result<[f64; N], Damage> {
     fields(line, row.split(','))
@@ -75,15 +81,6 @@ pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault
         *to = whole.min(127.0) as i8;
     }
     Ok(sample)
-}
-
-/// A text of eight counts a row as samples.
-pub(crate) fn counts(text: &str) -> Result<Vec<Sample>, Damage> {
-    let of_row = |(line, row)| {
-        let counts = numbers::<CHANNELS>(line, row)?;
-        sample(&counts, 1).map_err(|fault| Damage::at_line(line, fault))
-    };
-    rows(text).map(of_row).collect()
 }
 
 /// An array (n, 8) of counts as samples.

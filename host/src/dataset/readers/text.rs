@@ -1,49 +1,26 @@
-//! Bytes as text.
+//! The beginning of a text in another encoding, to tell what it would be.
 
-/// What the bytes of a file are.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Text<'b> {
-    /// UTF-8, a byte order mark left out.
-    Utf8(&'b str),
-    /// The beginning of a UTF-16 text, for recognising what it would be.
-    Utf16(String),
-    /// No text.
-    Binary,
-}
-
-/// Bytes of a UTF-16 text that are decoded.
+/// Bytes that are decoded.
 const BEGINNING: usize = 8192;
 
-impl<'b> Text<'b> {
-    pub fn of(bytes: &'b [u8]) -> Self {
-        let big = match bytes {
-            [0xff, 0xfe, ..] => Some(false),
-            [0xfe, 0xff, ..] => Some(true),
-            // Without a mark: the first character of every text format here is ASCII.
-            [first, 0, second, 0, ..] if *first != 0 && *second != 0 => Some(false),
-            [0, first, 0, second, ..] if *first != 0 && *second != 0 => Some(true),
-            _ => None,
-        };
-        if let Some(big) = big {
-            let (units, _) = bytes[..bytes.len().min(BEGINNING)].as_chunks::<2>();
-            let units: Vec<u16> = units
-                .iter()
-                .map(|&unit| {
-                    if big {
-                        u16::from_be_bytes(unit)
-                    } else {
-                        u16::from_le_bytes(unit)
-                    }
-                })
-                .collect();
-            let text = String::from_utf16_lossy(&units);
-            return Self::Utf16(text.trim_start_matches('\u{feff}').to_owned());
-        }
-        match std::str::from_utf8(bytes) {
-            Ok(text) => Self::Utf8(text.strip_prefix('\u{feff}').unwrap_or(text)),
-            Err(_) => Self::Binary,
-        }
-    }
+/// Beginning of a UTF-16 text, with or without a byte order mark.
+pub(crate) fn of_utf16(bytes: &[u8]) -> String {
+    // Without a mark: the first character of every text format here is ASCII.
+    let is_big = matches!(bytes, [0xfe, 0xff, ..] | [0, _, ..]);
+    let (units, _) = bytes[..bytes.len().min(BEGINNING)].as_chunks::<2>();
+    let read = if is_big {
+        u16::from_be_bytes
+    } else {
+        u16::from_le_bytes
+    };
+    let units: Vec<u16> = units.iter().map(|&unit| read(unit)).collect();
+    let text = String::from_utf16_lossy(&units);
+    text.trim_start_matches('\u{feff}').to_owned()
+}
+
+/// Beginning of a text that is UTF-8 but for some characters.
+pub(crate) fn of_utf8(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(&bytes[..bytes.len().min(BEGINNING)]).into_owned()
 }
 
 #[cfg(test)]
@@ -51,18 +28,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn encodings_are_told_apart() {
-        assert_eq!(Text::of(b"1,2"), Text::Utf8("1,2"));
-        assert_eq!(Text::of(b"\xef\xbb\xbf1,2"), Text::Utf8("1,2"));
+    fn both_byte_orders_are_decoded() {
         for bytes in [
             &b"\xff\xfe1\0,\0"[..],
             b"1\0,\0",
             b"\x001\x00,",
             b"\xfe\xff\x001\x00,",
         ] {
-            assert_eq!(Text::of(bytes), Text::Utf16("1,".into()), "{bytes:?}");
+            assert_eq!(of_utf16(bytes), "1,", "{bytes:?}");
         }
-        assert_eq!(Text::of(b"\xff\x00\x01"), Text::Binary);
-        assert_eq!(Text::of(b""), Text::Utf8(""));
     }
 }

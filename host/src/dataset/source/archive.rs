@@ -10,6 +10,7 @@ use std::path::{Component, Path, PathBuf};
 use flate2::read::GzDecoder;
 
 use super::error::ArchiveError;
+use crate::execution::file_kind::FileKind;
 
 /// What an archive may hold.
 #[derive(Clone, Copy, Debug)]
@@ -102,8 +103,12 @@ pub(super) fn unpack(
         Some(Kind::Tar) => target.tar(BufReader::new(file))?,
         Some(Kind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
         None => {
+            let mut start = Vec::new();
+            let read = File::open(archive).and_then(|file| file.take(512).read_to_end(&mut start));
+            read.map_err(damaged)?;
             return Err(ArchiveError::Kind {
                 archive: archive.to_owned(),
+                found: FileKind::of(&start),
             });
         }
     }

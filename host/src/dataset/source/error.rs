@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::checksum::Checksum;
+use crate::execution::file_kind::FileKind;
 
 /// Why recordings were not fetched.
 #[derive(Debug, thiserror::Error)]
@@ -81,6 +82,18 @@ pub enum FetchError {
     /// The archive cannot be unpacked.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
+    /// The archive is of something else.
+    #[error(
+        "expected recordings of {data_set} ({expected}), found {found}: is it the right archive? Nothing of it is kept"
+    )]
+    OtherContent {
+        /// The data set that was asked for.
+        data_set: &'static str,
+        /// What its files are recognised by.
+        expected: &'static str,
+        /// What there is instead.
+        found: String,
+    },
     /// There is something already.
     #[error("{path} exists: remove it, or choose another folder with --to", path = path.display())]
     Exists {
@@ -111,10 +124,12 @@ impl FetchError {
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
     /// Neither kind of archive.
-    #[error("{archive}: expected a zip, tar or tar.gz archive, by its content", archive = archive.display())]
+    #[error("{archive}: expected a zip, tar or tar.gz archive, found {found}", archive = archive.display())]
     Kind {
         /// The file.
         archive: PathBuf,
+        /// What it is.
+        found: FileKind,
     },
     /// A name that leads out of the folder, or that no file system takes.
     #[error(

@@ -17,6 +17,10 @@ pub use checksum::Checksum;
 pub use error::{ArchiveError, FetchError};
 pub use plan::{Download, Plan, Servers, plan};
 
+use super::library::{LoadOptions, load};
+use super::readers::error::LoadError;
+use super::recording::DataSet;
+use crate::execution::bounded_read::regular;
 use crate::execution::progress;
 
 /// A file that has come whole.
@@ -63,23 +67,58 @@ fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchE
     })
 }
 
-/// Puts archives, and files that are none, into a new folder: unpacked beside it first and renamed when whole.
+/// Puts archives, and files that are none, into a new folder: unpacked beside it first, and renamed when whole and with a
+/// recording of the data set.
 ///
 /// # Errors
-/// When the folder is there already, or a file cannot be unpacked; nothing is left then.
-pub fn put_in_place(files: &[PathBuf], folder: &Path) -> Result<Unpacked, FetchError> {
+/// When the folder is there already, a file cannot be unpacked, or none is a recording of the set; nothing is left then.
+pub fn put_in_place(
+    files: &[PathBuf],
+    folder: &Path,
+    data_set: DataSet,
+) -> Result<Unpacked, FetchError> {
     free(folder)?;
+    for path in files {
+        let kind = fs::metadata(path).and_then(|metadata| regular(metadata.file_type()));
+        kind.map_err(|error| FetchError::io(path, error))?;
+    }
     let name = folder.file_name().unwrap_or_default().to_string_lossy();
     let beside = folder.with_file_name(format!(".{name}.unpacking"));
+    let above = folder.parent().filter(|above| !above.exists());
     let result = unpack_all(files, &beside);
     let renamed = result.and_then(|unpacked| {
+        must_hold(&beside, data_set)?;
         fs::rename(&beside, folder).map_err(|error| FetchError::io(folder, error))?;
         Ok(unpacked)
     });
     if renamed.is_err() {
         let _ = fs::remove_dir_all(&beside);
+        // As it was; a folder that somebody has put something into meanwhile stays.
+        let _ = above.map(fs::remove_dir);
     }
     renamed
+}
+
+/// Refuses a folder without a recording of the data set.
+fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
+    let options = LoadOptions {
+        data_sets: vec![data_set],
+        ..LoadOptions::default()
+    };
+    let other = |found: String| FetchError::OtherContent {
+        data_set: data_set.name(),
+        expected: data_set.recognised_by(),
+        found,
+    };
+    match load(folder, &options) {
+        Ok(library) if !library.recordings.is_empty() => Ok(()),
+        Ok(library) => Err(other(format!(
+            "{} damaged or unreadable files",
+            library.skipped.len()
+        ))),
+        Err(LoadError::NoRecordings { found, .. }) => Err(other(found)),
+        Err(error) => Err(other(error.line())),
+    }
 }
 
 /// Refuses a folder that is there already.

@@ -1,3 +1,4 @@
+use shared::intent::Intent;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::*;

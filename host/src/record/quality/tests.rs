@@ -46,7 +46,7 @@ fn loud(_: usize, intent: Intent) -> i8 {
 }
 
 fn found(take: &Take) -> Vec<String> {
-    let findings = judge(take, &CLASSES, false, false).findings;
+    let findings = judge(take, false).findings;
     findings
         .iter()
         .map(|finding| format!("{:?} {finding}", finding.severity()))
@@ -56,7 +56,7 @@ fn found(take: &Take) -> Vec<String> {
 #[test]
 fn a_good_session_is_good_enough() {
     let take = take(8, loud);
-    let quality = judge(&take, &CLASSES, false, false);
+    let quality = judge(&take, false);
     assert!(quality.is_good_enough(), "{quality:?}");
     assert_eq!((quality.counts["open"], quality.counts["close"]), (8, 8));
     assert_eq!(found(&take).len(), 1, "the lag alone: {:?}", found(&take));
@@ -155,4 +155,11 @@ fn every_finding_says_what_to_do() {
     for finding in findings {
         assert!(finding.advice().len() > 20, "{finding}");
     }
+}
+
+#[test]
+fn a_free_session_without_a_gesture_is_not_good_enough() {
+    let take = take(0, loud);
+    let quality = judge(&take, false);
+    assert!(!quality.is_good_enough(), "{quality:?}");
 }

@@ -25,7 +25,7 @@ impl NamedModel {
     /// # Errors
     /// When it cannot be read.
     pub fn read(path: &Path) -> std::io::Result<Self> {
-        let bytes = bounded_read::read(path, bounded_read::MODEL)?;
+        let bytes = bounded_read::read_model(path)?;
         let folder = path.parent().and_then(Path::file_name);
         let stem = path.file_stem().unwrap_or(path.as_os_str());
         let name = match folder {

@@ -31,7 +31,7 @@ pub(crate) use writer::overwrite;
 pub use writer::{LayerParts, LinearParts, ModelParts, NormParts, ProvenanceParts};
 
 /// First bytes of every model file.
-const MAGIC: [u8; 8] = *b"myointnt";
+pub const MAGIC: [u8; 8] = *b"myointnt";
 /// The format version that this crate reads and writes.
 const FORMAT_VERSION: u8 = 7;
 /// Largest magnitude of a number in a tensor. A trained model's are below 10; up to this bound no sum, product or square

@@ -18,8 +18,12 @@ use crate::dataset::recording::{DataSet, Recording};
 const ROW_BYTES: usize = 2 * CHANNELS;
 
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
-    const LAYOUT: &str = "EvaluationDataset/Male3/training0/classe_12.dat";
-    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
+    let misplaced = || {
+        Damage::of_file(Fault::Path {
+            set: DataSet::CoteAllard.name(),
+            example: "EvaluationDataset/Male3/training0/classe_12.dat",
+        })
+    };
     let class = stem(path).and_then(class_number).ok_or_else(misplaced)?;
     let session = folder(path, 1).ok_or_else(misplaced)?;
     let person = folder(path, 2).ok_or_else(misplaced)?;
@@ -77,6 +81,11 @@ fn notes(part: char, person: &str) -> Vec<String> {
         ('E', "Male7") => vec!["wears the band rotated by about four channels".to_owned()],
         _ => Vec::new(),
     }
+}
+
+/// Whether a file is called as those of the set.
+pub(crate) fn is_named(path: &Path) -> bool {
+    stem(path).and_then(class_number).is_some()
 }
 
 /// `N` of a name `classe_N`.

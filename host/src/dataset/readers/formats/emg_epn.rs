@@ -45,8 +45,13 @@ pub(crate) fn looks_like(text: &str) -> bool {
 }
 
 pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
-    let subject = subject(path)
-        .ok_or_else(|| Damage::of_file(Fault::Path("trainingJSON/user7/user7.json")))?;
+    let misplaced = || {
+        Damage::of_file(Fault::Path {
+            set: DataSet::EmgEpn612.name(),
+            example: "trainingJSON/user7/user7.json",
+        })
+    };
+    let subject = subject(path).ok_or_else(misplaced)?;
     let user: User = serde_json::from_str(text)
         .map_err(|error| Damage::at_line(error.line(), Fault::Json(error.to_string())))?;
     let parts = [

@@ -3,6 +3,7 @@
 pub(crate) mod cote_allard;
 pub(crate) mod emg_epn;
 pub(crate) mod epn;
+pub(crate) mod libemg;
 pub(crate) mod myo_readings;
 pub(crate) mod myo_rps;
 pub(crate) mod myoup;

@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use shared::intent::Intent;
+use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
@@ -14,7 +15,7 @@ use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
-use crate::dataset::readers::path::{folder, is_number, stem};
+use crate::dataset::readers::path::{folder, is_number, left_arm, stem};
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
@@ -53,28 +54,49 @@ const OUTSIDE: [(&str, f64, MovementKind); 4] = [
 /// every fifth row repeats; a true repeat of eight values is rare outside silence.
 const POLLED_TOO_FAST: f64 = 0.15;
 
+/// The ring of the left arm as that of the right: it runs the other way round, about the same electrode as in
+/// `uci-gestures` (`electrodes.rs`).
+const MIRRORED: Alignment = Alignment::new(6, true);
+
+/// Whether a file lies as those of the set: `12345-1/7.txt`.
+pub(crate) fn is_named(path: &Path) -> bool {
+    person_and_sitting(path).is_some()
+}
+
+/// Person, sitting and name of the file.
+fn person_and_sitting(path: &Path) -> Option<(&str, &str, &str)> {
+    let (person, sitting) = folder(path, 1)?.rsplit_once('-')?;
+    let numbered = is_number(person) && is_number(sitting);
+    numbered.then_some((person, sitting, stem(path)?))
+}
+
 pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     recording(path, text).map_err(|damage| Damage {
-        as_published: PUBLISHED_DAMAGE.iter().any(|name| path.ends_with(name)),
+        as_published: !left_arm(path) && PUBLISHED_DAMAGE.iter().any(|name| path.ends_with(name)),
         ..damage
     })
 }
 
 fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
-    const LAYOUT: &str = "12345-1/7.txt";
-    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
-    let name = stem(path).ok_or_else(misplaced)?;
-    let sitting = folder(path, 1).ok_or_else(misplaced)?;
-    let (person, sitting) = sitting.rsplit_once('-').ok_or_else(misplaced)?;
-    if !is_number(person) || !is_number(sitting) {
-        return Err(misplaced());
-    }
-
+    let misplaced = || {
+        Damage::of_file(Fault::Path {
+            set: DataSet::MyoReadings.name(),
+            example: "12345-1/7.txt",
+        })
+    };
+    let (person, sitting, name) = person_and_sitting(path).ok_or_else(misplaced)?;
+    let is_left = left_arm(path);
     let mut samples = Vec::new();
     let mut motions = Vec::new();
     for (line, row) in table::rows(text) {
         let values = table::numbers::<9>(line, row)?;
-        samples.push(table::sample(&values[..8], 1).map_err(|fault| Damage::at_line(line, fault))?);
+        let sample =
+            table::sample(&values[..8], 1).map_err(|fault| Damage::at_line(line, fault))?;
+        samples.push(if is_left {
+            MIRRORED.apply(sample)
+        } else {
+            sample
+        });
         motions.push(motion(name, values[8]).map_err(|fault| Damage::at_line(line, fault))?);
     }
     let outside = motions
@@ -89,6 +111,12 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
         }
     }
     let mut notes = Vec::new();
+    if is_left {
+        notes.push(
+            "left arm: the channels are mirrored, c is 6 - c of the right arm (modulo 8)"
+                .to_owned(),
+        );
+    }
     let dropped = drop_polling_repeats(&mut samples, &mut motions);
     if dropped > 0 {
         notes.push("polled at 250 Hz: exact repeats dropped".to_owned());
@@ -108,7 +136,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
     Ok(Recording {
         data_set: DataSet::MyoReadings,
         subject: format!("myo-readings/{person}"),
-        name: format!("{sitting}/{name}"),
+        name: format!("{}{sitting}/{name}", if is_left { "left/" } else { "" }),
         path: path.to_owned(),
         samples,
         labels,

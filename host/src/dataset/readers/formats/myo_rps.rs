@@ -16,16 +16,19 @@ use crate::dataset::recording::{DataSet, Recording};
 
 const HEADER: &str = "index,timestamp,0,1,2,3,4,5,6,7";
 
-/// Whether a text starts with the layout's header.
-pub(crate) fn has_header(text: &str) -> bool {
-    text.lines()
-        .next()
-        .is_some_and(|line| line.trim() == HEADER)
+/// Whether a file is called as those of the set, and has their header.
+pub(crate) fn is_recording(path: &Path, text: &str) -> bool {
+    let header = text.lines().next().unwrap_or_default();
+    header.trim() == HEADER && stem(path).and_then(Name::of).is_some()
 }
 
 pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
-    const LAYOUT: &str = "s1_r_1-rock-0-emg.csv";
-    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
+    let misplaced = || {
+        Damage::of_file(Fault::Path {
+            set: DataSet::MyoRps.name(),
+            example: "s1_r_1-rock-0-emg.csv",
+        })
+    };
     let name = stem(path).and_then(Name::of).ok_or_else(misplaced)?;
     let mut samples = Vec::new();
     for (line, row) in table::rows(text).skip(1) {
@@ -94,7 +97,11 @@ mod tests {
     #[test]
     fn the_gesture_of_the_name_is_where_the_muscle_is_active() {
         let text = text(100..300);
-        assert!(has_header(&text));
+        assert!(is_recording(
+            Path::new("/d/s1_r_1/s1_r_1-rock-0-emg.csv"),
+            &text
+        ));
+        assert!(!is_recording(Path::new("/d/own.csv"), &text));
         let rock = read_as("s2_l_1-rock-7-emg.csv", &text).unwrap();
         assert_eq!(rock.full_name(), "myo-rps/s2/l_1-rock-7");
         assert_eq!(rock.labels[200], Some(Intent::Close));

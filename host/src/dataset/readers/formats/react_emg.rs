@@ -1,13 +1,11 @@
-//! ReactEMG's preprocessed layout (ROAM-EMG and what the reference converts): csv with columns
-//! `gt` and `emg_0`..`emg_7` (or `emg0`..`emg7`), or npy with the label first, then eight channels.
+//! Recordings of the user's own, and ReactEMG's (ROAM-EMG and what the reference converts): a table whose columns are
+//! told by their names, `gt` and `emg_0`..`emg_7` in ReactEMG's, or npy with the label first, then eight channels, under
+//! ReactEMG's names of files.
 //!
-//! The person is the folder's name where the file's starts with it (`s3/s3_grasp_1.csv`), or `s` and a number
-//! in front of the file's; otherwise unknown, the same for all such files. Eight channels alone, without labels
-//! and of no known set, are read where they are the only file asked for.
-//!
-//! Values are the armband's counts. Label -1 is unlabelled. Other csv columns are ignored, except
-//! [`MUSCLE_COLUMN`], which marks synthetic recordings, [`RECORDER_COLUMNS`], which mark labels of the muscle, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as
-//! a board turns them that was aligned so.
+//! Who the person is, the folder says once all files are known (`library/people.rs`). Values are the armband's counts.
+//! Label -1 is unlabelled. Columns besides channels and label are ignored, except [`MUSCLE_COLUMN`], which marks synthetic
+//! recordings, [`RECORDER_COLUMNS`], which mark labels of the muscle, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as a board turns them that was aligned
+//! so.
 
 use std::path::Path;
 
@@ -17,10 +15,12 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
 use crate::dataset::labels::timing::Timing;
+use crate::dataset::readers::columns::Columns;
 use crate::dataset::readers::error::{Damage, Fault};
-use crate::dataset::readers::labels::from_number;
+use crate::dataset::readers::excerpt::excerpt;
+use crate::dataset::readers::labels::{from_number, from_text};
 use crate::dataset::readers::npy::{Array, Values};
-use crate::dataset::readers::path::{folder, is_number, stem};
+use crate::dataset::readers::path::{is_number, left_arm, stem};
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
@@ -36,95 +36,67 @@ pub(crate) const MIRRORED_COLUMN: &str = "mirrored";
 /// Columns that `myointent record` writes behind the channels. The labels beside them are the muscle's.
 pub(crate) const RECORDER_COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "bridged"];
 
-/// Note of a recording of an unknown person.
-const UNNAMED: &str =
-    "whose recording this is is not known: expected a path like s3/s3_grasp_1.csv";
+/// Note of a recording in a folder or file that is named after the left arm.
+const LEFT: &str = "named after the left arm, read as it is: if the armband was on the left arm, add columns turn (6) and mirrored (1)";
 
-/// Where the columns are.
-struct Columns {
-    label: usize,
-    channels: [usize; CHANNELS],
-    synthetic: bool,
-    timing: Timing,
-    /// Of the turn and of whether it is mirrored.
-    placement: Option<[usize; 2]>,
-    count: usize,
-}
-
-impl Columns {
-    fn find(header: &str) -> Option<Self> {
-        let names: Vec<&str> = header.trim_end().split(',').map(str::trim).collect();
-        let position = |name: &str| names.iter().position(|n| *n == name);
-        let mut channels = [0; CHANNELS];
-        for (channel, column) in channels.iter_mut().enumerate() {
-            *column = position(&format!("emg_{channel}"))
-                .or_else(|| position(&format!("emg{channel}")))?;
-        }
-        Some(Self {
-            label: position("gt")?,
-            channels,
-            synthetic: position(MUSCLE_COLUMN).is_some(),
-            timing: if RECORDER_COLUMNS.map(position).iter().all(Option::is_some) {
-                Timing::Muscle
-            } else {
-                Timing::Cues
-            },
-            placement: position(TURN_COLUMN)
-                .zip(position(MIRRORED_COLUMN))
-                .map(Into::into),
-            count: names.len(),
-        })
-    }
-}
-
-/// Whether a text starts with the layout's header.
-pub(crate) fn has_header(text: &str) -> bool {
-    text.lines()
-        .next()
-        .is_some_and(|header| Columns::find(header).is_some())
-}
-
-pub(crate) fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
-    let mut rows = table::rows(text);
-    let columns = rows.next().and_then(|(_, header)| Columns::find(header));
-    let columns = columns.ok_or_else(|| Damage::at_line(1, Fault::Empty))?;
-    let (mut samples, mut labels) = (Vec::new(), Vec::new());
-    for (line, row) in rows {
-        let fields: Vec<&str> = row.split(',').map(str::trim).collect();
+/// Reads a table of these columns, sample by sample.
+pub(crate) fn read_csv(path: &Path, text: &str, columns: &Columns) -> Result<Recording, Damage> {
+    let placements = columns
+        .position(TURN_COLUMN)
+        .zip(columns.position(MIRRORED_COLUMN));
+    let (mut samples, mut labels, mut has_numbers) = (Vec::new(), Vec::new(), false);
+    for (line, row) in table::rows(text).skip(columns.first_line - 1) {
+        let at_line = |fault| Damage::at_line(line, fault);
+        let fields = columns.separator.fields(row);
         if fields.len() != columns.count {
-            let fault = Fault::Fields {
+            return Err(at_line(Fault::Fields {
                 expected: columns.count,
                 found: fields.len(),
-            };
-            return Err(Damage::at_line(line, fault));
+            }));
         }
-        let number = |column: usize| table::number(line, column + 1, fields[column]);
+        let number = |column: usize| {
+            table::number(line, column + 1, &columns.separator.number(fields[column]))
+        };
         let mut counts = [0.0; CHANNELS];
         for (count, &column) in counts.iter_mut().zip(&columns.channels) {
             *count = number(column)?;
         }
-        let at_line = |fault| Damage::at_line(line, fault);
         let sample = table::sample(&counts, columns.channels[0] + 1).map_err(at_line)?;
-        let placement = match columns.placement {
+        let placement = match placements {
             None => Alignment::NONE,
-            Some([turn, mirrored]) => {
+            Some((turn, mirrored)) => {
                 let (turn, mirrored) = (number(turn)?, number(mirrored)?);
                 placement(turn, mirrored)
                     .ok_or_else(|| at_line(Fault::Placement { turn, mirrored }))?
             }
         };
         samples.push(placement.apply(sample));
-        labels.push(from_number(number(columns.label)?).map_err(at_line)?);
+        labels.push(match columns.label {
+            None => None,
+            Some(column) => {
+                has_numbers |= fields[column].parse::<f64>().is_ok();
+                from_text(fields[column]).map_err(at_line)?
+            }
+        });
     }
-    let data_set = if columns.synthetic {
+    let data_set = if columns.position(MUSCLE_COLUMN).is_some() {
         DataSet::Synthetic
     } else {
         DataSet::ReactEmg
     };
-    Ok(Recording {
-        timing: columns.timing,
-        ..recording(path, data_set, samples, labels)?
-    })
+    let mut recording = own(path, data_set, samples, labels)?;
+    let has = |name: &&str| columns.position(name).is_some();
+    if RECORDER_COLUMNS.iter().all(has) {
+        recording.timing = Timing::Muscle;
+    }
+    let label = columns.label.and_then(|column| columns.names.get(column));
+    if let Some(label) = label.filter(|label| has_numbers && *label != "gt") {
+        recording.notes.push(format!(
+            "numbers in column {} are read as 0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch, -1 unknown",
+            excerpt(label)
+        ));
+    }
+    Ok(recording)
 }
 
 /// One of the 16 placements.
@@ -135,12 +107,20 @@ fn placement(turn: f64, mirrored: f64) -> Option<Alignment> {
     Some(Alignment::new(turn, mirrored == 1))
 }
 
-/// Whether an array has the layout's shape, label and eight channels, and labels in most of its first rows.
-pub(crate) fn is_recording(array: &Array) -> bool {
+/// Whether an array is one of ReactEMG's: label and eight channels under a name of theirs, `s3_grasp_1.npy` or
+/// `trainingSamples_idx_1_open.npy`, and labels in most of its first rows. Elsewhere nine columns may mean anything.
+pub(crate) fn is_recording(path: &Path, array: &Array) -> bool {
     const EXAMINED: usize = 20;
     let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
         return false;
     };
+    let Some((first, _)) = stem(path).and_then(|name| name.split_once('_')) else {
+        return false;
+    };
+    let is_numbered = first.strip_prefix(['s', 'S']).is_some_and(is_number);
+    if !is_numbered && !["trainingSamples", "testingSamples"].contains(&first) {
+        return false;
+    }
     let rows = values.chunks_exact(COLUMNS).take(EXAMINED);
     let labelled = rows.clone().filter(|row| from_number(row[0]).is_ok());
     2 * labelled.count() > rows.len()
@@ -164,29 +144,17 @@ pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> 
         labels.push(from_number(values[0]).map_err(in_row)?);
         samples.push(table::sample(&values[1..], 2).map_err(in_row)?);
     }
-    recording(path, DataSet::ReactEmg, samples, labels)
+    own(path, DataSet::ReactEmg, samples, labels)
 }
 
 /// Samples without labels, of a file that is asked for by its name.
 pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Recording, Damage> {
     let labels = vec![None; samples.len()];
-    recording(path, DataSet::ReactEmg, samples, labels)
+    own(path, DataSet::ReactEmg, samples, labels)
 }
 
-/// The person that a path names.
-fn person(path: &Path) -> Option<&str> {
-    let name = stem(path)?;
-    let folder = folder(path, 1);
-    // EMG-EPN-612, converted, has one folder a person and no person in the name.
-    if name.starts_with("trainingSamples") || name.starts_with("testingSamples") {
-        return folder;
-    }
-    let (first, _) = name.split_once('_')?;
-    let numbered = first.strip_prefix(['s', 'S']).is_some_and(is_number);
-    (numbered || folder == Some(first)).then_some(first)
-}
-
-fn recording(
+/// A recording of somebody's; whose, is not known from the file alone.
+pub(crate) fn own(
     path: &Path,
     data_set: DataSet,
     samples: Vec<Sample>,
@@ -195,20 +163,18 @@ fn recording(
     if samples.is_empty() {
         return Err(Damage::of_file(Fault::Empty));
     }
-    let misplaced = || Damage::of_file(Fault::Path("s3/s3_grasp_1.csv"));
-    let name = stem(path).ok_or_else(misplaced)?;
-    let person = person(path);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut notes = Vec::new();
     if data_set == DataSet::ReactEmg && name.contains("movement") {
         notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
     }
-    if person.is_none() {
-        notes.push(UNNAMED.to_owned());
+    if data_set == DataSet::ReactEmg && left_arm(path) {
+        notes.push(LEFT.to_owned());
     }
     Ok(Recording {
         data_set,
-        subject: format!("{}/{}", data_set.name(), person.unwrap_or("unknown")),
-        name: name.to_owned(),
+        subject: format!("{}/unknown", data_set.name()),
+        name: name.into_owned(),
         path: path.to_owned(),
         samples,
         labels,
@@ -225,6 +191,12 @@ mod tests {
     use crate::dataset::readers::error::Place;
     use crate::dataset::readers::npy::Layout;
 
+    fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
+        let columns =
+            Columns::of(text).map_err(|unlike| Damage::at_line(unlike.line, unlike.fault))?;
+        super::read_csv(path, text, &columns)
+    }
+
     #[test]
     fn columns_are_found_by_name_and_others_ignored() {
         let text = "time,gt,emg0,emg1,emg2,emg3,emg4,emg5,emg6,emg7,task\n\
@@ -235,10 +207,7 @@ mod tests {
             recording.samples,
             [[1, 2, 3, 4, 5, 6, 7, -128], [1, 2, 3, 4, 5, 6, 7, 127]]
         );
-        assert_eq!(
-            (recording.subject.as_str(), recording.notes.len()),
-            ("react-emg/s4", 1)
-        );
+        assert_eq!(recording.notes.len(), 1, "a movement trial");
     }
 
     #[test]
@@ -298,19 +267,17 @@ mod tests {
                 row_bytes: 72,
             },
         };
-        assert!(is_recording(&array));
+        let path = Path::new("/d/trainingJSON_user3/trainingSamples_idx_1_open.npy");
+        assert!(is_recording(path, &array));
+        assert!(is_recording(Path::new("/d/s3_grasp_1.npy"), &array));
+        assert!(!is_recording(Path::new("/d/own.npy"), &array));
         let times = Array {
             values: Values::Numbers(vec![0.005; 9]),
             ..array.clone()
         };
-        assert!(!is_recording(&times));
-        let recording = read_npy(
-            Path::new("/d/trainingJSON_user3/trainingSamples_idx_1_open.npy"),
-            &array,
-        );
-        let recording = recording.unwrap();
+        assert!(!is_recording(path, &times));
+        let recording = read_npy(path, &array).unwrap();
         assert_eq!(recording.labels, [Some(Intent::Open)]);
         assert_eq!(recording.samples, [[0, 1, 2, 3, 4, 5, 6, -7]]);
-        assert_eq!(recording.subject, "react-emg/trainingJSON_user3");
     }
 }

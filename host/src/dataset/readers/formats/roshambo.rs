@@ -30,8 +30,12 @@ pub(crate) fn is_samples(path: &Path, array: &Array) -> bool {
 pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     let whole = |fault| damage(Damage::of_file(fault));
-    const LAYOUT: &str = "subject03_session01_emg.npy";
-    let misplaced = || whole(Fault::Path(LAYOUT));
+    let misplaced = || {
+        whole(Fault::Path {
+            set: DataSet::Roshambo.name(),
+            example: "subject03_session01_emg.npy",
+        })
+    };
     let name = stem(path)
         .and_then(|stem| stem.strip_suffix("_emg"))
         .ok_or_else(misplaced)?;

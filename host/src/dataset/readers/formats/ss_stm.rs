@@ -22,11 +22,13 @@ const MOTION: std::ops::Range<usize> = 200..600;
 const ROWS: usize = 1000;
 
 pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
-    const LAYOUT: &str = "sub7/M8T1.csv";
-    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
-    let name = stem(path).ok_or_else(misplaced)?;
-    let person = numbered(path, 1, "sub").ok_or_else(misplaced)?;
-    let motion = motion_number(name).ok_or_else(misplaced)?;
+    let misplaced = || {
+        Damage::of_file(Fault::Path {
+            set: DataSet::SsStm.name(),
+            example: "sub7/M8T1.csv",
+        })
+    };
+    let (person, name, motion) = person_and_motion(path).ok_or_else(misplaced)?;
 
     let mut samples = Vec::with_capacity(ROWS);
     for (line, row) in table::rows(text) {
@@ -56,6 +58,17 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         timing: Timing::Cues,
         wearer: Normalizer::new(),
     })
+}
+
+/// Whether a file lies and is called as those of the set.
+pub(crate) fn is_named(path: &Path) -> bool {
+    person_and_motion(path).is_some()
+}
+
+/// Person, name and motion of a path like `sub7/M8T1.csv`.
+fn person_and_motion(path: &Path) -> Option<(&str, &str, usize)> {
+    let name = stem(path)?;
+    Some((numbered(path, 1, "sub")?, name, motion_number(name)?))
 }
 
 /// `M` of a name `MxTy`, 1..=8.

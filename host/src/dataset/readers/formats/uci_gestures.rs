@@ -12,7 +12,7 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
-use crate::dataset::readers::path::{folder, stem};
+use crate::dataset::readers::path::{folder, is_number, stem};
 use crate::dataset::readers::table;
 use crate::dataset::recording::{DataSet, Recording};
 
@@ -33,23 +33,31 @@ struct Row {
     class: u8,
 }
 
-/// Whether a text starts with the layout's header.
-pub(crate) fn has_header(text: &str) -> bool {
+/// Whether a file lies and is called as those of the set, and has their header.
+pub(crate) fn is_recording(path: &Path, text: &str) -> bool {
     let header = text.lines().next().unwrap_or_default();
-    header.split_whitespace().eq([
+    let has_header = header.split_whitespace().eq([
         "time", "channel1", "channel2", "channel3", "channel4", "channel5", "channel6", "channel7",
         "channel8", "class",
-    ])
+    ]);
+    has_header && series_and_person(path).is_some()
+}
+
+/// What a path like `01/1_raw_data_13-12_22.03.16.txt` says.
+fn series_and_person(path: &Path) -> Option<(&str, &str)> {
+    let (series, _) = stem(path)?.split_once("_raw_data")?;
+    let person = folder(path, 1).filter(|name| is_number(name))?;
+    Some((series, person))
 }
 
 pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
-    const LAYOUT: &str = "01/1_raw_data_13-12_22.03.16.txt";
-    let misplaced = || Damage::of_file(Fault::Path(LAYOUT));
-    let (series, _) = stem(path)
-        .and_then(|name| name.split_once("_raw_data"))
-        .ok_or_else(misplaced)?;
-    let numbers = |text: &&str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    let person = folder(path, 1).filter(numbers).ok_or_else(misplaced)?;
+    let misplaced = || {
+        Damage::of_file(Fault::Path {
+            set: DataSet::UciGestures.name(),
+            example: "01/1_raw_data_13-12_22.03.16.txt",
+        })
+    };
+    let (series, person) = series_and_person(path).ok_or_else(misplaced)?;
     let rows = rows(text)?;
     let filtered = median_of_three(&rows);
     let (samples, motions): (Vec<Sample>, Vec<Motion>) = stretched(&filtered)
@@ -194,7 +202,8 @@ mod tests {
         ]
         .concat();
         let text = format!("{HEADER}{text}");
-        assert!(has_header(&text));
+        assert!(is_recording(Path::new("/d/01/1_raw_data_x.txt"), &text));
+        assert!(!is_recording(Path::new("/d/own.txt"), &text));
         let found: Vec<_> = rows(&text)
             .unwrap()
             .iter()

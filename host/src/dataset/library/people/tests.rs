@@ -1,0 +1,124 @@
+use super::*;
+
+/// Who is who of such paths below `/d`, and what is told.
+fn who(paths: &[&str]) -> (Vec<String>, Vec<String>) {
+    let mut recordings: Vec<Recording> = paths
+        .iter()
+        .map(|path| Recording {
+            path: Path::new("/d").join(path),
+            ..Recording::new(DataSet::ReactEmg, "", vec![[1; 8]], vec![None])
+        })
+        .collect();
+    let told = by_folder(Path::new("/d"), &mut recordings);
+    let named = recordings.iter().map(Recording::full_name);
+    (named.collect(), told)
+}
+
+#[test]
+fn copies_and_groups_are_different_people_and_told() {
+    let (named, told) = who(&["backup/anna/1.csv", "backup/zbackup/anna/1.csv"]);
+    assert_eq!(named, ["react-emg/anna/1", "react-emg/zbackup/anna/1"]);
+    assert_eq!(told[0], "people: 2, by folder: anna, zbackup/anna");
+    assert!(told[1].contains("one name: anna, zbackup/anna"), "{told:?}");
+    let (_, told) = who(&["lab/anna/1.csv", "lab/bob/1.csv", "home/eva/1.csv"]);
+    assert!(
+        told[1].contains("lab holds no recording itself: lab/anna, lab/bob"),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn sessions_belong_to_the_folder_above_wherever_they_stand() {
+    let (named, told) = who(&["anna/1/a.csv", "anna/2/a.csv", "bob/monday/trial_1/a.csv"]);
+    assert_eq!(
+        named,
+        [
+            "react-emg/anna/1/a",
+            "react-emg/anna/2/a",
+            "react-emg/bob/monday/trial_1/a"
+        ]
+    );
+    assert_eq!(
+        told[1],
+        "folders taken as sessions, not as people: 1, 2, monday, trial_1"
+    );
+    let (named, _) = who(&[
+        "monday/anna/a.csv",
+        "tuesday/anna/a.csv",
+        "tuesday/bob/a.csv",
+    ]);
+    let expected = [
+        "react-emg/anna/monday/a",
+        "react-emg/anna/tuesday/a",
+        "react-emg/bob/tuesday/a",
+    ];
+    assert_eq!(named, expected);
+    // Numbers below the folder that was asked for are people, as in published sets.
+    assert_eq!(
+        who(&["01/a.csv", "02/a.csv"]).0,
+        ["react-emg/01/a", "react-emg/02/a"]
+    );
+    // People of test and training are numbered apart in published sets.
+    assert_eq!(
+        who(&["train/p1/a.csv", "test/p1/a.csv"]).0,
+        ["react-emg/train/p1/a", "react-emg/test/p1/a"]
+    );
+}
+
+#[test]
+fn what_lies_below_a_persons_recordings_is_theirs() {
+    let (named, _) = who(&["anna/1.csv", "anna/kitchen/1.csv", "bob/1.csv"]);
+    assert_eq!(
+        named,
+        [
+            "react-emg/anna/1",
+            "react-emg/anna/kitchen/1",
+            "react-emg/bob/1"
+        ]
+    );
+}
+
+#[test]
+fn loose_files_are_of_the_folders_name_which_is_nobody_elses() {
+    assert_eq!(
+        who(&["1.csv", "anna/1.csv"]).0,
+        ["react-emg/d/1", "react-emg/anna/1"]
+    );
+    assert_eq!(
+        who(&["1.csv", "d/1.csv"]).0,
+        ["react-emg/d/./1", "react-emg/d/1"]
+    );
+    assert_eq!(
+        who(&["s1_a.csv", "s2_a.csv"]).0,
+        ["react-emg/s1/s1_a", "react-emg/s2/s2_a"]
+    );
+    assert_eq!(
+        who(&["s1_a.csv", "notes_a.csv"]).0,
+        ["react-emg/d/s1_a", "react-emg/d/notes_a"]
+    );
+    let (named, _) = who(&["monday/1.csv", "tuesday/1.csv"]);
+    assert_eq!(named, ["react-emg/d/monday/1", "react-emg/d/tuesday/1"]);
+    let (named, _) = who(&["anna/monday/1.csv", "anna/tuesday/1.csv"]);
+    assert_eq!(
+        named,
+        ["react-emg/anna/monday/1", "react-emg/anna/tuesday/1"]
+    );
+}
+
+#[test]
+fn the_same_name_in_two_spellings_is_told() {
+    let (_, told) = who(&["Anna/1.csv", "anna/1.csv"]);
+    assert!(told[1].contains("Anna, anna"), "{told:?}");
+}
+
+#[test]
+fn published_people_keep_their_names() {
+    let mut recordings = vec![Recording::new(
+        DataSet::Roshambo,
+        "roshambo/01",
+        vec![[1; 8]],
+        vec![None],
+    )];
+    assert!(by_folder(Path::new("/d"), &mut recordings).is_empty());
+    assert_eq!(recordings[0].subject, "roshambo/01");
+}

@@ -1,0 +1,166 @@
+//! Names of folders that are sessions of a person, not people.
+
+/// How a folder's name says that it is a session.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Session {
+    /// A date, a weekday, a numbered session: wherever it stands in a path.
+    Time,
+    /// A part of a session: below a person's folder.
+    Part,
+    /// What is called by its content: below a person's folder.
+    Container,
+    /// Numbers alone: sessions below a folder, people else.
+    Number,
+}
+
+/// Words that say when.
+const TIMES: [&str; 19] = [
+    "session",
+    "sessions",
+    "sitting",
+    "day",
+    "week",
+    "visit",
+    "date",
+    "monday",
+    "tuesday",
+    "wednesday",
+    "thursday",
+    "friday",
+    "saturday",
+    "sunday",
+    "morning",
+    "noon",
+    "afternoon",
+    "evening",
+    "night",
+];
+/// Words that say which part.
+const PARTS: [&str; 20] = [
+    "trial",
+    "trials",
+    "run",
+    "rep",
+    "repetition",
+    "round",
+    "block",
+    "take",
+    "part",
+    "train",
+    "training",
+    "test",
+    "testing",
+    "evaluation",
+    "validation",
+    "calibration",
+    "left",
+    "right",
+    "hand",
+    "arm",
+];
+/// Words that say what is inside.
+const CONTAINERS: [&str; 12] = [
+    "data",
+    "raw",
+    "csv",
+    "emg",
+    "recording",
+    "recordings",
+    "old",
+    "backup",
+    "copy",
+    "stream",
+    "tmp",
+    "new",
+];
+
+/// How a folder's name says that it is a session; none if it may be a person's.
+pub(super) fn session(name: &str) -> Option<Session> {
+    if name.starts_with('.') {
+        return Some(Session::Container);
+    }
+    let name = name.to_lowercase();
+    let words: Vec<&str> = name
+        .split(|c: char| !c.is_alphabetic())
+        .filter(|word| !word.is_empty())
+        .collect();
+    let numbers: Vec<&str> = name
+        .split(|c: char| !c.is_ascii_digit())
+        .filter(|number| !number.is_empty())
+        .collect();
+    let known = |list: &[&str]| words.iter().all(|word| list.contains(word));
+    if words.is_empty() || known(&["t"]) || known(&["t", "z"]) {
+        return match numbers[..] {
+            [] => None,
+            _ if is_date(&numbers) => Some(Session::Time),
+            _ => Some(Session::Number),
+        };
+    }
+    if words.iter().any(|word| TIMES.contains(word)) && known(&[&TIMES[..], &PARTS].concat()) {
+        return Some(Session::Time);
+    }
+    if known(&PARTS) {
+        return Some(Session::Part);
+    }
+    known(&[&PARTS[..], &CONTAINERS].concat()).then_some(Session::Container)
+}
+
+/// Whether numbers begin with a date: 2026-11-25, 25.11.2026 or 20261125.
+fn is_date(numbers: &[&str]) -> bool {
+    let value = |text: &str| text.parse::<u32>().unwrap_or(u32::MAX);
+    let plausible = |year: &str, month: &str, day: &str| {
+        (1990..2100).contains(&value(year))
+            && (1..=12).contains(&value(month))
+            && (1..=31).contains(&value(day))
+    };
+    match *numbers {
+        [whole, ..] if whole.len() == 8 => plausible(&whole[..4], &whole[4..6], &whole[6..]),
+        [first, month, last, ..] => plausible(first, month, last) || plausible(last, month, first),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sessions_are_told_from_people() {
+        for time in [
+            "monday",
+            "Session 1",
+            "session_2",
+            "day3",
+            "2026-11-25",
+            "25.11.2026",
+            "20261125",
+            "20261125T110323Z",
+            "monday_morning",
+            "visit-2",
+        ] {
+            assert_eq!(session(time), Some(Session::Time), "{time}");
+        }
+        for part in ["trial_1", "training0", "Test1", "left_hand"] {
+            assert_eq!(session(part), Some(Session::Part), "{part}");
+        }
+        for container in [".ipynb_checkpoints", "backup", "raw_data", "emg"] {
+            assert_eq!(session(container), Some(Session::Container), "{container}");
+        }
+        for number in ["1", "07", "12345-1", "99999999"] {
+            assert_eq!(session(number), Some(Session::Number), "{number}");
+        }
+        for person in [
+            "anna",
+            "P01",
+            "s3",
+            "subject_1",
+            "Day Lewis",
+            "zbackup",
+            "握",
+            "t",
+            "user10",
+        ] {
+            assert_eq!(session(person), None, "{person}");
+        }
+    }
+}

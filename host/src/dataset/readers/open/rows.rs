@@ -1,0 +1,141 @@
+//! A file of text: JSON of a published set, or rows of numbers.
+
+use std::path::Path;
+
+use super::{Found, KINDS, Request};
+use crate::dataset::readers::columns::Columns;
+use crate::dataset::readers::error::{Damage, Fault, LoadError};
+use crate::dataset::readers::formats::{
+    emg_epn, libemg, myo_readings, myo_rps, one_subject_myo, react_emg, ss_stm, uci_gestures,
+};
+use crate::dataset::readers::separator::Separator;
+use crate::dataset::readers::shape::Shape;
+use crate::dataset::readers::text;
+use crate::dataset::readers::why::Why;
+use crate::dataset::recording::DataSet;
+use crate::execution::file_kind::FileKind;
+
+/// Reads text, of any encoding.
+pub(super) fn open(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) if FileKind::of(bytes) != FileKind::Utf16 => {
+            text.strip_prefix('\u{feff}').unwrap_or(text)
+        }
+        _ => return encoded(path, bytes, request),
+    };
+    if FileKind::of(bytes) != FileKind::Json {
+        return of_text(path, text, request);
+    }
+    if emg_epn::looks_like(text) {
+        return request.several(DataSet::EmgEpn612, || {
+            emg_epn::read(path, text).map_err(damage)
+        });
+    }
+    if path.ends_with("metadata.json") && text.contains(libemg::CLASS) {
+        return Ok(Found::Part);
+    }
+    request.nothing(path, FileKind::Json)
+}
+
+/// Text in another encoding: refused if it would be a recording in UTF-8.
+fn encoded(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let kind = FileKind::of(bytes);
+    let (text, fault) = match (kind, std::str::from_utf8(bytes)) {
+        (FileKind::Utf16, _) | (_, Ok(_)) => {
+            let expected = KINDS;
+            let fault = Fault::Kind {
+                expected,
+                found: kind,
+            };
+            (text::of_utf16(bytes), Damage::of_file(fault))
+        }
+        (_, Err(error)) => {
+            let at = error.valid_up_to() as u64;
+            (text::of_utf8(bytes), Damage::at_byte(at, Fault::Text))
+        }
+    };
+    let is_meant = Columns::of(&text).map_or_else(|unlike| unlike.is_meant, |_| true);
+    // Control characters are in no text of one byte a character.
+    let is_text = || kind == FileKind::Utf16 || !bytes.iter().any(|byte| matches!(byte, 0..=8));
+    if is_meant || request.alone && is_text() {
+        return Err(fault.in_file(path));
+    }
+    request.nothing(path, kind)
+}
+
+/// Reads rows of numbers.
+pub(super) fn of_text(
+    path: &Path,
+    text: &str,
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    if myo_rps::is_recording(path, text) {
+        return request.one(DataSet::MyoRps, || {
+            myo_rps::read(path, text).map_err(damage)
+        });
+    }
+    if uci_gestures::is_recording(path, text) {
+        return request.one(DataSet::UciGestures, || {
+            uci_gestures::read(path, text).map_err(damage)
+        });
+    }
+    let shape = Shape::of(text).filter(|shape| shape.separator == Separator::Comma);
+    match shape.map(|shape| (shape.columns, shape.is_decimal)) {
+        Some((9, _)) if myo_readings::is_named(path) => {
+            return request.one(DataSet::MyoReadings, || {
+                myo_readings::read(path, text).map_err(damage)
+            });
+        }
+        Some((8, true)) if ss_stm::is_named(path) => {
+            return request.one(DataSet::SsStm, || ss_stm::read(path, text).map_err(damage));
+        }
+        _ => {}
+    }
+    match Columns::of(text) {
+        Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
+        Ok(columns) => request.one(DataSet::ReactEmg, || {
+            react_emg::read_csv(path, text, &columns).map_err(damage)
+        }),
+        Err(_) if !(request.wants)(DataSet::ReactEmg) => Ok(Found::Nothing(Why::NotWanted)),
+        Err(unlike) if request.alone || unlike.is_meant => {
+            Err(damage(Damage::at_line(unlike.line, unlike.fault)))
+        }
+        Err(_) => Ok(Found::Nothing(Why::Layout)),
+    }
+}
+
+/// Eight channels without a header: published, LibEMG's, or anybody's.
+fn bare(
+    path: &Path,
+    text: &str,
+    columns: &Columns,
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    let recording = react_emg::read_csv(path, text, columns);
+    let samples = recording.as_ref().map(|recording| &recording.samples[..]);
+    let metadata = libemg::metadata(path);
+    if samples.is_ok_and(one_subject_myo::is_published) {
+        return request.one(DataSet::OneSubjectMyo, || {
+            let samples = recording.map_err(damage)?.samples;
+            one_subject_myo::read(path, samples, metadata.as_deref()).map_err(damage)
+        });
+    }
+    if let Some(metadata) = metadata {
+        return request.one(DataSet::ReactEmg, || {
+            let samples = recording.map_err(damage)?.samples;
+            libemg::read(path, samples, &metadata).map_err(damage)
+        });
+    }
+    request.unknown(|| recording.map_err(damage))
+}

@@ -1,0 +1,93 @@
+//! What separates the values of a row of text.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use shared::units::CHANNELS;
+
+/// Separator of a table.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Separator {
+    /// `,`
+    Comma,
+    /// `;`, as spreadsheets write where the comma is the decimal point.
+    Semicolon,
+    /// Tabulator.
+    Tab,
+    /// Spaces, any number of them.
+    Space,
+}
+
+impl Separator {
+    /// Those that are no spaces, which names and decimals may hold: the first goes before the next.
+    const MARKS: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
+
+    /// The separator of a row: the mark that gives it eight fields, else most; spaces if it has none.
+    pub fn of(row: &str) -> Self {
+        let count = |separator: &Self| separator.fields(row).len();
+        let eight = Self::MARKS.into_iter().find(|mark| count(mark) >= CHANNELS);
+        let most = Self::MARKS.into_iter().rev().max_by_key(count);
+        let most = most.filter(|mark| count(mark) > 1);
+        eight.or(most).unwrap_or(Self::Space)
+    }
+
+    /// The fields of a row, without spaces and quotes around them.
+    pub fn fields(self, row: &str) -> Vec<&str> {
+        match self {
+            Self::Comma => row.split(',').map(unquoted).collect(),
+            Self::Semicolon => row.split(';').map(unquoted).collect(),
+            Self::Tab => row.split('\t').map(unquoted).collect(),
+            Self::Space => row.split_whitespace().map(unquoted).collect(),
+        }
+    }
+
+    /// A field as the text of a number: a decimal comma, where it separates nothing, becomes a point.
+    pub fn number(self, field: &str) -> Cow<'_, str> {
+        if self == Self::Comma || !field.contains(',') {
+            Cow::Borrowed(field)
+        } else {
+            Cow::Owned(field.replace(',', "."))
+        }
+    }
+}
+
+/// A field without spaces and quotes around it.
+fn unquoted(field: &str) -> &str {
+    let field = field.trim();
+    let inside = field
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'));
+    inside.map_or(field, str::trim)
+}
+
+impl fmt::Display for Separator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Comma => "commas",
+            Self::Semicolon => "semicolons",
+            Self::Tab => "tabs",
+            Self::Space => "spaces",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_go_before_spaces() {
+        for (row, separator) in [
+            ("gt,emg_0,emg_1", Separator::Comma),
+            ("gt;emg_0;emg_1", Separator::Semicolon),
+            ("0;0,5;-1,5", Separator::Semicolon),
+            ("gt\temg 0\temg 1", Separator::Tab),
+            ("0  1.0  2.0", Separator::Space),
+            ("1, 2, 3", Separator::Comma),
+        ] {
+            assert_eq!(Separator::of(row), separator, "{row}");
+        }
+        assert_eq!(Separator::Comma.fields("\"a\", b ,"), ["a", "b", ""]);
+        assert_eq!(Separator::Semicolon.number("-0,5"), "-0.5");
+    }
+}

@@ -1,0 +1,184 @@
+//! What a file is, by its first bytes: the words with which a wrong one is refused.
+
+use std::fmt;
+
+/// Kind of a file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FileKind {
+    /// No bytes.
+    Empty,
+    /// Model file of this project.
+    Model,
+    /// Array of numpy.
+    Npy,
+    /// MATLAB, version 5 to 7.2.
+    Mat,
+    /// HDF5, which MATLAB 7.3 writes too.
+    Hdf5,
+    /// Zip archive: also npz, xlsx and PyTorch checkpoints.
+    Zip,
+    /// Gzip, mostly a tar archive.
+    Gzip,
+    /// Stand-in that Git leaves until the content is fetched.
+    LfsPointer,
+    /// Page of a web site.
+    Html,
+    /// JSON.
+    Json,
+    /// UTF-16 text.
+    Utf16,
+    /// Rows of numbers, with or without a header.
+    Table,
+    /// Other text.
+    Text,
+    /// Anything else.
+    Binary,
+}
+
+/// Bytes that decide.
+const EXAMINED: usize = 4096;
+
+impl FileKind {
+    /// Kind of a file with these bytes.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Self {
+        let starts = |magic: &[u8]| bytes.starts_with(magic);
+        match bytes {
+            [] => Self::Empty,
+            _ if starts(&shared::model::file::MAGIC) => Self::Model,
+            _ if starts(b"\x93NUMPY") => Self::Npy,
+            _ if starts(b"MATLAB 5.0") => Self::Mat,
+            _ if starts(b"\x89HDF\r\n\x1a\n") || starts(b"MATLAB 7.3") => Self::Hdf5,
+            _ if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") => Self::Zip,
+            [0x1f, 0x8b, ..] => Self::Gzip,
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Self::Utf16,
+            [0x21..=0x7e, 0, 0x09..=0x7e, 0, ..] | [0, 0x21..=0x7e, 0, 0x09..=0x7e, ..] => {
+                Self::Utf16
+            }
+            _ => Self::of_text(&bytes[..bytes.len().min(EXAMINED)]),
+        }
+    }
+
+    fn of_text(bytes: &[u8]) -> Self {
+        let end = match std::str::from_utf8(bytes) {
+            Ok(_) => bytes.len(),
+            // A character that the cut divides is none.
+            Err(error) if error.error_len().is_none() => error.valid_up_to(),
+            Err(_) => return Self::Binary,
+        };
+        let Ok(text) = std::str::from_utf8(&bytes[..end]) else {
+            return Self::Binary;
+        };
+        let text = text.trim_start_matches('\u{feff}').trim_start();
+        let begins = |word: &str| {
+            let start = text.get(..word.len());
+            start.is_some_and(|start| start.eq_ignore_ascii_case(word))
+        };
+        if text.contains('\0') {
+            Self::Binary
+        } else if begins("version https://git-lfs") {
+            Self::LfsPointer
+        } else if begins("<!doctype html") || begins("<html") || begins("<head") {
+            Self::Html
+        } else if text.starts_with(['{', '[']) {
+            Self::Json
+        } else if is_table(text) {
+            Self::Table
+        } else {
+            Self::Text
+        }
+    }
+
+    /// What to do with such a file instead; empty where there is no advice.
+    #[must_use]
+    pub const fn advice(self) -> &'static str {
+        match self {
+            Self::Empty => "copy or download it again",
+            Self::Zip | Self::Gzip => "unpack it",
+            Self::LfsPointer => "run `git lfs pull` in its repository",
+            Self::Html => {
+                "a page of a web site was saved instead of the file: download the raw file"
+            }
+            Self::Utf16 => "save it as UTF-8",
+            Self::Hdf5 => "save it as csv, npy or, in MATLAB, with `-v7`",
+            _ => "",
+        }
+    }
+}
+
+/// Whether the first lines are rows of numbers, the first of them perhaps of names.
+fn is_table(text: &str) -> bool {
+    let is_separator = |c: char| matches!(c, ',' | ';' | '\t' | ' ');
+    let is_row = |line: &str| {
+        let mut fields = line.split(is_separator).filter(|field| !field.is_empty());
+        fields
+            .next()
+            .is_some_and(|first| first.parse::<f64>().is_ok())
+            && fields
+                .next()
+                .is_some_and(|second| second.parse::<f64>().is_ok())
+    };
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+    let first = lines.next().unwrap_or_default();
+    is_row(first) || first.contains(is_separator) && lines.next().is_some_and(is_row)
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self {
+            Self::Empty => "an empty file",
+            Self::Model => "a model file",
+            Self::Npy => "an npy array",
+            Self::Mat => "a MATLAB file",
+            Self::Hdf5 => "an HDF5 file (MATLAB 7.3 writes such)",
+            Self::Zip => "a zip archive",
+            Self::Gzip => "a gzip archive",
+            Self::LfsPointer => "a Git LFS pointer without the content",
+            Self::Html => "an HTML page",
+            Self::Json => "JSON",
+            Self::Utf16 => "UTF-16 text",
+            Self::Table => "a table of numbers (csv)",
+            Self::Text => "text",
+            Self::Binary => "binary data of no known kind",
+        };
+        match self.advice() {
+            "" => f.write_str(what),
+            advice => write!(f, "{what}: {advice}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_apart_by_their_first_bytes() {
+        let lfs = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n";
+        for (bytes, kind) in [
+            (&b""[..], FileKind::Empty),
+            (b"myointnt\x03", FileKind::Model),
+            (b"\x93NUMPY\x01\x00", FileKind::Npy),
+            (b"MATLAB 5.0 MAT-file", FileKind::Mat),
+            (b"\x89HDF\r\n\x1a\n", FileKind::Hdf5),
+            (b"PK\x03\x04", FileKind::Zip),
+            (b"\x1f\x8b\x08", FileKind::Gzip),
+            (lfs.as_bytes(), FileKind::LfsPointer),
+            (b"\n<!DOCTYPE html>\n<html>", FileKind::Html),
+            (b"{\"a\": 1}", FileKind::Json),
+            (b"g\0t\0,\0", FileKind::Utf16),
+            (b"gt,emg_0\n0,1\n", FileKind::Table),
+            (b"1;2;3\n4;5;6\n", FileKind::Table),
+            (b"Dear reader,\nhello\n", FileKind::Text),
+            (b"\x00\x01\x02\xff\xfe", FileKind::Binary),
+        ] {
+            assert_eq!(FileKind::of(bytes), kind, "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn a_character_that_the_bound_divides_is_text() {
+        let text = "a".repeat(EXAMINED - 1) + "é";
+        assert_eq!(FileKind::of(text.as_bytes()), FileKind::Text);
+    }
+}

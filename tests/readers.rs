@@ -1,0 +1,469 @@
+//! A user's own recordings, and files that look like published ones: who is who, which columns are which, and what a
+//! refusal says. All inputs are made here.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use myointent::dataset::{Library, LoadOptions, Recording, load};
+use shared::intent::Intent;
+use shared::units::Sample;
+use tempfile::TempDir;
+
+/// A folder with these files in it.
+fn folder<T: AsRef<[u8]>>(files: &[(&str, T)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    folder
+}
+
+fn read(path: &Path) -> Library {
+    load(path, &LoadOptions::default()).unwrap()
+}
+
+fn people(path: &Path) -> Vec<String> {
+    read(path).subjects()
+}
+
+/// Sample `at` of a person: noise without repeats.
+fn sample(person: u32, at: u32) -> Sample {
+    std::array::from_fn(|channel| {
+        let mixed = (at * 8 + channel as u32 + 1_000_003 * person).wrapping_mul(2_654_435_761);
+        (mixed >> 24) as u8 as i8 / 4
+    })
+}
+
+const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7";
+
+/// 700 samples of a person, rest and a fist in turn.
+fn own(person: u32) -> String {
+    let mut text = format!("{HEADER}\n");
+    for at in 0..700 {
+        let label = if at / 100 % 2 == 0 { 0 } else { 2 };
+        writeln!(text, "{label},{}", row(&sample(person, at), ",")).unwrap();
+    }
+    text
+}
+
+fn row(sample: &Sample, separator: &str) -> String {
+    let values: Vec<String> = sample.iter().map(i8::to_string).collect();
+    values.join(separator)
+}
+
+/// 700 rows without header.
+fn bare(person: u32, separator: &str) -> String {
+    (0..700)
+        .map(|at| row(&sample(person, at), separator) + "\r\n")
+        .collect()
+}
+
+#[test]
+fn the_folder_is_the_person_whatever_the_files_are_called() {
+    let two = folder(&[("anna/s1_grasp.csv", own(1)), ("bob/s1_grasp.csv", own(2))]);
+    assert_eq!(people(two.path()), ["react-emg/anna", "react-emg/bob"]);
+    let underscored = folder(&[
+        ("subject_1/subject_1_a.csv", own(1)),
+        ("subject_2/subject_2_a.csv", own(2)),
+    ]);
+    assert_eq!(
+        people(underscored.path()),
+        ["react-emg/subject_1", "react-emg/subject_2"]
+    );
+    let numbered = folder(&[("P01/trial1.csv", own(1)), ("P02/trial1.csv", own(2))]);
+    assert_eq!(people(numbered.path()), ["react-emg/P01", "react-emg/P02"]);
+}
+
+#[test]
+fn one_person_is_the_same_whichever_folder_is_asked_for() {
+    let study = folder(&[
+        ("study/anna/monday/1.csv", own(1)),
+        ("study/anna/2026-11-25/1.csv", own(2)),
+        ("study/bob/session_1/1.csv", own(3)),
+    ]);
+    assert_eq!(people(study.path()), ["react-emg/anna", "react-emg/bob"]);
+    for below in ["study/anna", "study/anna/monday", "study/anna/monday/1.csv"] {
+        assert_eq!(
+            people(&study.path().join(below)),
+            ["react-emg/anna"],
+            "{below}"
+        );
+    }
+    let names: Vec<String> = read(study.path())
+        .recordings
+        .iter()
+        .map(|own| own.full_name())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "react-emg/anna/2026-11-25/1",
+            "react-emg/anna/monday/1",
+            "react-emg/bob/session_1/1"
+        ]
+    );
+}
+
+#[test]
+fn people_of_one_name_in_two_folders_are_two() {
+    let groups = folder(&[
+        ("lab/anna/1.csv", own(1)),
+        ("lab/bob/1.csv", own(2)),
+        ("home/anna/1.csv", own(3)),
+    ]);
+    assert_eq!(
+        people(groups.path()),
+        [
+            "react-emg/home/anna",
+            "react-emg/lab/anna",
+            "react-emg/lab/bob"
+        ]
+    );
+}
+
+#[test]
+fn loose_files_are_of_the_person_of_their_folder_or_of_their_prefix() {
+    let anna = folder(&[
+        ("anna/113_waveIn.npy", npy_of(1, 8)),
+        ("anna/1.csv", own(2).into_bytes()),
+    ]);
+    assert_eq!(people(&anna.path().join("anna")), ["react-emg/anna"]);
+    assert_eq!(
+        people(&anna.path().join("anna/113_waveIn.npy")),
+        ["react-emg/anna"]
+    );
+    let published = folder(&[("s3_grasp_1.csv", own(1)), ("s4_grasp_1.csv", own(2))]);
+    assert_eq!(people(published.path()), ["react-emg/s3", "react-emg/s4"]);
+}
+
+/// An array of so many columns, counts of a person.
+fn npy_of(person: u32, columns: usize) -> Vec<u8> {
+    let data: Vec<u8> = (0..700)
+        .flat_map(|at| {
+            sample(person, at)
+                .into_iter()
+                .cycle()
+                .take(columns)
+                .collect::<Vec<_>>()
+        })
+        .map(i8::cast_unsigned)
+        .collect();
+    let header = format!("{{'descr': '|i1', 'fortran_order': False, 'shape': (700, {columns}), }}");
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{header:<117}\n").bytes());
+    bytes.extend(data);
+    bytes
+}
+
+const METADATA: &str = r#"{"continuous": false,
+    "data/R_0_C_0.csv": {"rep_idx": 0, "class_idx": 0, "class_name": "Hand_Close"},
+    "data/R_0_C_1.csv": {"rep_idx": 0, "class_idx": 1, "class_name": "No_Motion"}}"#;
+
+#[test]
+fn recordings_in_the_layout_of_libemg_are_people_by_folder_and_not_the_published_one() {
+    let own = folder(&[
+        ("alice/R_0_C_0.csv", bare(1, ",")),
+        ("alice/R_0_C_1.csv", bare(2, ",")),
+        ("alice/metadata.json", METADATA.to_owned()),
+        ("bob/trial_1/R_0_C_0.csv", bare(3, ",")),
+        ("bob/trial_1/metadata.json", METADATA.to_owned()),
+    ]);
+    let library = read(own.path());
+    assert_eq!(library.subjects(), ["react-emg/alice", "react-emg/bob"]);
+    let labels: Vec<_> = library.recordings.iter().map(|own| own.labels[0]).collect();
+    assert_eq!(
+        labels,
+        [
+            Some(Intent::Close),
+            Some(Intent::Relax),
+            Some(Intent::Close)
+        ]
+    );
+}
+
+/// A text of `myo-readings`: rest and a fist in turn.
+fn fist(person: u32) -> String {
+    let label = |at: u32| if at / 100 % 2 == 0 { 0 } else { 7 };
+    (0..700)
+        .map(|at| format!("{},{}\n", row(&sample(person, at), ","), label(at)))
+        .collect()
+}
+
+#[test]
+fn a_left_hand_of_myo_readings_is_mirrored_and_of_the_same_person() {
+    let both = folder(&[
+        ("_readings_left_hand/12345-1/7.txt", fist(1)),
+        ("_readings_right_hand/12345-1/7.txt", fist(2)),
+        ("_readings_right_hand/23456-1/7.txt", fist(3)),
+    ]);
+    let library = read(both.path());
+    assert_eq!(
+        library.subjects(),
+        ["myo-readings/12345", "myo-readings/23456"]
+    );
+    let [left, right, _] = &library.recordings[..] else {
+        panic!("three recordings");
+    };
+    let read = sample(1, 5);
+    assert_eq!(
+        left.samples[5],
+        std::array::from_fn(|channel| read[(14 - channel) % 8])
+    );
+    assert_eq!(right.samples[5], sample(2, 5));
+    assert_ne!(left.full_name(), right.full_name());
+    assert!(
+        left.notes.iter().any(|note| note.contains("mirrored")),
+        "{:?}",
+        left.notes
+    );
+    // What the left arm has shown is not expected of the right one.
+    let alone = folder(&[("_readings_right_hand/12345-1/7.txt", fist(2))]);
+    assert_eq!(
+        right,
+        &Recording {
+            path: right.path.clone(),
+            ..read_one(alone.path())
+        }
+    );
+}
+
+fn read_one(path: &Path) -> Recording {
+    read(path).recordings.remove(0)
+}
+
+#[test]
+fn an_own_folder_called_left_is_not_mirrored_without_a_word() {
+    let own = folder(&[
+        ("anna/left/1.csv", own(1)),
+        ("anna/links/1.csv", own(2)),
+        ("anna/1.csv", own(3)),
+    ]);
+    let library = read(own.path());
+    assert_eq!(library.subjects(), ["react-emg/anna"]);
+    let warned =
+        |recording: &Recording| recording.notes.iter().any(|note| note.contains("left arm"));
+    let warned: Vec<bool> = library.recordings.iter().map(warned).collect();
+    assert_eq!(warned, [false, true, true]);
+    assert_eq!(library.recordings[1].samples[5], sample(1, 5));
+}
+
+/// Rows of a person with a header, each made from number and sample.
+fn table(header: &str, row: impl Fn(u32, &Sample) -> String) -> String {
+    let rows = (0..700).map(|at| row(at, &sample(1, at)));
+    std::iter::once(header.to_owned())
+        .chain(rows)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+fn emg(separator: &str) -> impl Fn(u32, &Sample) -> String {
+    move |_, sample| row(sample, separator)
+}
+
+fn is_read(name: &str, text: &str) {
+    let folder = folder(&[(name, text)]);
+    for path in [folder.path().to_owned(), folder.path().join(name)] {
+        let library =
+            load(&path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let skipped: Vec<String> = library.skipped.iter().map(ToString::to_string).collect();
+        assert!(skipped.is_empty(), "{skipped:?}");
+        assert_eq!(library.recordings[0].samples.len(), 700, "{name}");
+        for at in [0, 5, 699] {
+            assert_eq!(
+                library.recordings[0].samples[at as usize],
+                sample(1, at),
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn eight_channels_are_found_by_name() {
+    for (name, text) in [
+        (
+            "time.csv",
+            table(
+                "timestamp,emg1,emg2,emg3,emg4,emg5,emg6,emg7,emg8",
+                |at, own| {
+                    format!(
+                        "{},{}",
+                        1_444_331_136_000_000 + 5000 * u64::from(at),
+                        row(own, ",")
+                    )
+                },
+            ),
+        ),
+        (
+            "behind.csv",
+            table(
+                "channel_1,channel_2,channel_3,channel_4,channel_5,channel_6,channel_7,channel_8,Time",
+                |at, own| format!("{},{}", row(own, ","), 0.005 * f64::from(at)),
+            ),
+        ),
+        (
+            "upper.txt",
+            table(
+                "EMG 0\tEMG 1\tEMG 2\tEMG 3\tEMG 4\tEMG 5\tEMG 6\tEMG 7",
+                emg("\t"),
+            ),
+        ),
+        (
+            "unit.csv",
+            table(
+                "Ch1 [uV],Ch2 [uV],Ch3 [uV],Ch4 [uV],Ch5 [uV],Ch6 [uV],Ch7 [uV],Ch8 [uV]",
+                emg(","),
+            ),
+        ),
+        (
+            "quoted.csv",
+            table(
+                "\"emg.1\";\"emg.2\";\"emg.3\";\"emg.4\";\"emg.5\";\"emg.6\";\"emg.7\";\"emg.8\"",
+                emg(";"),
+            ),
+        ),
+        (
+            "pandas.csv",
+            table(",0,1,2,3,4,5,6,7", |at, own| {
+                format!("{at},{}", row(own, ","))
+            }),
+        ),
+    ] {
+        is_read(name, &text);
+    }
+}
+
+#[test]
+fn labels_are_found_by_name() {
+    let header = "label;emg_0;emg_1;emg_2;emg_3;emg_4;emg_5;emg_6;emg_7";
+    let text = table(header, |at, own| {
+        let label = if at < 100 { "relax" } else { "close" };
+        format!("{label};{}", row(own, ";"))
+    });
+    is_read("anna.csv", &text);
+    let folder = folder(&[("anna.csv", text)]);
+    let labels = read_one(folder.path()).labels;
+    assert_eq!(
+        (labels[99], labels[100]),
+        (Some(Intent::Relax), Some(Intent::Close))
+    );
+}
+
+#[test]
+fn eight_columns_without_a_header_are_read_if_they_are_asked_for() {
+    for (name, text) in [
+        ("comma.csv", bare(1, ",")),
+        ("tab.txt", bare(1, "\t")),
+        ("space.txt", bare(1, " ")),
+        ("semicolon.csv", bare(1, ";")),
+    ] {
+        let folder = folder(&[(name, text)]);
+        let recording = read_one(&folder.path().join(name));
+        assert_eq!(recording.samples[699], sample(1, 699), "{name}");
+        assert!(!recording.has_labels());
+    }
+    let index = (0..700).map(|at| format!("{},{at}\n", row(&sample(1, at), ",")));
+    let folder = folder(&[("index.csv", index.collect::<String>())]);
+    assert_eq!(
+        read_one(&folder.path().join("index.csv")).samples[5],
+        sample(1, 5)
+    );
+}
+
+/// The message about a file that is asked for by itself.
+fn refusal(name: &str, bytes: &[u8]) -> String {
+    let folder = folder(&[(name, bytes)]);
+    match load(&folder.path().join(name), &LoadOptions::default()) {
+        Ok(library) => {
+            assert!(library.recordings.is_empty(), "{name} is read");
+            library.skipped[0].to_string()
+        }
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn a_refusal_says_what_was_found_and_what_was_expected() {
+    let nine = (0..700).map(|at| format!("{},{}\n", at % 3, row(&sample(1, at), ",")));
+    let sixteen = table(
+        &(0..16)
+            .map(|n| format!("emg_{n}"))
+            .collect::<Vec<_>>()
+            .join(","),
+        |at, own| format!("{},{}", row(own, ","), row(&sample(2, at), ",")),
+    );
+    let decimals: String = (0..700)
+        .map(|at| {
+            sample(1, at)
+                .map(|count| (f64::from(count) / 128.0).to_string())
+                .join(",")
+                + "\n"
+        })
+        .collect();
+    let utf16: Vec<u8> = own(1).encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let latin = [b"gt,emg_0 \xb5V\n".as_slice(), own(1).as_bytes()].concat();
+    for (name, bytes, words) in [
+        (
+            "nine.csv",
+            nine.collect::<String>().into_bytes(),
+            &["9 columns", "header"][..],
+        ),
+        (
+            "sixteen.csv",
+            sixteen.into_bytes(),
+            &["16 columns emg", "eight channels"],
+        ),
+        (
+            "decimals.csv",
+            decimals.into_bytes(),
+            &["whole number from -128 to 127", "divided by 128"],
+        ),
+        ("utf16.csv", utf16, &["UTF-16", "UTF-8"]),
+        ("latin.csv", latin, &["UTF-8"]),
+        (
+            "notes.csv",
+            b"Dear reader,\nthis is no recording.\n".to_vec(),
+            &["text"],
+        ),
+        ("nine.npy", npy_of(1, 9), &["(700, 9)", "eight", "label"]),
+        ("wide.npy", npy_of(1, 700), &["(700, 700)", "(n, 8)"]),
+        (
+            "pointer.npy",
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n".to_vec(),
+            &["Git LFS", "git lfs pull"],
+        ),
+        (
+            "page.csv",
+            b"<!DOCTYPE html>\n<html><body>a,b</body></html>\n".to_vec(),
+            &["HTML"],
+        ),
+        (
+            "archive.csv",
+            b"PK\x03\x04\x14\x00\x00\x00".to_vec(),
+            &["zip"],
+        ),
+        ("model.dat", b"myointnt\x07".to_vec(), &["model"]),
+        ("empty.csv", Vec::new(), &["empty"]),
+    ] {
+        let message = refusal(name, &bytes);
+        for word in words {
+            assert!(message.contains(word), "{name}: {message}");
+        }
+        for other in ["12345-1/7.txt", "sub7/", "s3/s3_", "classe_"] {
+            assert!(!message.contains(other), "{name}: {message}");
+        }
+    }
+}
+
+#[test]
+fn a_folder_of_files_that_are_not_read_says_what_they_are() {
+    let folder = folder(&[("anna/1.npy", "version https://git-lfs.github.com/spec/v1\n")]);
+    let library = load(folder.path(), &LoadOptions::default());
+    let message = match &library {
+        Ok(library) => library.skipped[0].to_string(),
+        Err(error) => error.to_string(),
+    };
+    assert!(message.contains("git lfs pull"), "{message}");
+}
