@@ -129,6 +129,13 @@ mod tests {
     }
 
     #[test]
+    fn fewer_people_than_a_difference_needs_have_no_interval() {
+        let values = [0.3, 0.6, 0.9, 0.5, 0.7, 0.8];
+        assert_eq!(Interval::of_mean(&values[..5]), None);
+        assert!(Interval::of_mean(&values).is_some());
+    }
+
+    #[test]
     fn the_median_of_an_even_count_is_the_mean_of_the_middle_two() {
         assert_eq!(median(&[3.0, 1.0, 2.0, 10.0]), Some(2.5));
         assert_eq!(median(&[]), None);

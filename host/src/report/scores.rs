@@ -245,12 +245,13 @@ mod tests {
     use crate::dataset::DataSet;
     use crate::evaluation::{Candidate, EnergyDetector, Trial, constant, score_all};
 
-    /// Two people, who close their hand twice, and a model that sees each change after 100 ms.
-    fn results() -> Results {
-        let truth: Vec<Option<Intent>> = (0..2000)
-            .map(|at| Intent::from_class(if at / 400 % 2 == 1 { 2 } else { 0 }))
-            .collect();
-        let trial = |who: &str| Trial {
+    /// One recording of a person: 2 s of each class in turn.
+    fn trial(who: &str, classes: &[usize]) -> Trial {
+        let labels = classes
+            .iter()
+            .flat_map(|&class| std::iter::repeat_n(Intent::from_class(class), 400));
+        let truth: Vec<Option<Intent>> = labels.collect();
+        Trial {
             data_set: DataSet::Synthetic,
             subject: format!("synthetic/{who}"),
             name: "r".to_owned(),
@@ -261,29 +262,35 @@ mod tests {
                 .collect(),
             normalized: Vec::new(),
             published: Some(truth.clone()),
-            lag_compensated: truth.clone(),
+            lag_compensated: truth,
             other_movement: Vec::new(),
-        };
-        let trials = ["a", "b"].map(trial);
-        let rows = |patch: usize| {
-            let mut rows = LookBackLogits::default();
-            for (back, row) in rows.iter_mut().enumerate() {
-                let at = (patch * 10).saturating_sub(back * 10 + 20);
-                row[truth[at].map_or(0, Intent::class)] = 1.0;
-            }
-            rows
-        };
+        }
+    }
+
+    /// A model that sees each change of these recordings after 100 ms, and the floors.
+    fn results_of(trials: &[Trial]) -> Results {
+        let logits = trials.iter().map(|trial| {
+            let rows = |patch: usize| {
+                let mut rows = LookBackLogits::default();
+                for (back, row) in rows.iter_mut().enumerate() {
+                    let at = (patch * 10).saturating_sub(back * 10 + 20);
+                    row[trial.lag_compensated[at].map_or(0, Intent::class)] = 1.0;
+                }
+                rows
+            };
+            (0..trial.emg.len() / 10).map(rows).collect()
+        });
         let model = Candidate {
             name: INTEGER.to_owned(),
             looks_back: true,
-            logits: vec![(0..200).map(rows).collect(); 2],
+            logits: logits.collect(),
             entry_margins: [0.0; 6],
             other_margin: None,
         };
-        let detector = EnergyDetector::fit(&trials).unwrap();
-        let candidates = [model, constant(&trials), detector.candidate(&trials)];
+        let detector = EnergyDetector::fit(trials).unwrap();
+        let candidates = [model, constant(trials), detector.candidate(trials)];
         let scores =
-            |truths: &[Truth]| score_all(&candidates, &trials, Vocabulary::Three, truths).unwrap();
+            |truths: &[Truth]| score_all(&candidates, trials, Vocabulary::Three, truths).unwrap();
         Results {
             held_out: Vec::new(),
             aggregation: LookAhead::SameInstant,
@@ -291,6 +298,79 @@ mod tests {
             published: scores(&[Truth::Published, Truth::LagCompensated]),
             spliced: scores(&[Truth::LagCompensated]),
         }
+    }
+
+    /// Two people, who close their hand twice, and a model that sees each change after 100 ms.
+    fn results() -> Results {
+        results_of(&["a", "b"].map(|who| trial(who, &[0, 2, 0, 2, 0])))
+    }
+
+    /// Two people of three classes with onsets, one with holds alone, and one who never opens the hand.
+    fn four_people() -> Results {
+        let mut trials = vec![
+            trial("a", &[0, 1, 0, 2, 0]),
+            trial("b", &[0, 2, 0, 1, 0]),
+            trial("d", &[0, 2, 0, 2, 0]),
+        ];
+        trials.extend([0, 1, 2].map(|class| trial("c", &[class])));
+        results_of(&trials)
+    }
+
+    #[test]
+    fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() {
+        for table in tables(&four_people()) {
+            let column = |name: &str| table.header.iter().position(|own| own == name);
+            let (classes, model) = (column("classes").unwrap(), column("model"));
+            let Some(model) = model else {
+                // Differences say their number of people in each cell.
+                let found: Vec<&str> = table.rows.iter().map(|row| &row[classes][..]).collect();
+                assert!(
+                    found.contains(&"all 3") && found.contains(&"fewer"),
+                    "{table:?}"
+                );
+                continue;
+            };
+            for name in [INTEGER, CONSTANT, ENERGY] {
+                let rows: Vec<_> = table.rows.iter().filter(|row| row[model] == name).collect();
+                let all = rows.iter().find(|row| row[classes] == "all 3").unwrap();
+                let fewer = rows.iter().find(|row| row[classes] == "fewer").unwrap();
+                let people = column("subjects").unwrap();
+                let spliced = table.caption.starts_with("Spliced");
+                assert_eq!(
+                    (&all[people][..], &fewer[people][..]),
+                    ("3", "1"),
+                    "{table:?}"
+                );
+                for (name, own) in [
+                    ("TA", "n 2"),
+                    ("TA 200", "n 2"),
+                    ("recognised", "n 2"),
+                    ("latency ms", "n 2"),
+                ] {
+                    if let Some(at) = column(name) {
+                        assert!(all[at].ends_with(own), "{name}: {all:?}, {spliced}");
+                        assert!(!fewer[at].contains("n 1"), "{name}: {fewer:?}");
+                    }
+                }
+                if let Some(at) = column("balanced") {
+                    assert!(!all[at].contains('n'), "{all:?}");
+                }
+            }
+        }
+        let table = summary(&four_people(), INTEGER);
+        let rows: Vec<_> = table
+            .rows
+            .iter()
+            .filter(|row| row[0] == "synthetic")
+            .collect();
+        assert_eq!(
+            rows.iter().map(|row| &row[1][..]).collect::<Vec<_>>(),
+            ["all 3", "fewer"]
+        );
+        assert!(
+            rows[0][3].ends_with("n 2") && rows[0].last().unwrap() == "3",
+            "{rows:?}"
+        );
     }
 
     #[test]

@@ -178,3 +178,89 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Option<&'a str>> {
     sets.dedup();
     sets
 }
+
+#[cfg(test)]
+mod tests {
+    use myointent::dataset::DataSet;
+    use myointent::evaluation::{CONSTANT, Trial, Truth, constant, score};
+    use shared::intent::{Intent, Vocabulary};
+
+    use super::*;
+    use crate::cross_validation::FoldScore;
+
+    /// One recording of a person: 2 s of each class in turn.
+    fn trial(subject: &str, classes: &[usize]) -> Trial {
+        let labels = classes
+            .iter()
+            .flat_map(|&class| std::iter::repeat_n(Intent::from_class(class), 400));
+        let truth: Vec<Option<Intent>> = labels.collect();
+        Trial {
+            data_set: DataSet::Synthetic,
+            subject: subject.to_owned(),
+            name: "r".to_owned(),
+            raw: Vec::new(),
+            emg: vec![[1; 8]; truth.len()],
+            normalized: Vec::new(),
+            published: None,
+            lag_compensated: truth,
+            other_movement: Vec::new(),
+        }
+    }
+
+    /// The scores of always saying relax, of one fold: two people with onsets, one with holds alone, one who never opens
+    /// the hand.
+    fn fold() -> Vec<FoldScore> {
+        let mut trials = vec![
+            trial("x/a", &[0, 1, 0, 2, 0]),
+            trial("x/b", &[0, 2, 0, 1, 0]),
+            trial("y/d", &[0, 2, 0, 2, 0]),
+        ];
+        trials.extend([0, 1, 2].map(|class| trial("x/c", &[class])));
+        let scores = score(
+            &constant(&trials),
+            &trials,
+            Vocabulary::Three,
+            LookAhead::None,
+            Truth::LagCompensated,
+        );
+        let scores = scores.unwrap().into_iter();
+        scores
+            .map(|score| FoldScore { gate: None, score })
+            .collect()
+    }
+
+    #[test]
+    fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() {
+        let fold = fold();
+        let merged = [Merged::new(
+            CONSTANT,
+            LookAhead::None,
+            None,
+            fold.iter().map(|own| (1, own)),
+        )];
+        let table = scores(&merged);
+        let column = |name: &str| table.header.iter().position(|own| own == name).unwrap();
+        let (set, classes) = (column("recordings"), column("classes"));
+        let row = |wanted: [&str; 2]| {
+            let mut rows = table.rows.iter();
+            rows.find(|row| [&row[set][..], &row[classes]] == wanted)
+                .unwrap()
+        };
+        let all = row(["all", "all 3"]);
+        assert_eq!(all[column("people")], "3");
+        assert_eq!(all[column("balanced")], "0.333");
+        assert_eq!(all[column("TA")], "0.000 n 2");
+        assert_eq!(all[column("recognised")], "0.000 n 2");
+        assert_eq!(all[column("latency ms")], "missed / missed n 2");
+        let fewer = row(["all", "fewer"]);
+        assert_eq!(
+            [&fewer[column("balanced")], &fewer[column("people")]],
+            ["0.500", "1"]
+        );
+        assert_eq!(fewer[column("TA")], "0.000");
+        // A data set without such people has no such row.
+        assert_eq!(row(["x", "all 3"])[column("people")], "3");
+        assert_eq!(row(["y", "fewer"])[column("people")], "1");
+        assert_eq!(table.rows.len(), 4);
+    }
+}

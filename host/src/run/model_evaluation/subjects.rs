@@ -77,3 +77,48 @@ pub(super) fn subjects(
     }
     Ok((evaluated, left_out))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::DataSet;
+
+    /// Whom a selection evaluates of two people of roshambo, of whom 06 is a test person, and the test people left out.
+    fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {
+        let recordings = ["roshambo/03", "roshambo/06"]
+            .map(|subject| Recording::new(DataSet::Roshambo, subject, Vec::new(), Vec::new()));
+        let selection = Selection {
+            subjects: names.iter().map(|&name| name.to_owned()).collect(),
+            test,
+            ..Selection::default()
+        };
+        let recordings: Vec<&Recording> = recordings.iter().collect();
+        let (evaluated, left_out) = subjects(&[], &[], &recordings, &selection).unwrap();
+        let evaluated = evaluated.into_iter().map(|own| own.subject);
+        (evaluated.collect(), left_out.test)
+    }
+
+    #[test]
+    fn test_people_of_a_whole_set_are_evaluated_if_asked_for_and_left_out_in_words_if_not() {
+        let (both, one, test) = (
+            vec!["roshambo/03".to_owned(), "roshambo/06".to_owned()],
+            vec!["roshambo/03".to_owned()],
+            vec!["roshambo/06".to_owned()],
+        );
+        for names in [&[][..], &["roshambo"], &["roshambo", "roshambo/03"]] {
+            assert_eq!(
+                selected(names, true),
+                (both.clone(), Vec::new()),
+                "{names:?}"
+            );
+            assert_eq!(
+                selected(names, false),
+                (one.clone(), test.clone()),
+                "{names:?}"
+            );
+        }
+        // Whoever is named is evaluated.
+        assert_eq!(selected(&["roshambo/06"], false), (test, Vec::new()));
+        assert_eq!(selected(&["roshambo/03"], true), (one, Vec::new()));
+    }
+}
