@@ -38,7 +38,7 @@ pub(super) fn subjects(
     selection: &Selection,
 ) -> Result<(Vec<EvaluatedSubject>, LeftOut), StepError> {
     let known = folds::subjects(recordings.iter().copied());
-    let named = expand("--subjects", &selection.subjects, &known)?;
+    let named = expand("--subjects", &selection.subjects, &known, |_| true)?;
     let mut evaluated = Vec::new();
     let mut left_out = LeftOut::default();
     for &subject in known.values().flatten() {
@@ -57,7 +57,9 @@ pub(super) fn subjects(
             .filter(|(_, parsed)| saw(parsed))
             .map(|(model, _)| model.name.clone())
             .collect();
-        if test && !selection.test && !is_named {
+        // A whole data set names nobody for a release.
+        let by_name = selection.subjects.iter().any(|name| name == subject);
+        if test && !selection.test && !by_name {
             left_out.test.push(subject.to_owned());
         } else if !seen_by.is_empty() && !selection.seen && !is_named {
             left_out.seen.push(subject.to_owned());

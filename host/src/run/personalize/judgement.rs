@@ -67,6 +67,7 @@ pub fn not_worse(old: &Score, new: &Score) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluation::Group;
     use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
     use crate::evaluation::metric::summary::{SubjectScore, Summary};
 
@@ -75,6 +76,7 @@ mod tests {
         let subject = SubjectScore {
             subject: "x/1".to_owned(),
             recordings: 1,
+            classes: 3,
             balanced_accuracy: balanced,
             raw_accuracy: None,
             correct: 0,
@@ -91,6 +93,8 @@ mod tests {
         Score {
             model: "m".to_owned(),
             data_set: "x".to_owned(),
+            classes: 3,
+            people: Group::AllClasses,
             look_ahead: LookAhead::None,
             truth: Truth::LagCompensated,
             reference: std::array::from_fn(|_| summary.clone()),
