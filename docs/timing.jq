@@ -1,6 +1,6 @@
 # Of the files cross-validation.json of all folds, by data set: people, error by timing alone, raw error
 # (docs/results.md, "What keeps myo-rps and roshambo from their goals").
-[.[].scores[] | select(.gate and .score.look_ahead == "all-rows") | .score | (.events.subjects | map({(.subject): .flicker.seconds}) | add) as $seconds
+[.[].development[] | select(.gate and .score.look_ahead == "all-rows") | .score | (.events.subjects | map({(.subject): .flicker.seconds}) | add) as $seconds
   | .reference[2].subjects[] | select(.offsets | length > 0)
   | {set: (.subject | split("/")[0]), error: (1 - .raw_accuracy),
      timing: ((.offsets | map(fabs) | add / length) * .events / (200 * $seconds[.subject]))}]

@@ -387,13 +387,67 @@ fn a_page_of_several_compares_them_over_the_people_whom_both_have_not_seen() {
         .split("<tr>")
         .find(|row| row.contains("a (2) - a"))
         .unwrap();
-    assert!(row.contains("+0.000 [+0.000, +0.000] n 3"), "{row}");
+    assert!(row.contains("+0.000 n 3"), "{row}");
 
     let six = path("six.intent");
     model(Path::new(&six), &[], Vocabulary::Six);
     assert!(!report(&[&a, &six]));
     assert!(!myointent(&["report", &a, "--out", &page]));
     assert!(!report(&[&a, &a, &a, &a, &a, &a]));
+}
+
+#[test]
+fn a_model_tuned_on_the_only_person_is_reported_and_said_to_have_seen_them() {
+    let folder = folder("report-own");
+    recordings(&folder);
+    let everybody = [
+        "synthetic/s1",
+        "synthetic/s2",
+        "synthetic/s3",
+        "synthetic/s4",
+    ];
+    model(&folder.join("own.intent"), &everybody, Vocabulary::Three);
+    model(
+        &folder.join("part.intent"),
+        &everybody[..1],
+        Vocabulary::Three,
+    );
+    model(&folder.join("shipped.intent"), &[], Vocabulary::Three);
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (data, page) = (path("data"), path("page.html"));
+    let report = |models: &[&str], more: &[&str]| {
+        let models: Vec<String> = models.iter().map(|name| path(name)).collect();
+        let mut line = vec!["report", "--data", &data, "--out", &page];
+        line.extend(models.iter().map(String::as_str));
+        line.extend(more);
+        assert!(myointent(&line), "{line:?}");
+        fs::read_to_string(&page).unwrap()
+    };
+    let unseen = "people whom it has not seen";
+    for more in [&[][..], &["--seen"]] {
+        let text = report(&["own.intent", "shipped.intent"], more);
+        assert!(!text.contains(unseen), "{more:?}");
+        assert!(text.contains("own (has seen them) on 4 subjects, shipped on 4 subjects"));
+        // In tables, differences and pictures too.
+        let row = |cell: &str| text.split("<tr>").any(|row| row.contains(cell));
+        assert!(row("<td>own (has seen them)</td>") && row("shipped - own (has seen them)"));
+        assert!(text.contains("seen in training"));
+    }
+    let alone = report(&["own.intent"], &[]);
+    assert!(alone.contains("own (has seen them) on 4 subjects"));
+    let text = report(&["part.intent", "shipped.intent"], &["--seen"]);
+    assert!(text.contains("part (has seen 1 of 4) on 4 subjects") && !text.contains(unseen));
+    let text = report(&["part.intent", "shipped.intent"], &[]);
+    assert!(text.contains("part on 3 subjects") && text.contains(unseen));
+
+    // `evaluate` marks a model in the same words.
+    let [own, shipped] = ["own.intent", "shipped.intent"].map(path);
+    assert!(evaluate(
+        &folder,
+        &["--model", &own, "--model", &shipped, "--seen"]
+    ));
+    let text = fs::read_to_string(&page).unwrap();
+    assert!(text.contains("<td>own (has seen them)</td>") && !text.contains("shipped (has seen"));
 }
 
 #[test]

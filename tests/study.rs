@@ -9,8 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser as _;
+use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent_research::cli::Cli;
 use serde_json::Value;
+use shared::intent::Intent;
 use small::{folder, myointent, recordings, small_preset};
 
 /// Runs `myointent-research` and returns whether it succeeded.
@@ -269,7 +271,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
                 .map_or(rest, |(_, rest)| rest)
                 .split(',')
                 .collect();
-            (name, fields[2], fields[3])
+            (name, fields[2], fields[5])
         })
         .collect();
     people.sort_unstable();
@@ -289,4 +291,156 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
         let others = [names(&split["training"]), names(&split["validation"])].concat();
         assert!(!held_out.is_empty() && held_out.iter().all(|subject| !others.contains(subject)));
     }
+}
+
+/// The fields of a line of CSV, of which those with a comma are in quotes.
+fn fields(line: &str) -> Vec<String> {
+    let quoted = line.split('"').enumerate();
+    let text: String = quoted
+        .map(|(at, part)| {
+            if at % 2 == 1 {
+                part.replace(',', ";")
+            } else {
+                part.to_owned()
+            }
+        })
+        .collect();
+    text.split(',').map(str::to_owned).collect()
+}
+
+/// An npy file of one byte a sample and channel, or of names of 7 letters.
+fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
+    let length = (header.len() + 11).next_multiple_of(64) - 10;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((length as u16).to_le_bytes());
+    bytes.extend(format!("{header:<width$}\n", width = length - 1).as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+/// Synthetic recordings as files of roshambo, whose subject 06 is a test person.
+fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
+    let options = SynthOptions {
+        subjects: subjects.len(),
+        recordings: 1,
+        seconds: 30,
+        ..SynthOptions::default()
+    };
+    let data = folder.join("data");
+    fs::create_dir_all(&data).unwrap();
+    for (recording, subject) in synthetic::generate(&options).iter().zip(subjects) {
+        let samples = recording
+            .samples
+            .iter()
+            .flatten()
+            .map(|value| value.cast_unsigned());
+        let name = |label: &Option<Intent>| match label {
+            Some(Intent::Open) => b"paper\0\0",
+            Some(Intent::Close) => b"rock\0\0\0",
+            _ => b"none\0\0\0",
+        };
+        let names = recording.labels.iter().flat_map(name).copied();
+        let count = recording.labels.len();
+        let write = |what: &str, bytes: Vec<u8>| {
+            fs::write(
+                data.join(format!("subject{subject}_session01_{what}.npy")),
+                bytes,
+            )
+            .unwrap();
+        };
+        write(
+            "emg",
+            npy("|i1", &format!("{count}, 8"), &samples.collect::<Vec<_>>()),
+        );
+        write(
+            "ann",
+            npy("|S7", &format!("{count},"), &names.collect::<Vec<_>>()),
+        );
+    }
+    data
+}
+
+#[test]
+fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_them() {
+    let folder = folder("cross-validation-test-people");
+    let data = roshambo(&folder, &["01", "02", "03", "04", "06"]);
+    let (preset, out) = (study_preset(&folder), folder.join("out"));
+    let [data, preset, path] = [&data, &preset, &out].map(|path| path.to_str().unwrap());
+    let command = |more: &[&str]| {
+        let line = [
+            "cross-validate",
+            "--preset",
+            preset,
+            "--data",
+            data,
+            "--out",
+            path,
+            "--folds",
+            "2",
+            "--seeds",
+            "1",
+        ];
+        research(&[&line[..], more].concat())
+    };
+    // Model, look-ahead, seed, fold, subject, people and classes of each row of people.csv.
+    let rows = || -> Vec<Vec<String>> {
+        let text = fs::read_to_string(out.join("people.csv")).unwrap();
+        let mut lines = text.lines().map(fields);
+        let header = lines.next().unwrap();
+        let of = [
+            "model",
+            "look-ahead",
+            "seed",
+            "fold",
+            "subject",
+            "people",
+            "classes",
+        ];
+        let at = of.map(|name| header.iter().position(|own| own == name).expect(name));
+        lines
+            .map(|row| at.iter().map(|&at| row[at].clone()).collect())
+            .collect()
+    };
+    let student = || {
+        let run = out.join("small/seed-1/fold-1");
+        // Every epoch writes a checkpoint.
+        let checkpoint = fs::metadata(run.join("student.checkpoint")).unwrap();
+        let weights = fs::read(run.join("student.bpk")).unwrap();
+        (checkpoint.modified().unwrap(), weights)
+    };
+    assert!(command(&[]));
+    assert!(
+        rows()
+            .iter()
+            .all(|row| row[5] == "development" && row[4] != "roshambo/06")
+    );
+    let page = fs::read_to_string(out.join("tables.md")).unwrap();
+    assert!(!page.contains("Test people"));
+    let trained = student();
+
+    // Students are not trained again to look at them.
+    assert!(command(&["--test-people"]));
+    assert!(student() == trained);
+    let all = rows();
+    let (test, development): (Vec<_>, Vec<_>) = all.iter().partition(|row| row[5] == "test");
+    // Four people once, one test person by the student of each of two folds; each under two modes and two floors.
+    assert_eq!((development.len(), test.len()), (4 * 4, 2 * 4));
+    assert!(
+        test.iter()
+            .all(|row| row[4] == "roshambo/06" && row[6] == "3")
+    );
+    let folds: BTreeSet<&str> = test.iter().map(|row| &row[3][..]).collect();
+    assert_eq!(folds.into_iter().collect::<Vec<_>>(), ["1", "2"]);
+    let page = fs::read_to_string(out.join("tables.md")).unwrap();
+    let (development, test) = page.split_once("Test people").unwrap();
+    assert!(development.contains("small (0.25 s, all rows)"));
+    assert!(test.contains("small (0.25 s, all rows)") && test.contains("energy detector"));
+    for fold in ["fold-1", "fold-2"] {
+        let split = &json(&out.join("small/seed-1").join(fold).join("config.json"))["split"];
+        assert_eq!(names(&split["test"]), ["roshambo/06"]);
+    }
+    // Without the option the same folder has tables of development alone again.
+    assert!(command(&[]));
+    assert!(rows().iter().all(|row| row[5] == "development"));
 }

@@ -224,3 +224,12 @@ pub(crate) fn refused(error: LoadError) -> anyhow::Error {
         other => other.into(),
     }
 }
+
+/// Says that people are evaluated who are for releases.
+pub fn warn_of_test_people(people: usize) {
+    if people > 0 {
+        progress::log(&format!(
+            "warning: {people} test people are evaluated, who are for releases: choose nothing by their scores"
+        ));
+    }
+}

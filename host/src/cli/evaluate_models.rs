@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Deserialize as _;
 use serde::de::{IntoDeserializer as _, value};
 
-use crate::cli::arguments::every_recording;
+use crate::cli::arguments::{every_recording, warn_of_test_people};
 use crate::cli::output::{PAGE, first_line, refuse_unlike};
 use crate::dataset::labels::lag::LabelLag;
 use crate::dataset::losses::MOST_PERCENT;
@@ -23,8 +23,8 @@ use crate::run::model_evaluation::{
 /// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct PeopleArguments {
-    /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given. Subjects named here are
-    /// evaluated even if the model has seen them or they are test people.
+    /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given. Whoever is named here is
+    /// evaluated even if the model has seen them; test people by their own names alone, of a whole set with --test-people.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "data")]
     subjects: Vec<String>,
     /// Also evaluate people whom a model was trained on or validated with; they are marked.
@@ -206,13 +206,4 @@ pub(in crate::cli) fn warn(results: &ModelResults) {
         "warning: evaluated, although a model has seen them in training",
     );
     warn_of_test_people(evaluated(|subject| subject.test));
-}
-
-/// Says that people are evaluated who are for releases.
-pub(in crate::cli) fn warn_of_test_people(people: usize) {
-    if people > 0 {
-        progress::log(&format!(
-            "warning: {people} test people are evaluated, who are for releases: choose nothing by their scores"
-        ));
-    }
 }

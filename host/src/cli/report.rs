@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
-use super::arguments::{BackendArguments, every_recording, find_run, recordings};
-use super::evaluate_models::{PeopleArguments, warn, warn_of_test_people};
+use super::arguments::{
+    BackendArguments, every_recording, find_run, recordings, warn_of_test_people,
+};
+use super::evaluate_models::{PeopleArguments, warn};
 use super::output::{PAGE, refuse_unlike};
 use crate::dataset::Library;
 use crate::dataset::split::circles::is_test;
@@ -15,16 +17,19 @@ use crate::execution::progress;
 use crate::execution::run_folder::RunFolder;
 use crate::report::MOST_ENTRIES;
 use crate::report::several::{Reported, ReportedModel, ReportedRun, tables, write};
+use crate::run::StepError;
 use crate::run::context::RunContext;
 use crate::run::evaluate::kept;
-use crate::run::model_evaluation::{NamedModel, evaluate_models};
+use crate::run::model_evaluation::{NamedModel, Selection, evaluate_models};
 use crate::run::quantize::MODEL;
 
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Without --data, of run folders that were evaluated: their results, on the people whom each holds out. With --data, of model\n\
-    files and of the model files of run folders, on any recordings; each is evaluated on the people whom it has not seen.\n\
+    files and of the model files of run folders, on any recordings; each is evaluated on the people whom it has not seen, or if\n\
+    it has seen everybody (a model tuned on its owner), on all of them, and marked. People with all classes of the model and\n\
+    people with fewer stand in rows of their own; n is a column's number of people where its row has more.\n\
     The page needs no network and no JavaScript, and prints on A4.\n\n\
     Examples:\n  myointent report runs/mine\n  \
     myointent report runs/loso/fold-1 runs/loso/fold-2 --out folds.html\n  \
@@ -135,11 +140,17 @@ fn model(
     let mut model = NamedModel::read(&file).with_context(|| file.display().to_string())?;
     model.name = unique(name(path), before);
     progress::log(&format!("{}:", model.name));
-    let evaluation = evaluate_models(
-        std::slice::from_ref(&model),
-        library,
-        &arguments.people.selection(),
-    )?;
+    let evaluate =
+        |selection: &Selection| evaluate_models(std::slice::from_ref(&model), library, selection);
+    let selection = arguments.people.selection();
+    let evaluation = match evaluate(&selection) {
+        // Of a tuned model and its owner's recordings: the page says so.
+        Err(StepError::NobodyToEvaluate { seen, .. }) if seen > 0 => evaluate(&Selection {
+            seen: true,
+            ..selection
+        }),
+        evaluation => evaluation,
+    }?;
     warn(&evaluation.results);
     Ok(Reported::Model(Box::new(ReportedModel {
         model,

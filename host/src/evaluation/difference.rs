@@ -7,15 +7,12 @@ use super::measure::Measure;
 use super::score::Score;
 use crate::statistics::{Interval, MeanSd};
 
-/// Fewest people that can show a difference: if all of five people have one sign, a sign test still gives p = 0.06.
-const FEWEST: usize = 6;
-
 /// A difference of two models in one measure, over the people for whom both have a value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Difference {
     /// Mean and deviation of the differences.
     pub mean: MeanSd,
-    /// 95 % interval of their mean; none for a single person.
+    /// 95 % interval of their mean; none for fewer than [`FEWEST`](crate::statistics::FEWEST) people.
     pub interval: Option<Interval>,
     /// Number of people.
     pub people: usize,
@@ -45,11 +42,11 @@ impl Difference {
         })
     }
 
-    /// Whether the interval excludes zero, over six people or more. Intervals over fewer are far too narrow.
+    /// Whether there is an interval, and it excludes zero.
     #[must_use]
     pub fn is_shown(&self) -> bool {
-        let excludes_zero = |interval: Interval| !interval.contains(0.0);
-        self.people >= FEWEST && self.interval.is_some_and(excludes_zero)
+        self.interval
+            .is_some_and(|interval| !interval.contains(0.0))
     }
 }
 
@@ -60,13 +57,14 @@ mod tests {
     use super::*;
     use crate::evaluation::metric::event::summary::EventSummary;
     use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{LookAhead, Truth};
+    use crate::evaluation::{Group, LookAhead, Truth};
 
     /// A score with these balanced accuracies, by person.
     fn score(people: &[(usize, f64)]) -> Score {
         let subject = |&(who, balanced): &(usize, f64)| SubjectScore {
             subject: format!("x/{who}"),
             recordings: 1,
+            classes: 3,
             balanced_accuracy: Some(balanced),
             raw_accuracy: None,
             correct: 0,
@@ -79,6 +77,8 @@ mod tests {
         Score {
             model: "m".to_owned(),
             data_set: "x".to_owned(),
+            classes: 3,
+            people: Group::AllClasses,
             look_ahead: LookAhead::None,
             truth: Truth::LagCompensated,
             reference: std::array::from_fn(|_| summary.clone()),

@@ -92,7 +92,7 @@ impl Measure {
         MeanSd::of(&self.numbers(score))
     }
 
-    /// 95 % interval of the mean, over people; none with fewer than two.
+    /// 95 % interval of the mean, over people; none with fewer than [`FEWEST`](crate::statistics::FEWEST).
     #[must_use]
     pub fn interval(self, score: &Score) -> Option<Interval> {
         Interval::of_mean(&self.numbers(score))

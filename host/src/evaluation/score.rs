@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use super::candidate::Candidate;
 use super::condition::{LookAhead, Truth};
+use super::group::{Group, groups};
 use super::metric::MetricError;
 use super::metric::confusion::Confusion;
 use super::metric::event::gesture::Gesture;
@@ -27,13 +28,17 @@ pub const BUFFERS: [usize; 3] = [60, 120, 200];
 /// [`Score::data_set`] of the scores over all data sets.
 pub const ALL: &str = "all";
 
-/// One row of results: one model under one condition, on one data set.
+/// One row of results: one model under one condition, on one group of people of one data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// Name of the model.
     pub model: String,
     /// Name of the data set, or [`ALL`].
     pub data_set: String,
+    /// Number of classes of the model.
+    pub classes: usize,
+    /// Which people of the data set these are.
+    pub people: Group,
     /// Look-ahead and aggregation mode.
     pub look_ahead: LookAhead,
     /// Labels that predictions were compared with.
@@ -50,6 +55,18 @@ impl Score {
     #[must_use]
     pub const fn widest(&self) -> &Summary {
         &self.reference[BUFFERS.len() - 1]
+    }
+
+    /// Name of its people in tables.
+    #[must_use]
+    pub fn people_name(&self) -> String {
+        self.people.name(self.classes)
+    }
+
+    /// Whether two rows are of the same people, as far as data set and group tell.
+    #[must_use]
+    pub fn same_people(&self, other: &Self) -> bool {
+        (&self.data_set, self.people) == (&other.data_set, other.people)
     }
 }
 
@@ -80,8 +97,7 @@ pub enum EvaluationError {
     Smoother(#[from] SettingsError),
 }
 
-/// Scores every candidate under each condition that it allows, against each truth: one row for each data set among the
-/// trials, and one over all of them if there are several.
+/// Rows of [`score`] for every candidate under each condition that it allows, against each truth.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
@@ -106,7 +122,7 @@ pub fn score_all(
 }
 
 /// Scores a candidate under one condition: a row for each data set among the trials, and one over all of them if
-/// there are several.
+/// there are several; each for the people of either [`Group`], if there are any.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
@@ -137,7 +153,7 @@ pub fn score(
             )
         })
         .collect::<Result<_, _>>()?;
-    let mut sets: Vec<&str> = scored
+    let mut sets: Vec<&'static str> = scored
         .iter()
         .map(|(trial, _)| trial.data_set.name())
         .collect();
@@ -146,11 +162,19 @@ pub fn score(
     if sets.len() != 1 {
         sets.push(ALL);
     }
-    let row = |set: &str| {
+    let everybody = scored.iter().map(|(_, scores)| scores.reference[0].clone());
+    let everybody = summary(&everybody.collect::<Vec<_>>());
+    let groups = groups(&everybody.subjects, vocabulary.classes());
+    let row = |(set, people): (&'static str, Group)| {
         let own: Vec<_> = scored
             .iter()
             .filter(|(trial, _)| set == ALL || trial.data_set.name() == set)
+            .filter(|(trial, _)| groups[&trial.subject[..]] == people)
             .collect();
+        // A row without people stands for nobody at all.
+        if own.is_empty() && !(scored.is_empty() && people == Group::AllClasses) {
+            return None;
+        }
         let summary_of = |index: usize| {
             let scores = own
                 .iter()
@@ -165,16 +189,19 @@ pub fn score(
         let subjects = by_subject
             .into_iter()
             .map(|(subject, events)| SubjectEvents::new(subject, events));
-        Score {
+        Some(Score {
             model: candidate.name.clone(),
             data_set: set.to_owned(),
+            classes: vocabulary.classes(),
+            people,
             look_ahead,
             truth,
             reference: std::array::from_fn(summary_of),
             events: EventSummary::of_subjects(subjects.collect()),
-        }
+        })
     };
-    Ok(sets.into_iter().map(row).collect())
+    let both = |&set: &&'static str| Group::ALL.map(|people| (set, people));
+    Ok(sets.iter().flat_map(both).filter_map(row).collect())
 }
 
 /// Scores of one trial.

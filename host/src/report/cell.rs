@@ -16,6 +16,17 @@ pub struct Cell {
     pub fields: Vec<String>,
 }
 
+impl Cell {
+    /// The cell of so many people, which it says where the row has another number: `0.912 [0.88, 0.94] n 29`.
+    #[must_use]
+    pub fn of_people(mut self, people: usize, of_row: usize) -> Self {
+        if people != of_row && !self.fields.is_empty() {
+            self.shown += &format!(" n {people}");
+        }
+        self
+    }
+}
+
 /// Names of a cell's fields, in CSV.
 pub type Parts = &'static [&'static str];
 
@@ -217,6 +228,7 @@ mod tests {
         let both = MeanSd {
             mean: 0.9116,
             sd: Some(0.044),
+            n: 8,
         };
         let one = MeanSd { sd: None, ..both };
         assert_eq!(share(Some(both)).shown, "0.912 (0.04)");
@@ -249,6 +261,9 @@ mod tests {
             p90: Latency::Missed,
         };
         assert_eq!(latency(Some(missed)).shown, "285 / missed");
+        assert_eq!(latency(Some(missed)).of_people(8, 8).shown, "285 / missed");
+        assert_eq!(share(Some(both)).of_people(8, 9).shown, "0.912 (0.04) n 8");
+        assert_eq!(none().of_people(0, 9), none());
     }
 
     #[test]
@@ -257,6 +272,7 @@ mod tests {
             mean: MeanSd {
                 mean: 0.0116,
                 sd: Some(0.044),
+                n: 8,
             },
             interval: Some(Interval { low, high }),
             people: 8,
@@ -290,6 +306,7 @@ mod tests {
             mean: MeanSd {
                 mean: -0.0004,
                 sd: None,
+                n: 1,
             },
             interval: None,
             people: 1,

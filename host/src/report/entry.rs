@@ -10,11 +10,12 @@ use super::curves::Panel;
 use super::device::Device;
 use super::overview::{Kind, Row};
 use super::people::People;
+use super::scores::counted;
 use super::timeline::Timeline;
 use super::{Errors, Fact, Headline, ReportData, ReportError};
 use crate::evaluation::{
-    ALL, Candidate, ENERGY, EvaluationError, LookAhead, Measure, Score, Trial, confusion, gestures,
-    smooth,
+    ALL, Candidate, ENERGY, EvaluationError, Group, LookAhead, Measure, Score, Trial, confusion,
+    gestures, smooth,
 };
 
 /// Most entries on one page, for their colours to differ.
@@ -52,17 +53,22 @@ pub(super) struct Entry<'a> {
 }
 
 impl Entry<'_> {
-    /// Its row over all recordings.
+    /// Its row over all recordings of the people who have all classes; of those with fewer, if nobody has.
     pub(super) fn over_all(&self) -> Option<&Score> {
-        over_all(&self.scores)
+        over_all(&self.scores).next()
+    }
+
+    /// Its rows over all recordings: of the people who have all classes, of those with fewer.
+    pub(super) fn everybody(&self) -> Vec<&Score> {
+        over_all(&self.scores).collect()
     }
 
     /// The people, the lowest balanced accuracy first, those without one left out.
     fn people(&self) -> Vec<&str> {
-        let mut values = self
-            .over_all()
-            .map(|score| Measure::BalancedAccuracy.values(score))
-            .unwrap_or_default();
+        let rows = over_all(&self.scores);
+        let mut values: Vec<_> = rows
+            .flat_map(|score| Measure::BalancedAccuracy.values(score))
+            .collect();
         values.sort_by(|a, b| a.1.total_cmp(&b.1));
         values.into_iter().map(|(subject, _)| subject).collect()
     }
@@ -80,10 +86,14 @@ impl Entry<'_> {
     }
 }
 
-/// The row over all recordings, or the only one.
-pub(super) fn over_all(scores: &[Score]) -> Option<&Score> {
-    let all = scores.iter().find(|score| score.data_set == ALL);
-    all.or(scores.first())
+/// The rows over all recordings, or those of the only data set: people with all classes first.
+pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
+    let several = scores.iter().any(|score| score.data_set == ALL);
+    let of = move |people| {
+        let rows = scores.iter().filter(move |score| score.people == people);
+        rows.filter(move |score| !several || score.data_set == ALL)
+    };
+    Group::ALL.into_iter().flat_map(of)
 }
 
 /// What every page has of its entries: people, pictures, device cost. Title, summary, facts, tables and notes are the caller's.
@@ -200,16 +210,13 @@ pub(super) fn onsets(trial: &Trial, part: &Range<usize>) -> usize {
 fn overview(entries: &[Entry<'_>]) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     for (number, entry) in entries.iter().enumerate() {
-        rows.extend(
-            entry
-                .over_all()
-                .map(|own| Row::of(own, Kind::Entry(number))),
-        );
+        let own = entry.everybody().into_iter();
+        rows.extend(own.map(|own| Row::of(own, Kind::Entry(number))));
     }
     let beside = entries.iter().map(|entry| (&entry.beside, Kind::Beside));
     let floors = entries.iter().map(|entry| (&entry.floors, Kind::Floor));
     for (scores, kind) in beside.chain(floors) {
-        for score in scores.iter().filter(|own| is_over_all(own, scores)) {
+        for score in over_all(scores) {
             let row = Row::of(score, kind);
             // Floors of several entries may be the same.
             if !rows.contains(&row) {
@@ -220,22 +227,16 @@ fn overview(entries: &[Entry<'_>]) -> Vec<Row> {
     rows
 }
 
-/// Whether a row is over all recordings, among rows of which some may be.
-fn is_over_all(score: &Score, among: &[Score]) -> bool {
-    let any = among.iter().any(|own| own.data_set == ALL);
-    !any || score.data_set == ALL
-}
-
 fn people(entries: &[Entry<'_>]) -> Option<People> {
-    let own: Vec<(&str, &Score)> = entries
+    let own: Vec<(&str, Vec<&Score>)> = entries
         .iter()
-        .filter_map(|entry| Some((&entry.name[..], entry.over_all()?)))
+        .map(|entry| (&entry.name[..], entry.everybody()))
         .collect();
     let floors: Vec<&Score> = entries
         .iter()
         .flat_map(|entry| {
-            let floors = entry.floors.iter();
-            floors.filter(|own| own.model.starts_with(ENERGY) && is_over_all(own, &entry.floors))
+            let floors = over_all(&entry.floors);
+            floors.filter(|own| own.model.starts_with(ENERGY))
         })
         .collect();
     let people = People::of(&own, &floors);
@@ -246,20 +247,20 @@ fn device(entry: &Entry<'_>) -> Option<Device> {
     Device::of(&entry.name, entry.bytes?)
 }
 
-/// The numbers that a page begins with, each beside the energy detector's.
+/// The numbers that a page begins with, each beside the energy detector's: people who have all classes, if there are any.
 fn headline(entry: &Entry<'_>) -> Vec<Headline> {
     let Some(own) = entry.over_all() else {
         return Vec::new();
     };
-    let energy: Vec<Score> = entry
-        .floors
-        .iter()
-        .filter(|floor| floor.model.starts_with(ENERGY))
-        .cloned()
-        .collect();
-    let energy = over_all(&energy);
+    let energy = over_all(&entry.floors)
+        .find(|floor| floor.model.starts_with(ENERGY) && floor.people == own.people);
     let share = |name: &str, measure: Measure| {
-        let shown = estimate(measure.mean(own), measure.interval(own)).shown;
+        let shown = counted(
+            estimate(measure.mean(own), measure.interval(own)),
+            own,
+            measure,
+        )
+        .shown;
         let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
         let floor = energy.and_then(|floor| measure.mean(floor));
         Headline {
@@ -273,6 +274,12 @@ fn headline(entry: &Entry<'_>) -> Vec<Headline> {
     let false_rate = |score: &Score| rate(score.events.false_activations).shown;
     let first = |text: String| text.split(' ').next().unwrap_or_default().to_owned();
     vec![
+        Headline {
+            name: "people".to_owned(),
+            value: own.widest().subjects.len().to_string(),
+            remark: own.people.told(own.classes),
+            floor: None,
+        },
         share("balanced accuracy", Measure::BalancedAccuracy),
         share("transition accuracy", Measure::TransitionAccuracy),
         share("gestures recognised", Measure::Recognition),

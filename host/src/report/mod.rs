@@ -20,6 +20,7 @@ mod people_table;
 pub mod personalization;
 pub mod run_report;
 pub mod scores;
+mod seen;
 pub mod several;
 mod side_by_side;
 mod table;

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use super::alignment::{self, placement};
 use super::cell::difference;
-use super::entry::{Entry, pictures};
+use super::entry::{Entry, over_all, pictures};
 use super::labels::labels;
 use super::people_table::{COLUMNS, cells, people_of, people_table};
-use super::scores::{COMPARED, table};
+use super::run_report::PEOPLE;
+use super::scores::{COMPARED, sort, table};
+use super::seen::{marked, seen_by};
 use super::{Fact, ReportData, ReportError, Table};
-use crate::evaluation::{ALL, CONSTANT, Difference, ENERGY, Measure, Score};
+use crate::evaluation::{CONSTANT, Difference, ENERGY, Measure, Score};
 use crate::run::model_evaluation::{EvaluatedModel, ModelEvaluation, ModelResults, NamedModel};
 
 /// Writes the report to `page`. `data` names the recordings; `models` are those that were evaluated.
@@ -22,7 +24,7 @@ pub fn write(
     data: &str,
     page: &Path,
 ) -> Result<(), ReportError> {
-    let results = &evaluation.results;
+    let results = &marked(&evaluation.results);
     let entries = entries(evaluation, models);
     let Some(first) = entries.first() else {
         return Ok(());
@@ -39,7 +41,7 @@ pub fn write(
         summary: format!("On {} subjects of {data}.", results.subjects.len()),
         provenance,
         tables,
-        people_tables: people_table(first.over_all(), &|subject| remark(results, subject))
+        people_tables: people_table(&first.everybody(), &|subject| remark(results, subject))
             .into_iter()
             .collect(),
         notes: notes(),
@@ -56,8 +58,8 @@ pub(super) fn notes() -> Vec<String> {
          was done in each set, and how many gestures are not scored because the muscle does not show when their cue was followed. The energy \
          detector has its default threshold.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
-         emitted, look-ahead included; a missed gesture counts as infinitely late. Intervals over fewer than about ten people \
-         are too narrow.",
+         emitted, look-ahead included; a missed gesture counts as infinitely late.",
+        PEOPLE,
     ]
     .map(str::to_owned)
     .to_vec()
@@ -68,7 +70,7 @@ pub(super) fn entries<'a>(
     evaluation: &'a ModelEvaluation,
     models: &'a [NamedModel],
 ) -> Vec<Entry<'a>> {
-    let results = &evaluation.results;
+    let results = marked(&evaluation.results);
     let with = |wanted: &dyn Fn(&str) -> bool| -> Vec<Score> {
         let scores = results.scores.iter();
         scores.filter(|own| wanted(&own.model)).cloned().collect()
@@ -79,7 +81,10 @@ pub(super) fn entries<'a>(
     numbered
         .map(|(at, model)| Entry {
             name: model.name.clone(),
-            facts: model_facts(model),
+            facts: model_facts(
+                model,
+                &seen_by(&evaluation.results, &evaluation.results.models[at].name),
+            ),
             scores: with(&|name| name == model.name),
             beside: with(&|name| at == 0 && !is_model(name) && !is_floor(name)),
             floors: with(&is_floor),
@@ -96,11 +101,14 @@ pub(super) fn entries<'a>(
 /// Scores of all models and floors; differences of the first model to all others; people, the worst first.
 #[must_use]
 pub fn tables(results: &ModelResults) -> Vec<Table> {
+    let results = &marked(results);
     let mut tables = scores_and_differences(results);
     tables.extend(alignment::table(results));
-    let over_all = of_first(results).find(|score| score.data_set == ALL);
-    let first = over_all.or_else(|| of_first(results).next());
-    tables.extend(people_table(first, &|subject| remark(results, subject)));
+    let first: Vec<Score> = of_first(results).cloned().collect();
+    let everybody: Vec<&Score> = over_all(&first).collect();
+    tables.extend(people_table(&everybody, &|subject| {
+        remark(results, subject)
+    }));
     tables
 }
 
@@ -109,7 +117,7 @@ pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own
 
 fn scores_and_differences(results: &ModelResults) -> Vec<Table> {
     let mut scores: Vec<&Score> = results.scores.iter().collect();
-    scores.sort_by_key(|score| score.data_set.as_str());
+    sort(&mut scores);
     vec![table(SCORES, &scores), differences(results)]
 }
 
@@ -119,16 +127,19 @@ fn differences(results: &ModelResults) -> Table {
     let measures = COMPARED.map(Measure::name);
     let mut table = Table::new(
         caption,
-        ["recordings", "difference"].into_iter().chain(measures),
+        ["recordings", "classes", "difference"]
+            .into_iter()
+            .chain(measures),
     );
     for own in of_first(results) {
         let others = results
             .scores
             .iter()
-            .filter(|other| other.data_set == own.data_set && other.model != own.model);
+            .filter(|other| other.same_people(own) && other.model != own.model);
         for other in others {
             let cells = [
                 own.data_set.clone(),
+                own.people_name(),
                 format!("{} - {}", own.model, other.model),
             ];
             let paired = |measure| difference(Difference::of(measure, own, other)).shown;
@@ -171,13 +182,16 @@ pub fn people_rows(results: &ModelResults) -> Table {
         .chain(COLUMNS)
         .chain(["remark"]);
     let mut table = Table::new("", header);
-    let several = results.scores.iter().any(|score| score.data_set == ALL);
+    let mut models: Vec<&str> = Vec::new();
     for score in &results.scores {
-        if several && score.data_set != ALL {
-            continue;
+        if !models.contains(&&score.model[..]) {
+            models.push(&score.model);
         }
-        for person in people_of(score) {
-            let start = [person.subject.to_owned(), score.model.clone()];
+    }
+    for model in models {
+        let own = over_all(&results.scores).filter(|score| score.model == model);
+        for person in people_of(own) {
+            let start = [person.subject.to_owned(), model.to_owned()];
             let remark = [remark(results, person.subject)];
             table.push(start.into_iter().chain(cells(&person)).chain(remark));
         }
@@ -185,15 +199,20 @@ pub fn people_rows(results: &ModelResults) -> Table {
     table
 }
 
-fn model_facts(model: &EvaluatedModel) -> Vec<Fact> {
-    [
+fn model_facts(model: &EvaluatedModel, seen: &[&str]) -> Vec<Fact> {
+    let mut facts = vec![
         ("CRC-32", model.checksum.clone()),
         ("revision", model.git_revision.clone()),
         ("seed", model.seed.to_string()),
         ("look-ahead", model.look_ahead.name().to_owned()),
-    ]
-    .map(|(name, value)| (name.to_owned(), value))
-    .to_vec()
+    ];
+    if !seen.is_empty() {
+        facts.push(("evaluated although seen in training", seen.join(", ")));
+    }
+    let facts = facts.into_iter();
+    facts
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
 }
 
 /// What the evaluation of all models has in common.

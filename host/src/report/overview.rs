@@ -8,8 +8,9 @@ use plotters::{
 use super::{
     ReportError,
     canvas::{self, Area, Drawn, GRID, INK, MUTED, SCALE, entry_colour, text},
+    cell::{self, Cell},
 };
-use crate::evaluation::{Measure, Score};
+use crate::evaluation::{Group, Measure, Score};
 use crate::statistics::{Interval, MeanSd};
 
 /// Measures that are drawn: shares of 1, of which more is better.
@@ -23,7 +24,7 @@ const WIDTH: i32 = 1100;
 /// Room for the names.
 const GUTTER: i32 = 190;
 /// Room for a number right of its axis.
-const NUMBER: i32 = 52;
+const NUMBER: i32 = 86;
 const HEAD: i32 = 30;
 const ROW: i32 = 26;
 const FOOT: i32 = 22;
@@ -48,6 +49,8 @@ pub(super) struct Row {
     pub name: String,
     /// Decides the colour.
     pub kind: Kind,
+    /// Number of people.
+    pub people: usize,
     /// Mean and interval of each measure.
     pub values: [Option<(MeanSd, Option<Interval>)>; DRAWN.len()],
 }
@@ -56,8 +59,12 @@ impl Row {
     /// The row of a score.
     pub(super) fn of(score: &Score, kind: Kind) -> Self {
         Self {
-            name: score.model.clone(),
+            name: match score.people {
+                Group::AllClasses => score.model.clone(),
+                Group::FewerClasses => format!("{}, fewer", score.model),
+            },
             kind,
+            people: score.widest().subjects.len(),
             values: DRAWN.map(|(measure, _)| {
                 let mean = measure.mean(score)?;
                 Some((mean, measure.interval(score)))
@@ -69,7 +76,7 @@ impl Row {
 /// A point for each mean, with a line over its 95 % interval.
 pub(super) fn svg(rows: &[Row]) -> Result<String, ReportError> {
     let told = rows.iter().map(|row| {
-        let mean = row.values[0].map_or_else(|| "-".to_owned(), |(mean, _)| number(mean.mean));
+        let mean = row.values[0].map_or_else(|| "-".to_owned(), |(mean, _)| number(mean).shown);
         format!("{} {mean}", row.name)
     });
     let description = format!(
@@ -92,7 +99,8 @@ pub(super) fn svg(rows: &[Row]) -> Result<String, ReportError> {
                 axis(area, panel, rows.len())?;
                 for (at, row) in rows.iter().enumerate() {
                     if let Some((mean, interval)) = row.values[panel] {
-                        point(area, panel, middle(at), row.kind, mean.mean, interval)?;
+                        let told = number(mean).of_people(mean.n, row.people).shown;
+                        point(area, panel, middle(at), row.kind, mean.mean, interval, told)?;
                     }
                 }
             }
@@ -144,6 +152,7 @@ fn point(
     kind: Kind,
     mean: f64,
     interval: Option<Interval>,
+    told: String,
 ) -> Drawn {
     let colour = match kind {
         Kind::Entry(number) => entry_colour(number),
@@ -162,11 +171,11 @@ fn point(
     let (left, width) = panel_axis(panel);
     let place = ((left + width + NUMBER - 4) * SCALE, y);
     let style = text(12.0, INK, HPos::Right, VPos::Center);
-    area.draw(&Text::new(number(mean), place, style))
+    area.draw(&Text::new(told, place, style))
 }
 
-fn number(mean: f64) -> String {
-    format!("{mean:.3}")
+fn number(mean: MeanSd) -> Cell {
+    cell::text(format!("{:.3}", mean.mean))
 }
 
 /// A name that may be too long for its place.

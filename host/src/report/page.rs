@@ -73,7 +73,8 @@ fn sections(data: &ReportData) -> Result<Vec<Section>, ReportError> {
             paragraph(
                 &mut own.content,
                 " class=\"remark\"",
-                "Means over people, with 95 % intervals. Grey: floors, which need no model.",
+                "Means over people who have all classes of the model, and of the others in rows of their own (fewer); with 95 % \
+                 intervals, from six people on. n: people of a number, where the row has more. Grey: floors, which need no model.",
             );
             figure(&mut own.content, &overview::svg(&data.overview)?);
         }
@@ -151,7 +152,7 @@ fn errors(errors: &[Errors]) -> Result<Option<Section>, ReportError> {
     let mut own = Section::new(
         "errors",
         "Errors",
-        "Confusion matrix: each row is one true label and adds up to 100 % of its samples. Latency: the gestures that were \
+        "Of all people, whatever their classes. Confusion matrix: each row is one true label and adds up to 100 % of its samples. Latency: the gestures that were \
          recognised, from the onset to the emitted label; the orange line is the median over all gestures, missed ones included.",
     );
     let mut any = false;

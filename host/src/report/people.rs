@@ -50,10 +50,13 @@ pub(super) struct Person {
 
 impl People {
     /// Of the rows of some entries over all their recordings, and of floors, each for people that it has a value for.
-    pub(super) fn of(entries: &[(&str, &Score)], floors: &[&Score]) -> Self {
+    pub(super) fn of(entries: &[(&str, Vec<&Score>)], floors: &[&Score]) -> Self {
         let mut people: BTreeMap<&str, Person> = BTreeMap::new();
-        for (at, (_, score)) in entries.iter().enumerate() {
-            for (subject, value) in Measure::BalancedAccuracy.values(score) {
+        for (at, (_, scores)) in entries.iter().enumerate() {
+            let values = scores
+                .iter()
+                .map(|score| Measure::BalancedAccuracy.values(score));
+            for (subject, value) in values.flatten() {
                 let person = people.entry(subject).or_default();
                 person.values.resize(entries.len(), None);
                 person.values[at] = Some(value);

@@ -14,29 +14,27 @@ pub(super) struct Person<'a> {
     events: Option<&'a SubjectEvents>,
 }
 
-/// The people of one model's row, the lowest balanced accuracy first, those without one last.
-pub(super) fn people_of(score: &Score) -> Vec<Person<'_>> {
-    let events = |subject: &str| {
-        let mut all = score.events.subjects.iter();
-        all.find(|events| events.subject == subject)
-    };
-    let mut people: Vec<Person<'_>> = score
-        .widest()
-        .subjects
-        .iter()
-        .map(|own| Person {
+/// The people of one model's rows, the lowest balanced accuracy first, those without one last.
+pub(super) fn people_of<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Vec<Person<'a>> {
+    let of = |score: &'a Score| {
+        let subjects = score.widest().subjects.iter();
+        subjects.map(|own| Person {
             subject: &own.subject,
             score: own,
-            events: events(&own.subject),
+            events: {
+                let mut all = score.events.subjects.iter();
+                all.find(|events| events.subject == own.subject)
+            },
         })
-        .collect();
+    };
+    let mut people: Vec<Person<'a>> = scores.into_iter().flat_map(of).collect();
     let key = |person: &Person<'_>| person.score.balanced_accuracy.unwrap_or(f64::INFINITY);
     people.sort_by(|a, b| key(a).total_cmp(&key(b)));
     people
 }
 
 /// Columns of a person's scores.
-pub(super) const COLUMNS: [&str; 10] = [
+pub(super) const COLUMNS: [&str; 11] = [
     "balanced",
     "TA",
     "recognised",
@@ -47,6 +45,7 @@ pub(super) const COLUMNS: [&str; 10] = [
     "other/min",
     "flicker/min",
     "raw",
+    "classes",
 ];
 
 pub(super) fn cells(person: &Person<'_>) -> [String; COLUMNS.len()] {
@@ -65,22 +64,19 @@ pub(super) fn cells(person: &Person<'_>) -> [String; COLUMNS.len()] {
         rate(events.and_then(|events| events.other_movement.per_minute())),
         rate(events.and_then(|events| events.flicker.per_minute())),
         share(person.score.raw_accuracy),
+        person.score.classes.to_string(),
     ]
 }
 
-/// The people of a row, the lowest balanced accuracy first, each with a remark; none without a row.
-pub(super) fn people_table(
-    score: Option<&Score>,
-    remark: &dyn Fn(&str) -> String,
-) -> Option<Table> {
-    let score = score?;
+/// The people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.
+pub(super) fn people_table(scores: &[&Score], remark: &dyn Fn(&str) -> String) -> Option<Table> {
     let caption = format!(
         "People, the lowest balanced accuracy of {} first",
-        score.model
+        scores.first()?.model
     );
     let header = ["subject"].into_iter().chain(COLUMNS).chain(["remark"]);
     let mut table = Table::new(caption, header);
-    for person in people_of(score) {
+    for person in people_of(scores.iter().copied()) {
         let subject = [person.subject.to_owned()];
         let remark = [remark(person.subject)];
         table.push(subject.into_iter().chain(cells(&person)).chain(remark));

@@ -73,7 +73,7 @@ pub(super) fn data(
         provenance: vec![(String::new(), entry.facts.clone())],
         tables,
         more_tables,
-        people_tables: people_table(entry.over_all(), &|_| String::new())
+        people_tables: people_table(&entry.everybody(), &|_| String::new())
             .into_iter()
             .collect(),
         notes: notes(),
@@ -150,6 +150,11 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
     facts
 }
 
+/// Whom rows are over, and of how many people a column is.
+pub(super) const PEOPLE: &str = "People whose recordings have all classes of the model and people with fewer stand in rows of \
+     their own, and no mean is over both. A number of fewer people than its row has says so (n). Intervals are shown from six \
+     people on; over fewer than about ten they are too narrow.";
+
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \
@@ -159,8 +164,8 @@ pub(super) fn notes() -> Vec<String> {
          evaluated from their first sample; the device emits no label until it has 3 s of contiguous EMG.",
         "Gestures recognised, latency, false activations and flicker count the labels at the times at which they are \
          emitted, look-ahead included; a missed gesture counts as infinitely late. Balanced, raw and transition \
-         accuracy put each label at the time that it is for, as the paper does. Intervals over fewer than about \
-         ten people are too narrow.",
+         accuracy put each label at the time that it is for, as the paper does.",
+        PEOPLE,
     ]
     .map(str::to_owned)
     .to_vec()

@@ -1,11 +1,10 @@
 //! Tables of an evaluation.
 
 use super::cell::{
-    Cell, difference, estimate, latency, narrow_estimate, none, one_ms, quantile, rate, share,
+    Cell, difference, estimate, latency, narrow_estimate, none, one_ms, quantile, rate, share, text,
 };
 use super::table::Table;
 use crate::evaluation::metric::offset::OffsetSummary;
-use crate::evaluation::metric::summary::Summary;
 use crate::evaluation::{ALL, CONSTANT, Difference, ENERGY, LookAhead, Measure, Score, Truth};
 use crate::run::evaluate::{INTEGER, Results};
 
@@ -14,6 +13,13 @@ pub(super) const COMPARED: [Measure; 3] = [
     Measure::BalancedAccuracy,
     Measure::TransitionAccuracy,
     Measure::Recognition,
+];
+
+/// Transition accuracy with each buffer, the narrowest first.
+const BY_BUFFER: [Measure; 3] = [
+    Measure::TransitionAccuracyNarrow,
+    Measure::TransitionAccuracyMiddle,
+    Measure::TransitionAccuracy,
 ];
 
 /// Tables of an evaluation: lag-compensated labels and the differences to the floors; labels as published; spliced
@@ -53,22 +59,28 @@ pub fn tables(results: &Results) -> Vec<Table> {
     tables
 }
 
-/// Without look-ahead, and with that of the model file; data set by data set.
+/// Without look-ahead, and with that of the model file; people with all classes first, data set by data set.
 fn shown<'a>(scores: impl Iterator<Item = &'a Score>, aggregation: LookAhead) -> Vec<&'a Score> {
     let mut shown: Vec<&Score> = scores
         .filter(|score| score.look_ahead == LookAhead::None || score.look_ahead == aggregation)
         .collect();
-    shown.sort_by_key(|score| score.data_set.as_str());
+    sort(&mut shown);
     shown
 }
 
-/// The scores of one model in 80 columns, a row a data set, and of the floors over all of them: lag-compensated labels,
-/// the model file's aggregation mode.
+/// Sorts rows: people with all classes, then those with fewer; data set by data set.
+pub(super) fn sort(scores: &mut [&Score]) {
+    scores.sort_by_key(|score| (score.people, score.data_set.clone()));
+}
+
+/// The scores of one model in 100 columns, a row a data set and group of people, and of the floors over all data sets:
+/// lag-compensated labels, the model file's aggregation mode.
 pub(crate) fn summary(results: &Results, model: &str) -> Table {
     let mut table = Table::new(
         "",
         [
             "recordings",
+            "classes",
             "balanced",
             "transition",
             "events",
@@ -81,42 +93,57 @@ pub(crate) fn summary(results: &Results, model: &str) -> Table {
         let scores = results.published.iter();
         scores.filter(|score| score.truth == Truth::LagCompensated)
     };
-    let own: Vec<&Score> = compensated()
+    let mut own: Vec<&Score> = compensated()
         .filter(|score| score.model == model && score.look_ahead == results.aggregation)
         .collect();
+    // The last rows are over all recordings.
+    own.sort_by_key(|score| score.data_set == ALL);
     for score in &own {
         table.push(narrow(score.data_set.clone(), score));
     }
-    // The floors of the last row, which is over all recordings.
     let last = own.last().map_or(ALL, |score| score.data_set.as_str());
     for (floor, name) in [(CONSTANT, "relax"), (ENERGY, "energy")] {
-        let row = compensated().find(|score| score.model == floor && score.data_set == last);
-        if let Some(score) = row {
+        let rows = compensated().filter(|score| score.model == floor && score.data_set == last);
+        for score in rows {
             table.push(narrow(format!("{last}: {name}"), score));
         }
     }
     table
 }
 
-fn narrow(name: String, score: &Score) -> [String; 7] {
-    let narrow =
-        |measure: Measure| narrow_estimate(measure.mean(score), measure.interval(score)).shown;
-    let two = |measure: Measure| narrow_estimate(measure.mean(score), None).shown;
-    let median = score.events.latency.map(|latency| quantile(latency.median));
+fn narrow(name: String, score: &Score) -> [String; 8] {
+    let shown = |measure: Measure, interval| {
+        let cell = narrow_estimate(measure.mean(score), interval);
+        counted(cell, score, measure).shown
+    };
+    let median = score
+        .events
+        .latency
+        .map(|latency| text(quantile(latency.median)));
+    let rate = Measure::FalseActivations.mean(score);
+    let rate = rate.map_or_else(none, |mean| text(format!("{:.1}", mean.mean)));
     [
         name,
-        narrow(Measure::BalancedAccuracy),
-        narrow(Measure::TransitionAccuracy),
-        two(Measure::Recognition),
-        median.unwrap_or_else(|| none().shown),
-        rate_alone(score),
+        score.people_name(),
+        shown(
+            Measure::BalancedAccuracy,
+            Measure::BalancedAccuracy.interval(score),
+        ),
+        shown(
+            Measure::TransitionAccuracy,
+            Measure::TransitionAccuracy.interval(score),
+        ),
+        shown(Measure::Recognition, None),
+        counted(median.unwrap_or_else(none), score, Measure::Recognition).shown,
+        counted(rate, score, Measure::FalseActivations).shown,
         score.widest().subjects.len().to_string(),
     ]
 }
 
-fn rate_alone(score: &Score) -> String {
-    let mean = Measure::FalseActivations.mean(score);
-    mean.map_or_else(|| none().shown, |mean| format!("{:.1}", mean.mean))
+/// A cell with the number of people who have a value of `measure`, where that is not the row's.
+pub(super) fn counted(cell: Cell, score: &Score, measure: Measure) -> Cell {
+    let people = measure.mean(score).map_or(0, |mean| mean.n);
+    cell.of_people(people, score.widest().subjects.len())
 }
 
 pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
@@ -124,6 +151,7 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     let other = scores.iter().any(|s| s.events.other_activations.is_some());
     let mut header = vec![
         "recordings",
+        "classes",
         "model",
         "look-ahead",
         "balanced",
@@ -136,23 +164,25 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     header.extend(["flicker/min", "raw", "subjects", "transitions", "gestures"]);
     let mut table = Table::new(caption, header);
     for score in scores {
-        let of = |measure: Measure| estimate(measure.mean(score), measure.interval(score));
+        let shown = |cell, measure| counted(cell, score, measure).shown;
+        let of = |measure: Measure| {
+            let cell = estimate(measure.mean(score), measure.interval(score));
+            shown(cell, measure)
+        };
+        let rate = |measure: Measure| shown(rate(measure.mean(score)), measure);
         let (widest, events) = (score.widest(), &score.events);
         let mut cells = heading(score);
-        cells.extend(
-            [
-                of(Measure::BalancedAccuracy),
-                of(Measure::TransitionAccuracy),
-                of(Measure::Recognition),
-                latency(events.latency),
-                rate(events.false_activations),
-            ]
-            .map(shown_text),
-        );
-        cells.extend(other.then(|| rate(events.other_activations).shown));
         cells.extend([
-            rate(events.flicker).shown,
-            share(widest.raw_accuracy).shown,
+            of(Measure::BalancedAccuracy),
+            of(Measure::TransitionAccuracy),
+            of(Measure::Recognition),
+            shown(latency(events.latency), Measure::Recognition),
+            rate(Measure::FalseActivations),
+        ]);
+        cells.extend(other.then(|| rate(Measure::OtherActivations)));
+        cells.extend([
+            rate(Measure::Flicker),
+            shown(share(widest.raw_accuracy), Measure::RawAccuracy),
             widest.subjects.len().to_string(),
             widest.events.to_string(),
             events.gestures.to_string(),
@@ -164,7 +194,7 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
 
 /// The model file against the floors, person by person; of a run without one, every model.
 fn differences(scores: &[&Score]) -> Table {
-    let header = ["recordings", "difference", "look-ahead"];
+    let header = ["recordings", "classes", "difference", "look-ahead"];
     let measures = COMPARED.map(Measure::name);
     let caption =
         "Differences to the floors, paired over subjects; mean [95 % interval] over n subjects";
@@ -177,11 +207,12 @@ fn differences(scores: &[&Score]) -> Table {
     for score in models {
         let floors = scores
             .iter()
-            .filter(|floor| is_floor(floor) && floor.data_set == score.data_set);
+            .filter(|floor| is_floor(floor) && floor.same_people(score));
         for floor in floors {
-            let [data_set, model, look_ahead] = heading_of(score);
+            let [data_set, classes, model, look_ahead] = heading_of(score);
             let difference = |measure| difference(Difference::of(measure, score, floor)).shown;
-            let cells = [data_set, format!("{model} - {}", floor.model), look_ahead];
+            let pair = format!("{model} - {}", floor.model);
+            let cells = [data_set, classes, pair, look_ahead];
             table.push(cells.into_iter().chain(COMPARED.map(difference)));
         }
     }
@@ -191,6 +222,7 @@ fn differences(scores: &[&Score]) -> Table {
 fn paper(caption: &str, scores: &[&Score]) -> Table {
     let header = [
         "recordings",
+        "classes",
         "model",
         "look-ahead",
         "TA 60",
@@ -205,14 +237,20 @@ fn paper(caption: &str, scores: &[&Score]) -> Table {
     let mut table = Table::new(caption, header);
     for score in scores {
         let widest = score.widest();
-        let accuracy = |summary: &Summary| share(summary.transition_accuracy).shown;
-        let offset = |of: fn(OffsetSummary) -> f64| one_ms(widest.offset.map(of)).shown;
+        let shown = |cell: Cell, measure| counted(cell, score, measure).shown;
+        let accuracy = |measure: Measure| shown(share(measure.mean(score)), measure);
+        let followed = widest.subjects.iter().filter(|own| own.offset.is_some());
+        let followed = followed.count();
+        let offset = |of: fn(OffsetSummary) -> f64| {
+            let cell = one_ms(widest.offset.map(of));
+            cell.of_people(followed, widest.subjects.len()).shown
+        };
         let mut cells = heading(score);
-        cells.extend(score.reference.iter().map(accuracy));
+        cells.extend(BY_BUFFER.map(accuracy));
         cells.extend([
             offset(|offset| offset.signed.mean),
             offset(|offset| offset.signed_median),
-            share(widest.raw_accuracy).shown,
+            shown(share(widest.raw_accuracy), Measure::RawAccuracy),
             widest.subjects.len().to_string(),
             widest.events.to_string(),
         ]);
@@ -225,13 +263,14 @@ fn heading(score: &Score) -> Vec<String> {
     heading_of(score).to_vec()
 }
 
-fn heading_of(score: &Score) -> [String; 3] {
+fn heading_of(score: &Score) -> [String; 4] {
     let look_ahead = score.look_ahead.name().to_owned();
-    [score.data_set.clone(), score.model.clone(), look_ahead]
-}
-
-fn shown_text(cell: Cell) -> String {
-    cell.shown
+    [
+        score.data_set.clone(),
+        score.people_name(),
+        score.model.clone(),
+        look_ahead,
+    ]
 }
 
 #[cfg(test)]
@@ -245,12 +284,13 @@ mod tests {
     use crate::dataset::DataSet;
     use crate::evaluation::{Candidate, EnergyDetector, Trial, constant, score_all};
 
-    /// Two people, who close their hand twice, and a model that sees each change after 100 ms.
-    fn results() -> Results {
-        let truth: Vec<Option<Intent>> = (0..2000)
-            .map(|at| Intent::from_class(if at / 400 % 2 == 1 { 2 } else { 0 }))
-            .collect();
-        let trial = |who: &str| Trial {
+    /// One recording of a person: 2 s of each class in turn.
+    fn trial(who: &str, classes: &[usize]) -> Trial {
+        let labels = classes
+            .iter()
+            .flat_map(|&class| std::iter::repeat_n(Intent::from_class(class), 400));
+        let truth: Vec<Option<Intent>> = labels.collect();
+        Trial {
             data_set: DataSet::Synthetic,
             subject: format!("synthetic/{who}"),
             name: "r".to_owned(),
@@ -261,29 +301,35 @@ mod tests {
                 .collect(),
             normalized: Vec::new(),
             published: Some(truth.clone()),
-            lag_compensated: truth.clone(),
+            lag_compensated: truth,
             other_movement: Vec::new(),
-        };
-        let trials = ["a", "b"].map(trial);
-        let rows = |patch: usize| {
-            let mut rows = LookBackLogits::default();
-            for (back, row) in rows.iter_mut().enumerate() {
-                let at = (patch * 10).saturating_sub(back * 10 + 20);
-                row[truth[at].map_or(0, Intent::class)] = 1.0;
-            }
-            rows
-        };
+        }
+    }
+
+    /// A model that sees each change of these recordings after 100 ms, and the floors.
+    fn results_of(trials: &[Trial]) -> Results {
+        let logits = trials.iter().map(|trial| {
+            let rows = |patch: usize| {
+                let mut rows = LookBackLogits::default();
+                for (back, row) in rows.iter_mut().enumerate() {
+                    let at = (patch * 10).saturating_sub(back * 10 + 20);
+                    row[trial.lag_compensated[at].map_or(0, Intent::class)] = 1.0;
+                }
+                rows
+            };
+            (0..trial.emg.len() / 10).map(rows).collect()
+        });
         let model = Candidate {
             name: INTEGER.to_owned(),
             looks_back: true,
-            logits: vec![(0..200).map(rows).collect(); 2],
+            logits: logits.collect(),
             entry_margins: [0.0; 6],
             other_margin: None,
         };
-        let detector = EnergyDetector::fit(&trials).unwrap();
-        let candidates = [model, constant(&trials), detector.candidate(&trials)];
+        let detector = EnergyDetector::fit(trials).unwrap();
+        let candidates = [model, constant(trials), detector.candidate(trials)];
         let scores =
-            |truths: &[Truth]| score_all(&candidates, &trials, Vocabulary::Three, truths).unwrap();
+            |truths: &[Truth]| score_all(&candidates, trials, Vocabulary::Three, truths).unwrap();
         Results {
             held_out: Vec::new(),
             aggregation: LookAhead::SameInstant,
@@ -293,12 +339,85 @@ mod tests {
         }
     }
 
+    /// Two people, who close their hand twice, and a model that sees each change after 100 ms.
+    fn results() -> Results {
+        results_of(&["a", "b"].map(|who| trial(who, &[0, 2, 0, 2, 0])))
+    }
+
+    /// Two people of three classes with onsets, one with holds alone, and one who never opens the hand.
+    fn four_people() -> Results {
+        let mut trials = vec![
+            trial("a", &[0, 1, 0, 2, 0]),
+            trial("b", &[0, 2, 0, 1, 0]),
+            trial("d", &[0, 2, 0, 2, 0]),
+        ];
+        trials.extend([0, 1, 2].map(|class| trial("c", &[class])));
+        results_of(&trials)
+    }
+
+    #[test]
+    fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() {
+        for table in tables(&four_people()) {
+            let column = |name: &str| table.header.iter().position(|own| own == name);
+            let (classes, model) = (column("classes").unwrap(), column("model"));
+            let Some(model) = model else {
+                // Differences say their number of people in each cell.
+                let found: Vec<&str> = table.rows.iter().map(|row| &row[classes][..]).collect();
+                assert!(
+                    found.contains(&"all 3") && found.contains(&"fewer"),
+                    "{table:?}"
+                );
+                continue;
+            };
+            for name in [INTEGER, CONSTANT, ENERGY] {
+                let rows: Vec<_> = table.rows.iter().filter(|row| row[model] == name).collect();
+                let all = rows.iter().find(|row| row[classes] == "all 3").unwrap();
+                let fewer = rows.iter().find(|row| row[classes] == "fewer").unwrap();
+                let people = column("subjects").unwrap();
+                let spliced = table.caption.starts_with("Spliced");
+                assert_eq!(
+                    (&all[people][..], &fewer[people][..]),
+                    ("3", "1"),
+                    "{table:?}"
+                );
+                for (name, own) in [
+                    ("TA", "n 2"),
+                    ("TA 200", "n 2"),
+                    ("recognised", "n 2"),
+                    ("latency ms", "n 2"),
+                ] {
+                    if let Some(at) = column(name) {
+                        assert!(all[at].ends_with(own), "{name}: {all:?}, {spliced}");
+                        assert!(!fewer[at].contains("n 1"), "{name}: {fewer:?}");
+                    }
+                }
+                if let Some(at) = column("balanced") {
+                    assert!(!all[at].contains('n'), "{all:?}");
+                }
+            }
+        }
+        let table = summary(&four_people(), INTEGER);
+        let rows: Vec<_> = table
+            .rows
+            .iter()
+            .filter(|row| row[0] == "synthetic")
+            .collect();
+        assert_eq!(
+            rows.iter().map(|row| &row[1][..]).collect::<Vec<_>>(),
+            ["all 3", "fewer"]
+        );
+        assert!(
+            rows[0][3].ends_with("n 2") && rows[0].last().unwrap() == "3",
+            "{rows:?}"
+        );
+    }
+
     #[test]
     fn every_table_of_scores_has_its_floors_and_the_differences_to_them() {
         let tables = tables(&results());
         let found: Vec<Vec<&str>> = tables
             .iter()
-            .map(|table| table.rows.iter().map(|row| row[1].as_str()).collect())
+            .map(|table| table.rows.iter().map(|row| row[2].as_str()).collect())
             .collect();
         // Without look-ahead and with the model file's.
         let scores = vec![INTEGER, INTEGER, CONSTANT, ENERGY];
@@ -314,17 +433,14 @@ mod tests {
             scores,
         ];
         assert_eq!(found, expected);
-        let cells = |table: usize, row: usize| tables[table].rows[row][3..].to_vec();
+        let cells = |table: usize, row: usize| tables[table].rows[row][4..].to_vec();
         let floor = &cells(0, 2);
         // Relax and close: the recall of relax is 1.
-        assert_eq!(floor[0], "0.500 [0.50, 0.50]");
+        assert_eq!(floor[0], "0.500");
         assert_eq!(floor[3..6], ["missed / missed", "0.0 (0.0)", "0.0 (0.0)"]);
-        assert_eq!(floor[2], "0.000 [0.00, 0.00]");
-        assert_eq!(cells(0, 1)[2], "1.000 [1.00, 1.00]");
-        assert_eq!(
-            cells(1, 2)[2],
-            "+1.000 [+1.000, +1.000] n 2, no difference shown"
-        );
+        assert_eq!(floor[2], "0.000");
+        assert_eq!(cells(0, 1)[2], "1.000");
+        assert_eq!(cells(1, 2)[2], "+1.000 n 2, no difference shown");
     }
 
     #[test]

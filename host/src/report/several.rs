@@ -5,6 +5,7 @@ use std::path::Path;
 use shared::intent::Vocabulary;
 
 use super::entry::{Entry, MOST_ENTRIES, pictures};
+use super::seen::marked;
 use super::side_by_side::side_by_side;
 use super::{ReportData, ReportError, Table, model_report, run_report};
 use crate::evaluation::Score;
@@ -52,6 +53,14 @@ impl Reported {
         match self {
             Self::Run(run) => &run.name,
             Self::Model(own) => &own.model.name,
+        }
+    }
+
+    /// Name on the page of several, which says if it has seen some of the people.
+    fn shown_name(&self) -> String {
+        match self {
+            Self::Run(run) => run.name.clone(),
+            Self::Model(own) => marked(&own.evaluation.results).models[0].name.clone(),
         }
     }
 
@@ -126,9 +135,9 @@ fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, ReportError> {
     for own in reported.iter().take(MOST_ENTRIES) {
         let mut entry = own.entry()?;
         if reported.len() > 1 {
-            own.name().clone_into(&mut entry.name);
+            entry.name = own.shown_name();
             for score in &mut entry.scores {
-                own.name().clone_into(&mut score.model);
+                score.model.clone_from(&entry.name);
             }
             for panel in &mut entry.panels {
                 panel.title += &format!(", {}", own.name());
@@ -161,9 +170,9 @@ fn several(
     data: &str,
 ) -> Result<ReportData, ReportError> {
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
-    let people = |entry: &Entry<'_>| {
-        let over_all = entry.over_all();
-        over_all.map_or(0, |score| score.widest().subjects.len())
+    let people = |entry: &Entry<'_>| -> usize {
+        let rows = entry.everybody().into_iter();
+        rows.map(|score| score.widest().subjects.len()).sum()
     };
     let counts: Vec<String> = entries
         .iter()
@@ -182,12 +191,19 @@ fn several(
     if of_models {
         summary += &format!(", of {data}");
     }
+    let seen = reported.iter().any(|own| own.name() != own.shown_name());
+    let whom = if seen {
+        "A model that has seen people of its row in training says so beside its name: on them it is too good. "
+    } else {
+        "Each model is evaluated on the people whom it has not seen. "
+    };
     if entries.len() > 1 {
-        notes.push(
-            "Each model is evaluated on the people whom it has not seen, which may be others than another model's: means side by \
-             side compare people too. Differences are paired over the people they share."
-                .to_owned(),
-        );
+        notes.push(format!(
+            "{whom}Those may be others than another model's: means side by side compare people too. Differences are paired over \
+             the people they share."
+        ));
+    } else if seen {
+        notes.push(whom.trim_end().to_owned());
     }
     let tables = match reported {
         [Reported::Model(own)] => model_report::tables(&own.evaluation.results),

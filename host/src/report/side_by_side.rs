@@ -2,9 +2,9 @@
 
 use super::Table;
 use super::cell::difference;
-use super::entry::Entry;
+use super::entry::{Entry, over_all};
 use super::model_report::SCORES;
-use super::scores::{COMPARED, table};
+use super::scores::{COMPARED, sort, table};
 use crate::evaluation::{Difference, Measure, Score};
 
 /// Scores, differences, people.
@@ -15,7 +15,7 @@ pub(super) fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
             scores.push(floor);
         }
     }
-    scores.sort_by_key(|score| score.data_set.as_str());
+    sort(&mut scores);
     vec![
         table(SCORES, &scores),
         differences(entries),
@@ -29,12 +29,15 @@ fn differences(entries: &[Entry<'_>]) -> Table {
     let measures = COMPARED.map(Measure::name);
     let mut table = Table::new(
         caption,
-        ["recordings", "difference"].into_iter().chain(measures),
+        ["recordings", "classes", "difference"]
+            .into_iter()
+            .chain(measures),
     );
     let mut push = |own: &Score, other: &Score| {
         let paired = |measure| difference(Difference::of(measure, own, other)).shown;
         let cells = [
             own.data_set.clone(),
+            own.people_name(),
             format!("{} - {}", own.model, other.model),
         ];
         table.push(cells.into_iter().chain(COMPARED.map(paired)));
@@ -42,20 +45,18 @@ fn differences(entries: &[Entry<'_>]) -> Table {
     for (at, later) in entries.iter().enumerate() {
         for earlier in &entries[..at] {
             for own in &later.scores {
-                let same = |other: &&Score| other.data_set == own.data_set;
-                if let Some(other) = earlier.scores.iter().find(same) {
+                let mut others = earlier.scores.iter();
+                if let Some(other) = others.find(|other| other.same_people(own)) {
                     push(own, other);
                 }
             }
         }
     }
     for entry in entries {
-        if let Some(own) = entry.over_all() {
-            let same = |floor: &&Score| floor.data_set == own.data_set;
-            entry
-                .floors
-                .iter()
-                .filter(same)
+        for own in over_all(&entry.scores) {
+            let floors = entry.floors.iter();
+            floors
+                .filter(|floor| floor.same_people(own))
                 .for_each(|floor| push(own, floor));
         }
     }
@@ -73,11 +74,11 @@ fn people(entries: &[Entry<'_>]) -> Table {
         .iter()
         .flat_map(|entry| shown.map(|measure| format!("{}: {}", entry.name, measure.name())));
     let mut table = Table::new(
-        "People: each entry's scores, empty where it has seen the person",
+        "People: each entry's scores, empty where it does not evaluate the person",
         ["subject".to_owned()].into_iter().chain(columns),
     );
     let mut subjects: Vec<&str> = Vec::new();
-    for score in entries.iter().filter_map(Entry::over_all) {
+    for score in entries.iter().flat_map(Entry::everybody) {
         for own in &score.widest().subjects {
             if !subjects.contains(&own.subject.as_str()) {
                 subjects.push(&own.subject);
@@ -88,11 +89,9 @@ fn people(entries: &[Entry<'_>]) -> Table {
     for subject in subjects {
         let cells = entries.iter().flat_map(|entry| {
             shown.map(|measure| {
-                let values = entry.over_all().map(|score| measure.values(score));
-                let own = values
-                    .into_iter()
-                    .flatten()
-                    .find(|(who, _)| *who == subject);
+                let rows = over_all(&entry.scores);
+                let mut values = rows.flat_map(|score| measure.values(score));
+                let own = values.find(|(who, _)| *who == subject);
                 own.map_or_else(String::new, |(_, value)| format!("{value:.3}"))
             })
         });

@@ -141,6 +141,7 @@ fn synthetic_report() -> ReportData {
         overview: vec![Row {
             name: "student".into(),
             kind: Kind::Entry(0),
+            people: 1,
             values: [None; 3],
         }],
         people: Some(People {

@@ -62,8 +62,12 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
             look_ahead,
             Truth::LagCompensated,
         )?;
-        // The last row is over all data sets.
-        Ok(scores.last().map_or(0, |score| score.widest().correct))
+        // The last rows are over all data sets, one for each group of people.
+        let over_all = scores.last().map(|score| score.data_set.clone());
+        let rows = scores
+            .iter()
+            .filter(|score| Some(&score.data_set) == over_all.as_ref());
+        Ok(rows.map(|score| score.widest().correct).sum())
     };
     let chosen = if correct(LookAhead::SameInstant)? > correct(LookAhead::AllRows)? {
         LookAhead::SameInstant

@@ -14,8 +14,8 @@ use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use super::trials;
 use crate::dataset::{DataSet, Library};
 use crate::evaluation::{
-    Candidate, Cued, EnergyDetector, LookAhead, Measure, Score, Trial, Truth, constant, cued,
-    score_all,
+    Candidate, Cued, EnergyDetector, Group, LookAhead, Measure, Score, Trial, Truth, constant,
+    cued, score_all,
 };
 use crate::execution::progress;
 use crate::execution::run_folder::RunError;
@@ -237,11 +237,15 @@ fn figures(results: &Results) -> Vec<Figure> {
         ("raw accuracy", Measure::RawAccuracy),
     ];
     for score in chosen {
+        let people = match score.people {
+            Group::AllClasses => "",
+            Group::FewerClasses => ", fewer classes:",
+        };
         for (what, measure) in measures {
             if let Some(value) = measure.mean(score) {
                 #[expect(clippy::cast_possible_truncation, reason = "a share of 1")]
                 figures.push(Figure {
-                    name: format!("{} {what}", score.data_set),
+                    name: format!("{}{people} {what}, n {}", score.data_set, value.n),
                     value: value.mean as f32,
                 });
             }

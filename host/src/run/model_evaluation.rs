@@ -14,8 +14,8 @@ use shared::stream::alignment::Alignment;
 use shared::stream::smoother::AggregationMode;
 use shared::units::Sample;
 
+pub use self::alignment::{ALIGNED, AlignedSubject, Turn, Worn};
 use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
-pub use self::alignment::{AlignedSubject, Turn, Worn};
 pub use self::named_model::{NamedModel, beside};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
@@ -35,8 +35,8 @@ use crate::evaluation::{
 /// Whom to evaluate on, and how they wear the armband.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Subjects (`data-set/subject`) and whole data sets; everybody if empty. Whoever is named is evaluated, seen, test
-    /// person or not.
+    /// Subjects (`data-set/subject`) and whole data sets; everybody if empty. Whoever is named is evaluated, seen or
+    /// not; test people only by their own names.
     pub subjects: Vec<String>,
     /// Also those whom one of the models was trained on or validated with.
     pub seen: bool,

@@ -1,5 +1,6 @@
 //! From a preset and the recordings found to the resolved configuration of a run.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
@@ -204,6 +205,15 @@ impl ResolvedConfig {
 pub fn fold_people(preset: &Preset, library: &Library, folds: usize) -> Vec<Vec<String>> {
     let labelled = with_labels(preset, library);
     folds::folds(developers(&labelled), folds, preset.seed)
+}
+
+/// The test people who have labels of the preset's classes, over all data sets: in no fold, and in no training.
+#[must_use]
+pub fn test_people(preset: &Preset, library: &Library) -> Vec<String> {
+    let labelled = with_labels(preset, library).into_iter();
+    let people = labelled.map(|recording| recording.subject.clone());
+    let people: BTreeSet<String> = people.filter(|subject| circles::is_test(subject)).collect();
+    people.into_iter().collect()
 }
 
 /// The recordings that have labels of the preset's classes.

@@ -7,19 +7,20 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use myointent::cli::arguments::{BackendArguments, DataArguments};
+use myointent::cli::arguments::{BackendArguments, DataArguments, warn_of_test_people};
 use myointent::evaluation::LookAhead;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
 use myointent::execution::run_folder::write_whole;
-use myointent::run::resolve::ConfigError;
+use myointent::report::Table;
+use myointent::run::resolve::{ConfigError, test_people};
 
 use self::contenders::{contenders, presets};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
 use crate::cross_validation::{
-    Contender, CrossValidation, FoldScore, Gate, Job, Kind, Merged, differences, movements, people,
-    scores,
+    Contender, CrossValidation, FoldScore, Gate, Job, JobScores, Kind, Merged, Origin, differences,
+    movements, people, scores, test_scores,
 };
 
 /// Arguments of `cross-validate`.
@@ -28,7 +29,9 @@ use crate::cross_validation::{
     after_help = "A job is one fold of one preset with one seed: it trains the student (and before it the teacher\n\
     that it learns from) without the people of the fold, and evaluates the integer student on them. A fold has people of\n\
     all data sets found, also of those that the preset does not train on; test people are in none. The seed decides folds,\n\
-    validation people and training. A person's value is the mean over seeds; intervals are over people.\n\n\
+    validation people and training. A person's value is the mean over seeds; intervals are over people, from six on. People\n\
+    whose recordings have all classes of the model and people with fewer stand in rows of their own; `n` is a column's\n\
+    number of people where its row has more.\n\n\
     Baselines are trained on the recordings and people of the first preset, by its table [baselines] (comparison has one: cpu's\n\
     recipe and settings for two cores; without a table they are the reference's). The tables end with the constant relax and the\n\
     energy detector.\n\n\
@@ -65,6 +68,10 @@ pub(super) struct Arguments {
         allow_hyphen_values = true
     )]
     entry_margins: Vec<Gate>,
+    /// Also evaluate the test people (host/people.toml), once for a release: by the student of every fold and seed, none of
+    /// which has seen them. They stand in a table of their own. Nothing is trained again.
+    #[arg(long)]
+    test_people: bool,
     /// Number of the only fold to run, 1 first; all if not given.
     #[arg(long)]
     fold: Option<u8>,
@@ -112,6 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let validation = CrossValidation {
         folder: &arguments.out,
         folds: of,
+        test_people: arguments.test_people,
         gates: gates(arguments).collect(),
         baselines: &settings,
         library,
@@ -124,6 +132,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         contender: contender.with_seed(seed),
         fold: fold.into(),
     };
+    if arguments.test_people {
+        warn_of_test_people(test_people(&presets[0], &validation.library).len());
+    }
     for (contender, seed, fold) in selected(arguments, &contenders) {
         validation.run(&job(contender, seed, fold))?;
     }
@@ -142,7 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             };
             counted += 1;
             for (own, scores) in results.iter_mut().zip(all) {
-                own.push((seed, scores));
+                own.push((Origin { seed, fold }, scores));
             }
         }
     }
@@ -150,8 +161,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         progress::log("no tables yet: no fold has been run with everything that is compared");
         return Ok(());
     }
-    let merged = merged(arguments, &contenders, &results);
-    for table in [scores(&merged), differences(&merged), movements(&merged)] {
+    let merged = |people| merged(arguments, &contenders, &results, people);
+    let (development, test) = (
+        merged(|own| Some(&own.development)),
+        merged(|own| own.test.as_ref()),
+    );
+    let tables = tables(&development, &test);
+    for table in &tables {
         writeln!(out, "{}", table.plain())?;
     }
     if left > 0 {
@@ -161,7 +177,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ));
         return Ok(());
     }
-    for path in write(&arguments.out, &merged)? {
+    let people = people(&development, &test);
+    for path in write(&arguments.out, &tables, &people)? {
         writeln!(out, "{}", path.display())?;
     }
     Ok(())
@@ -217,6 +234,10 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) ->
             .collect();
         option("entry-margins", margins.join(","));
     }
+    if arguments.test_people {
+        words.push("--test-people".to_owned());
+    }
+    let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     if let Some(data) = arguments.data.folder() {
         option("data", data.display().to_string());
     }
@@ -224,19 +245,21 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) ->
     line(&words)
 }
 
-/// Every contender under both aggregation modes, or without look-ahead, and each confidence gate.
+/// Every contender under both aggregation modes, or without look-ahead, and each confidence gate, on some of the people.
 fn merged<'a>(
     arguments: &Arguments,
     contenders: &'a [Contender],
-    results: &'a [Vec<(u64, Vec<FoldScore>)>],
+    results: &'a [Vec<(Origin, JobScores)>],
+    people: fn(&JobScores) -> Option<&Vec<FoldScore>>,
 ) -> Vec<Merged<'a>> {
     let mut merged = Vec::new();
     for (contender, own) in contenders.iter().zip(results) {
         for gate in gates(arguments) {
             for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant, LookAhead::None] {
-                let scores = own
-                    .iter()
-                    .flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)));
+                let scores = own.iter().flat_map(|(origin, scores)| {
+                    let scores = people(scores).into_iter().flatten();
+                    scores.map(|score| (*origin, score))
+                });
                 merged.push(Merged::new(contender.name(), look_ahead, gate, scores));
             }
         }
@@ -245,15 +268,23 @@ fn merged<'a>(
     merged
 }
 
-/// Writes the tables, and a row for each person, seed, preset and mode.
-fn write(folder: &Path, merged: &[Merged<'_>]) -> anyhow::Result<[PathBuf; 2]> {
+/// The tables of development, then that of the test people, if they were looked at.
+fn tables(development: &[Merged<'_>], test: &[Merged<'_>]) -> Vec<Table> {
+    let mut tables = vec![
+        scores(development),
+        differences(development),
+        movements(development),
+    ];
+    tables.extend((!test.is_empty()).then(|| test_scores(test)));
+    tables
+}
+
+/// Writes the tables, and a row for each person, seed, fold, preset and mode.
+fn write(folder: &Path, tables: &[Table], people: &Table) -> anyhow::Result<[PathBuf; 2]> {
     let page = folder.join("tables.md");
-    let tables = [scores(merged), differences(merged), movements(merged)];
-    write_whole(
-        &page,
-        tables.map(|table| table.markdown()).join("\n").as_bytes(),
-    )?;
+    let text: Vec<String> = tables.iter().map(Table::markdown).collect();
+    write_whole(&page, text.join("\n").as_bytes())?;
     let rows = folder.join("people.csv");
-    write_whole(&rows, &people(merged).csv()?)?;
+    write_whole(&rows, &people.csv()?)?;
     Ok([page, rows])
 }

@@ -1,16 +1,17 @@
-//! One job: a contender with one seed, trained without the people of one fold and evaluated on them.
+//! One job: a contender with one seed, trained without the people of one fold and evaluated on them, and if asked for on the
+//! test people, who are in no fold.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use burn::tensor::Device;
-use serde::{Deserialize, Serialize};
+use shared::model::LookBackLogits;
 
 use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
 use myointent::dataset::split::Role;
 use myointent::dataset::split::circles::is_test;
-use myointent::evaluation::{ALL, Candidate, LookAhead, Score, Trial, Truth, constant, score};
+use myointent::evaluation::{ALL, Candidate, LookAhead, Trial, Truth, constant, score};
 use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
@@ -23,11 +24,12 @@ use myointent::run::evaluate::energy_detector;
 use myointent::run::model_evaluation::{NamedModel, beside, trials_of};
 use myointent::run::preset::EntryMargins;
 use myointent::run::quantize::{MODEL, quantize};
-use myointent::run::resolve::{FoldChoice, fold_people};
+use myointent::run::resolve::{FoldChoice, fold_people, test_people};
 use myointent::run::train::train;
 
 use super::contender::{Contender, Kind};
 use super::gate::Gate;
+use super::job_scores::{FoldScore, JobScores};
 use crate::baselines::inference::candidate;
 use crate::baselines::settings::BaselineSettings;
 use crate::baselines::training::train_all;
@@ -42,6 +44,8 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) folder: &'a Path,
     /// Number of folds.
     pub(crate) folds: usize,
+    /// Whether the test people are evaluated too.
+    pub(crate) test_people: bool,
     /// Confidence gates to evaluate with; none is the contender's own.
     pub(crate) gates: Vec<Option<Gate>>,
     /// How baselines are trained.
@@ -58,21 +62,6 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) interrupt: &'a Interrupt,
 }
 
-/// The content of that file.
-#[derive(Default, Serialize, Deserialize)]
-struct FoldScores {
-    scores: Vec<FoldScore>,
-}
-
-/// A score over all of a fold's people.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct FoldScore {
-    /// Confidence gate; none: the contender's own.
-    pub(crate) gate: Option<Gate>,
-    /// The score.
-    pub(crate) score: Score,
-}
-
 /// A contender with its seed, and a fold from 1 on.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
@@ -86,29 +75,19 @@ impl CrossValidation<'_> {
     ///
     /// # Errors
     /// When the preset does not fit the recordings.
-    pub(crate) fn done(&self, job: &Job) -> Result<Option<Vec<FoldScore>>, JobError> {
+    pub(crate) fn done(&self, job: &Job) -> Result<Option<JobScores>, JobError> {
         let Ok(folder) = RunFolder::existing(self.path(job)) else {
             return Ok(None);
         };
         Ok(self.kept(job, &folder, &self.config(job)?))
     }
 
-    /// The scores in a run folder, if they are those of a configuration and of every wanted confidence gate.
-    fn kept(
-        &self,
-        job: &Job,
-        folder: &RunFolder,
-        config: &ResolvedConfig,
-    ) -> Option<Vec<FoldScore>> {
-        let kept = folder.load_stamped::<FoldScores>(SCORES, self.made_from(job, config));
-        let mut scores = kept.ok()?.content.scores;
-        let wanted = self.gates(job);
-        let has = |gate: &Option<Gate>| scores.iter().any(|own| own.gate == *gate);
-        if !wanted.iter().all(has) {
-            return None;
-        }
-        scores.retain(|own| wanted.contains(&own.gate));
-        Some(scores)
+    /// The scores in a run folder, if they are those of a configuration, of every wanted confidence gate and of all wanted
+    /// people.
+    fn kept(&self, job: &Job, folder: &RunFolder, config: &ResolvedConfig) -> Option<JobScores> {
+        let kept = folder.load_stamped::<JobScores>(SCORES, self.made_from(job, config));
+        let scores = kept.ok()?.content;
+        scores.complete(self.gates(job), self.test_people)
     }
 
     /// The confidence gates that a job is evaluated with.
@@ -161,9 +140,7 @@ impl CrossValidation<'_> {
             resume: true,
             interrupt: self.interrupt.clone(),
         };
-        let scores = FoldScores {
-            scores: self.evaluate(job, &context)?,
-        };
+        let scores = self.evaluate(job, &context)?;
         let made_from = self.made_from(job, &context.config);
         context.folder.save_stamped(SCORES, made_from, &scores)?;
         Ok(())
@@ -188,19 +165,50 @@ impl CrossValidation<'_> {
         Ok(config)
     }
 
-    /// Scores on the fold's people of all data sets.
-    fn evaluate(&self, job: &Job, context: &RunContext) -> Result<Vec<FoldScore>, JobError> {
+    /// Scores on the fold's people of all data sets, and on the test people if they are asked for.
+    fn evaluate(&self, job: &Job, context: &RunContext) -> Result<JobScores, JobError> {
         let preset = &job.contender.preset;
         let people = fold_people(preset, &self.library, self.folds);
-        let people = people.into_iter().nth(job.fold - 1).unwrap_or_default();
+        let fold = people.into_iter().nth(job.fold - 1).unwrap_or_default();
         let split = &context.config.split;
         // Everybody outside the fold, of sets that are not trained on.
         let is_training = |subject: &str| match split.role(subject) {
             Some(role) => role == Role::Training,
-            None => !people.iter().any(|own| own == subject) && !is_test(subject),
+            None => !fold.iter().any(|own| own == subject) && !is_test(subject),
         };
+        let mut people = fold.clone();
+        if self.test_people {
+            people.extend(test_people(preset, &self.library));
+        }
         let trials = || trials_of(&self.library, preset.vocabulary(), &people, &is_training);
         let (mut candidate, trials) = self.trained(job, context, &trials)?;
+        let logits = std::mem::take(&mut candidate.logits);
+        let (test, development): (Vec<_>, Vec<_>) = trials
+            .into_iter()
+            .zip(logits)
+            .partition(|(trial, _)| is_test(&trial.subject));
+        let scores = |part: Vec<(Trial, Vec<LookBackLogits>)>| {
+            let (trials, logits): (Vec<_>, Vec<_>) = part.into_iter().unzip();
+            let candidate = Candidate {
+                logits,
+                ..candidate.clone()
+            };
+            self.scores(job, candidate, &trials)
+        };
+        Ok(JobScores {
+            development: scores(development)?,
+            test: self.test_people.then(|| scores(test)).transpose()?,
+        })
+    }
+
+    /// Scores of a job's model on some people, with every wanted confidence gate.
+    fn scores(
+        &self,
+        job: &Job,
+        mut candidate: Candidate,
+        trials: &[Trial],
+    ) -> Result<Vec<FoldScore>, JobError> {
+        let vocabulary = job.contender.preset.vocabulary();
         let own = (candidate.entry_margins, candidate.other_margin);
         let mut scores = Vec::new();
         for &gate in self.gates(job) {
@@ -216,8 +224,8 @@ impl CrossValidation<'_> {
             for &look_ahead in look_aheads {
                 let rows = score(
                     &candidate,
-                    &trials,
-                    preset.vocabulary(),
+                    trials,
+                    vocabulary,
                     look_ahead,
                     Truth::LagCompensated,
                 );

@@ -1,31 +1,41 @@
 //! The scores of one contender under one aggregation mode and confidence gate, over all folds and seeds.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use myointent::evaluation::metric::event::latency::{self, LatencySummary};
 use myointent::evaluation::metric::event::summary::Raised;
-use myointent::evaluation::{LookAhead, Measure, Score};
+use myointent::evaluation::{Group, LookAhead, Measure, Score};
 
 use super::gate::Gate;
-use super::job::FoldScore;
+use super::job_scores::FoldScore;
 
-/// A contender's scores under one aggregation mode and confidence gate: those of every fold, by seed.
+/// Seed and fold of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Origin {
+    pub(crate) seed: u64,
+    pub(crate) fold: u8,
+}
+
+/// People of a row: those of a data set, of all if none, with all classes or with fewer.
+pub(crate) type Section<'a> = (Option<&'a str>, Group);
+
+/// A contender's scores under one aggregation mode and confidence gate: those of every fold and seed.
 pub(crate) struct Merged<'a> {
     /// The contender.
     pub(crate) model: &'a str,
     pub(crate) look_ahead: LookAhead,
     /// The gate; none: the contender's own.
     pub(crate) gate: Option<Gate>,
-    scores: Vec<(u64, &'a Score)>,
+    scores: Vec<(Origin, &'a Score)>,
 }
 
 impl<'a> Merged<'a> {
-    /// The scores of a contender under one mode and gate among all scores of its jobs, each with its seed.
+    /// The scores of a contender under one mode and gate among all scores of its jobs, each with its origin.
     pub(crate) fn new(
         model: &'a str,
         look_ahead: LookAhead,
         gate: Option<Gate>,
-        scores: impl IntoIterator<Item = (u64, &'a FoldScore)>,
+        scores: impl IntoIterator<Item = (Origin, &'a FoldScore)>,
     ) -> Self {
         let scores = scores.into_iter();
         Self {
@@ -34,7 +44,7 @@ impl<'a> Merged<'a> {
             gate,
             scores: scores
                 .filter(|(_, own)| own.gate == gate)
-                .map(|(seed, own)| (seed, &own.score))
+                .map(|(origin, own)| (origin, &own.score))
                 .filter(|(_, score)| score.look_ahead == look_ahead)
                 .collect(),
         }
@@ -47,20 +57,46 @@ impl<'a> Merged<'a> {
         format!("{} ({}{gate})", self.model, self.look_ahead.name())
     }
 
+    /// Number of classes of the contender.
+    pub(crate) fn classes(&self) -> usize {
+        self.scores.first().map_or(0, |(_, score)| score.classes)
+    }
+
     /// Whether the contender has not been evaluated so.
     pub(crate) const fn is_empty(&self) -> bool {
         self.scores.is_empty()
     }
 
-    /// Scores with the seed of their job.
-    pub(crate) fn scores(&self) -> impl Iterator<Item = (u64, &'a Score)> {
+    /// Scores with the origin of their job.
+    pub(crate) fn scores(&self) -> impl Iterator<Item = (Origin, &'a Score)> {
         self.scores.iter().copied()
     }
 
-    /// A person's value, mean over seeds, of everybody of a data set who has one; of all if none.
-    pub(crate) fn values(&self, measure: Measure, data_set: Option<&str>) -> Vec<(&'a str, f64)> {
+    /// The rows of a group of people.
+    fn of_group(&self, group: Group) -> impl Iterator<Item = &'a Score> {
+        let scores = self.scores.iter().map(|(_, score)| *score);
+        scores.filter(move |score| score.people == group)
+    }
+
+    /// The people of a section.
+    pub(crate) fn people(&self, (data_set, group): Section<'_>) -> BTreeSet<&'a str> {
+        let subjects = self
+            .of_group(group)
+            .flat_map(|score| &score.widest().subjects);
+        let people = subjects.map(|own| &own.subject[..]);
+        people
+            .filter(|person| data_set.is_none_or(|set| is_of(person, set)))
+            .collect()
+    }
+
+    /// The value of everybody of a section who has one: the mean over the jobs that evaluate this person.
+    pub(crate) fn values(
+        &self,
+        measure: Measure,
+        (data_set, group): Section<'_>,
+    ) -> Vec<(&'a str, f64)> {
         let mut by_person: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for (_, score) in &self.scores {
+        for score in self.of_group(group) {
             for (person, value) in measure.values(score) {
                 if data_set.is_none_or(|set| is_of(person, set)) {
                     by_person.entry(person).or_default().push(value);
@@ -74,13 +110,12 @@ impl<'a> Merged<'a> {
             .collect()
     }
 
-    /// Quantiles of the latency over the gestures of everybody of a data set, of all seeds.
-    pub(crate) fn latency(&self, data_set: Option<&str>) -> Option<LatencySummary> {
+    /// Quantiles of the latency over the gestures of everybody of a section, of all jobs.
+    pub(crate) fn latency(&self, (data_set, group): Section<'_>) -> Option<LatencySummary> {
         let (mut latencies, mut gestures) = (Vec::new(), 0);
         for events in self
-            .scores
-            .iter()
-            .flat_map(|(_, score)| &score.events.subjects)
+            .of_group(group)
+            .flat_map(|score| &score.events.subjects)
         {
             if data_set.is_none_or(|set| is_of(&events.subject, set)) {
                 latencies.extend_from_slice(&events.latencies);
@@ -152,30 +187,32 @@ mod tests {
 
     #[test]
     fn a_persons_value_is_the_mean_over_seeds_and_gestures_are_pooled() {
+        let origin = |seed, fold| Origin { seed, fold };
         let folds = [
             (
-                1,
+                origin(1, 1),
                 fold(&[("x/a", 0.5, &[10], 2), ("y/b", 0.9, &[20, 40], 2)]),
             ),
-            (2, fold(&[("x/a", 0.7, &[30, 30], 2)])),
-            (2, fold(&[("y/b", 0.9, &[], 2)])),
+            (origin(2, 1), fold(&[("x/a", 0.7, &[30, 30], 2)])),
+            (origin(2, 2), fold(&[("y/b", 0.9, &[], 2)])),
         ];
         let scores = || {
             let folds = folds.iter();
-            folds.flat_map(|(seed, scores)| scores.iter().map(|score| (*seed, score)))
+            folds.flat_map(|(origin, scores)| scores.iter().map(|score| (*origin, score)))
         };
         let merged = Merged::new("p", LookAhead::AllRows, None, scores());
         assert_eq!(merged.name(), "p (0.25 s, all rows)");
         assert_eq!(merged.data_sets(), ["x", "y"]);
-        let balanced = |set| merged.values(Measure::BalancedAccuracy, set);
+        let all = Group::AllClasses;
+        let balanced = |set| merged.values(Measure::BalancedAccuracy, (set, all));
         assert_eq!(balanced(None), [("x/a", 0.6), ("y/b", 0.9)]);
         assert_eq!(balanced(Some("y")), [("y/b", 0.9)]);
         // A mean of the seeds' shares, not a share of all gestures.
-        let recognised = merged.values(Measure::Recognition, None);
+        let recognised = merged.values(Measure::Recognition, (None, all));
         assert_eq!(recognised, [("x/a", 0.75), ("y/b", 0.5)]);
         // 10, 30, 30 samples of four gestures, 50 samples later; one is missed.
         let expected = latency::summary(&[60, 80, 80], 4);
-        assert_eq!(merged.latency(Some("x")), expected);
+        assert_eq!(merged.latency((Some("x"), all)), expected);
         assert!(expected.is_some());
         let gate = Some(Gate {
             entry: 1.0,
@@ -183,6 +220,9 @@ mod tests {
         });
         let none = Merged::new("p", LookAhead::AllRows, gate, scores());
         assert_eq!(none.name(), "p (0.25 s, all rows, margin 1)");
-        assert!(none.values(Measure::BalancedAccuracy, None).is_empty());
+        assert!(
+            none.values(Measure::BalancedAccuracy, (None, all))
+                .is_empty()
+        );
     }
 }

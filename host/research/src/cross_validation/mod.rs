@@ -3,16 +3,19 @@
 //! A preset is trained on its own data sets, without the people of the fold, and its integer student is evaluated on the
 //! fold's people of all data sets, so that presets with different data sets are compared on the same people. Baselines
 //! are trained on the recordings and people of the first preset. A person's value is the mean over seeds; intervals and
-//! differences are over people.
+//! differences are over people. People whose recordings have all classes and people with fewer stand in rows of their own; so do
+//! the test people, if they are asked for.
 
 mod contender;
 mod gate;
 mod job;
+mod job_scores;
 mod merged;
 mod tables;
 
 pub(crate) use contender::{Contender, Kind};
 pub(crate) use gate::Gate;
-pub(crate) use job::{CrossValidation, FoldScore, Job};
-pub(crate) use merged::Merged;
-pub(crate) use tables::{differences, movements, people, scores};
+pub(crate) use job::{CrossValidation, Job};
+pub(crate) use job_scores::{FoldScore, JobScores};
+pub(crate) use merged::{Merged, Origin};
+pub(crate) use tables::{differences, movements, people, scores, test_scores};

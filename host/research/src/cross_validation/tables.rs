@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use myointent::evaluation::{Difference, LookAhead, Measure};
+use myointent::evaluation::{Difference, Group, LookAhead, Measure};
 use myointent::report::Table;
 use myointent::report::cell;
 use myointent::statistics::{Interval, MeanSd};
 
-use super::merged::Merged;
+use super::merged::{Merged, Section};
 
 /// Measures whose intervals are shown.
 const SHARES: [Measure; 3] = [
@@ -33,44 +33,67 @@ const COMPARED: [Measure; 8] = [
     Measure::Raised,
 ];
 
-/// Scores over all people and by data set, a row for each contender and aggregation mode.
+/// Caption of the scores of development people.
+const DEVELOPMENT: &str = "Held-out people: mean over people [95 % interval] of each person's mean over seeds; n: people of a \
+    column, where the row has more";
+/// Caption of the scores of test people.
+const TEST: &str = "Test people, for a release alone: mean over people [95 % interval] of each person's mean over the students \
+    of all folds and seeds, none of which has seen them";
+
+/// Scores of the people held out, over all and by data set, a row for each contender and aggregation mode.
 pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
+    scores_table(DEVELOPMENT, merged)
+}
+
+/// The same of the test people.
+pub(crate) fn test_scores(merged: &[Merged<'_>]) -> Table {
+    scores_table(TEST, merged)
+}
+
+fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
     let measures = SHARES.map(Measure::name).into_iter();
-    let header = ["recordings", "model (look-ahead)"]
+    let header = ["recordings", "classes", "model (look-ahead)"]
         .into_iter()
         .chain(measures)
         .chain(["latency ms"])
         .chain(RATES.map(Measure::name))
         .chain([Measure::Raised, Measure::RawAccuracy].map(Measure::name))
         .chain(["people"]);
-    let caption =
-        "Held-out people: mean over people [95 % interval] of each person's mean over seeds";
     let mut table = Table::new(caption, header);
-    for set in sections(merged) {
+    for section in sections(merged) {
         for own in merged {
+            let people = own.people(section).len();
+            if people == 0 {
+                continue;
+            }
             let numbers = |measure| -> Vec<f64> {
-                let values = own.values(measure, set).into_iter();
+                let values = own.values(measure, section).into_iter();
                 values.map(|(_, value)| value).collect()
             };
             let share = |measure| {
                 let numbers = numbers(measure);
-                cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers)).shown
+                let cell = cell::estimate(MeanSd::of(&numbers), Interval::of_mean(&numbers));
+                cell.of_people(numbers.len(), people).shown
             };
             let one = |measure, digits: usize| {
-                MeanSd::of(&numbers(measure))
-                    .map_or_else(|| cell::none().shown, |v| format!("{:.digits$}", v.mean))
+                let mean = MeanSd::of(&numbers(measure));
+                let cell = mean.map(|of| cell::text(format!("{:.digits$}", of.mean)));
+                let n = mean.map_or(0, |of| of.n);
+                cell.unwrap_or_else(cell::none).of_people(n, people).shown
             };
-            let names = [set.unwrap_or("all").to_owned(), own.name()];
+            let latency = cell::latency(own.latency(section));
+            let with_gestures = numbers(Measure::Recognition).len();
             table.push(
-                names
+                names(section, own)
                     .into_iter()
+                    .chain([own.name()])
                     .chain(SHARES.map(share))
-                    .chain([cell::latency(own.latency(set)).shown])
+                    .chain([latency.of_people(with_gestures, people).shown])
                     .chain(RATES.map(|measure| one(measure, 1)))
                     .chain([
                         one(Measure::Raised, 2),
                         one(Measure::RawAccuracy, 3),
-                        numbers(Measure::RawAccuracy).len().to_string(),
+                        people.to_string(),
                     ]),
             );
         }
@@ -82,9 +105,9 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
 /// paired over people.
 pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
     let caption = "Differences, paired over people; mean [95 % interval] over n people";
-    let names = ["recordings", "difference"].into_iter();
-    let mut table = Table::new(caption, names.chain(COMPARED.map(Measure::name)));
-    for set in sections(merged) {
+    let start = ["recordings", "classes", "difference"].into_iter();
+    let mut table = Table::new(caption, start.chain(COMPARED.map(Measure::name)));
+    for section in sections(merged) {
         for own in merged {
             let Some(first) = merged
                 .iter()
@@ -94,14 +117,13 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
                 continue;
             };
             let paired = |measure: Measure| {
-                let (values, others) = (own.values(measure, set), first.values(measure, set));
+                let (values, others) =
+                    (own.values(measure, section), first.values(measure, section));
                 cell::difference(Difference::paired(&values, &others)).shown
             };
-            let names = [
-                set.unwrap_or("all").to_owned(),
-                format!("{} - {}", own.name(), first.name()),
-            ];
-            table.push(names.into_iter().chain(COMPARED.map(paired)));
+            let pair = [format!("{} - {}", own.name(), first.name())];
+            let start = names(section, own).into_iter().chain(pair);
+            table.push(start.chain(COMPARED.map(paired)));
         }
     }
     table
@@ -110,7 +132,8 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
 /// Movements outside the vocabulary, a row for each kind: how many there are, and of each contender and aggregation mode the
 /// share that raises a label.
 pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
-    let caption = "Movements outside the vocabulary, of all people and seeds: share in which a gesture's label begins";
+    let caption = "Movements outside the vocabulary, of all people, whatever their classes, and seeds: share in which a gesture's \
+        label begins";
     let by_kind: Vec<_> = merged.iter().map(Merged::raised).collect();
     let names = merged.iter().map(Merged::name);
     let header = ["movement".to_owned(), "number".to_owned()];
@@ -130,8 +153,8 @@ pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// All people and seeds, a row each, as CSV keeps them.
-pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
+/// All people and jobs, a row each, as CSV keeps them: those held out (`development`), then the test people (`test`).
+pub(crate) fn people(development: &[Merged<'_>], test: &[Merged<'_>]) -> Table {
     let measures = SHARES.into_iter().chain(RATES).chain([
         Measure::Raised,
         Measure::RawAccuracy,
@@ -140,12 +163,23 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
     ]);
     let measures: Vec<Measure> = measures.collect();
     let names = measures.iter().map(|measure| measure.name());
-    let header = ["model", "look-ahead", "entry margin", "seed", "subject"]
-        .into_iter()
-        .chain(names);
+    let header = [
+        "model",
+        "look-ahead",
+        "entry margin",
+        "seed",
+        "fold",
+        "people",
+        "subject",
+        "classes",
+    ]
+    .into_iter()
+    .chain(names);
     let mut table = Table::new("", header);
-    for own in merged {
-        for (seed, score) in own.scores() {
+    let development = development.iter().map(|own| ("development", own));
+    let test = test.iter().map(|own| ("test", own));
+    for (of, own) in development.chain(test) {
+        for (origin, score) in own.scores() {
             for person in &score.widest().subjects {
                 let value = |measure: &Measure| {
                     let values = measure.values(score);
@@ -156,8 +190,11 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
                     own.model.to_owned(),
                     own.look_ahead.name().to_owned(),
                     own.gate.map_or_else(String::new, |gate| gate.to_string()),
-                    seed.to_string(),
+                    origin.seed.to_string(),
+                    origin.fold.to_string(),
+                    of.to_owned(),
                     person.subject.clone(),
+                    person.classes.to_string(),
                 ];
                 table.push(names.into_iter().chain(measures.iter().map(value)));
             }
@@ -166,8 +203,16 @@ pub(crate) fn people(merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// All people, then each data set.
-fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Option<&'a str>> {
+/// Names of a section in tables.
+fn names((data_set, group): Section<'_>, of: &Merged<'_>) -> [String; 2] {
+    [
+        data_set.unwrap_or("all").to_owned(),
+        group.name(of.classes()),
+    ]
+}
+
+/// All people, then each data set: of those who have all classes, then of those with fewer.
+fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
     let mut sets: Vec<Option<&str>> = merged
         .iter()
         .flat_map(Merged::data_sets)
@@ -176,5 +221,94 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Option<&'a str>> {
         .collect();
     sets.sort_unstable();
     sets.dedup();
-    sets
+    let of = |group| sets.iter().map(move |&set| (set, group));
+    let sections = Group::ALL.into_iter().flat_map(of);
+    let has_people = |section: &Section<'_>| {
+        let mut merged = merged.iter();
+        merged.any(|own| !own.people(*section).is_empty())
+    };
+    sections.filter(has_people).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use myointent::dataset::DataSet;
+    use myointent::evaluation::{CONSTANT, Trial, Truth, constant, score};
+    use shared::intent::{Intent, Vocabulary};
+
+    use super::*;
+    use crate::cross_validation::{FoldScore, Origin};
+
+    /// One recording of a person: 2 s of each class in turn.
+    fn trial(subject: &str, classes: &[usize]) -> Trial {
+        let labels = classes
+            .iter()
+            .flat_map(|&class| std::iter::repeat_n(Intent::from_class(class), 400));
+        let truth: Vec<Option<Intent>> = labels.collect();
+        Trial {
+            data_set: DataSet::Synthetic,
+            subject: subject.to_owned(),
+            name: "r".to_owned(),
+            raw: Vec::new(),
+            emg: vec![[1; 8]; truth.len()],
+            normalized: Vec::new(),
+            published: None,
+            lag_compensated: truth,
+            other_movement: Vec::new(),
+        }
+    }
+
+    /// The scores of always saying relax, of one fold: two people with onsets, one with holds alone, one who never opens
+    /// the hand.
+    fn fold() -> Vec<FoldScore> {
+        let mut trials = vec![
+            trial("x/a", &[0, 1, 0, 2, 0]),
+            trial("x/b", &[0, 2, 0, 1, 0]),
+            trial("y/d", &[0, 2, 0, 2, 0]),
+        ];
+        trials.extend([0, 1, 2].map(|class| trial("x/c", &[class])));
+        let scores = score(
+            &constant(&trials),
+            &trials,
+            Vocabulary::Three,
+            LookAhead::None,
+            Truth::LagCompensated,
+        );
+        let scores = scores.unwrap().into_iter();
+        scores
+            .map(|score| FoldScore { gate: None, score })
+            .collect()
+    }
+
+    #[test]
+    fn every_column_has_its_own_number_of_people_and_two_class_people_stand_apart() {
+        let fold = fold();
+        let origin = Origin { seed: 1, fold: 1 };
+        let rows = fold.iter().map(|own| (origin, own));
+        let merged = [Merged::new(CONSTANT, LookAhead::None, None, rows)];
+        let table = scores(&merged);
+        let column = |name: &str| table.header.iter().position(|own| own == name).unwrap();
+        let (set, classes) = (column("recordings"), column("classes"));
+        let row = |wanted: [&str; 2]| {
+            let mut rows = table.rows.iter();
+            rows.find(|row| [&row[set][..], &row[classes]] == wanted)
+                .unwrap()
+        };
+        let all = row(["all", "all 3"]);
+        assert_eq!(all[column("people")], "3");
+        assert_eq!(all[column("balanced")], "0.333");
+        assert_eq!(all[column("TA")], "0.000 n 2");
+        assert_eq!(all[column("recognised")], "0.000 n 2");
+        assert_eq!(all[column("latency ms")], "missed / missed n 2");
+        let fewer = row(["all", "fewer"]);
+        assert_eq!(
+            [&fewer[column("balanced")], &fewer[column("people")]],
+            ["0.500", "1"]
+        );
+        assert_eq!(fewer[column("TA")], "0.000");
+        // A data set without such people has no such row.
+        assert_eq!(row(["x", "all 3"])[column("people")], "3");
+        assert_eq!(row(["y", "fewer"])[column("people")], "1");
+        assert_eq!(table.rows.len(), 4);
+    }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, open_run};
+use crate::cli::arguments::{BackendArguments, open_run, warn_of_test_people};
 use crate::cli::evaluate_models;
 use crate::dataset::split::circles::is_test;
 use crate::report::labels::labels;
@@ -22,7 +22,9 @@ use crate::run::quantize::ModelFile;
     half a second either way and held. recognised: share of gestures whose label is emitted and held, and no other.\n\
     latency: median / 90th percentile from muscle onset to the emitted label, look-ahead included, misses counted as\n\
     misses. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
-    ones. raw: share of samples. [a, b]: 95 % interval of the mean over subjects. Floors: a constant `relax`, and an\n\
+    ones. raw: share of samples. [a, b]: 95 % interval of the mean, from six subjects on. n: subjects of a number, where its\n\
+    row has more. classes: subjects with all classes of the model in their recordings, and subjects with fewer, in rows of\n\
+    their own. Floors: a constant `relax`, and an\n\
     energy detector fitted to the training subjects. docs/metrics.md has the definitions; results.json in the run folder\n\
     has all numbers, with every aggregation mode and every subject.\n\n\
     Examples:\n  myointent evaluate --run runs/mine\n  \
@@ -67,7 +69,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         None => ModelFile::of_run(&context)?,
     };
     let held_out = context.config.split.held_out.iter();
-    evaluate_models::warn_of_test_people(held_out.filter(|subject| is_test(subject)).count());
+    warn_of_test_people(held_out.filter(|subject| is_test(subject)).count());
     let (results, evaluation) = evaluate(&context, model.as_ref(), &no_more)?;
     let page = context.folder.file(REPORT);
     if evaluation.is_kept {

@@ -178,13 +178,14 @@ mod tests {
     use crate::evaluation::metric::event::{EventRule, RecordingEvents};
     use crate::evaluation::metric::offset;
     use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{ALL, CONSTANT, ENERGY, LookAhead, Score, Truth};
+    use crate::evaluation::{ALL, CONSTANT, ENERGY, Group, LookAhead, Score, Truth};
     use shared::intent::Intent;
 
     fn score(model: &str, look_ahead: LookAhead, data_set: &str) -> Score {
         let subject = |subject: &str, balanced| SubjectScore {
             subject: subject.to_owned(),
             recordings: 3,
+            classes: 3,
             balanced_accuracy: Some(balanced),
             raw_accuracy: Some(0.865),
             correct: 1,
@@ -200,6 +201,8 @@ mod tests {
         Score {
             model: model.to_owned(),
             data_set: data_set.to_owned(),
+            classes: 3,
+            people: Group::AllClasses,
             look_ahead,
             truth: Truth::LagCompensated,
             reference: std::array::from_fn(|_| summary.clone()),
@@ -208,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_screen_has_at_most_20_lines_and_its_table_80_columns() {
+    fn the_last_screen_has_at_most_20_lines_and_its_table_100_columns() {
         let sets = [
             "cote-allard",
             "emg-epn-612",
@@ -240,14 +243,16 @@ mod tests {
         let lines: Vec<&str> = screen.lines().collect();
         assert!(lines.len() <= 20, "{screen}");
         assert!(
-            lines[..lines.len() - 5].iter().all(|line| line.len() <= 80),
+            lines[..lines.len() - 5]
+                .iter()
+                .all(|line| line.len() <= 100),
             "{screen}"
         );
         assert!(
             screen.contains("held out:   roshambo 03, 06; ss-stm sub3\n"),
             "{screen}"
         );
-        let row = "roshambo         0.80 (.60-1.0)  0.53 (.53-.53)       -        -        0.0  2";
+        let row = "roshambo         all 3        0.80        0.53       -        -        0.0  2";
         assert!(lines.contains(&row), "{screen}");
         for floor in ["all: relax ", "all: energy "] {
             assert!(lines.iter().any(|line| line.starts_with(floor)), "{screen}");

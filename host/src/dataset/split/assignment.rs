@@ -40,8 +40,14 @@ pub(crate) fn assign<'r>(
     assignment: &Assignment<'_>,
 ) -> Result<Split, SplitError> {
     let subjects = folds::subjects(recordings);
-    let listed_out = expand("data.held_out", assignment.held_out, &subjects)?;
-    let listed_in = expand("data.validation", assignment.validation, &subjects)?;
+    let developer = |subject: &str| !is_test(subject);
+    let listed_out = expand("data.held_out", assignment.held_out, &subjects, developer)?;
+    let listed_in = expand(
+        "data.validation",
+        assignment.validation,
+        &subjects,
+        developer,
+    )?;
     if let Some(&both) = listed_out.intersection(&listed_in).next() {
         return Err(SplitError::TwoRoles(both.to_owned()));
     }
@@ -137,7 +143,8 @@ fn take<'s>(rest: &mut Vec<&'s str>, wanted: impl Fn(&str) -> bool) -> Vec<&'s s
     rest.extract_if(.., |subject| wanted(subject)).collect()
 }
 
-/// The subjects that a list names: by themselves, or all of a data set but its test people. `list` is its name in errors.
+/// The subjects that a list names: by themselves, or those of a data set that `of_set` accepts. `list` is its name in
+/// errors.
 ///
 /// # Errors
 /// [`SplitError::Unknown`].
@@ -145,12 +152,13 @@ pub(crate) fn expand<'s>(
     list: &'static str,
     names: &[String],
     subjects: &BTreeMap<DataSet, Vec<&'s str>>,
+    of_set: impl Fn(&str) -> bool,
 ) -> Result<BTreeSet<&'s str>, SplitError> {
     let mut found = BTreeSet::new();
     for name in names {
         let whole_set = subjects.iter().find(|(set, _)| set.name() == name);
         if let Some((_, people)) = whole_set {
-            found.extend(people.iter().filter(|subject| !is_test(subject)));
+            found.extend(people.iter().filter(|subject| of_set(subject)));
             continue;
         }
         let subject = subjects.values().flatten().find(|subject| *subject == name);

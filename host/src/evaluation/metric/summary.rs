@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use shared::intent::Intent;
+use shared::intent::{Intent, MAX_CLASSES};
 
 use super::balanced_accuracy::Recalls;
 use super::offset::{self, OffsetSummary};
@@ -22,6 +22,9 @@ pub(crate) struct RecordingScore {
     pub subject: String,
     /// Name of the recording.
     pub name: String,
+    /// Whether each class is in the truth, scored or not.
+    #[serde(skip)]
+    pub present: [bool; MAX_CLASSES],
     /// Samples of each class, and how many of them are right.
     #[serde(skip)]
     pub recalls: Recalls,
@@ -44,11 +47,16 @@ impl RecordingScore {
         rule: &Rule,
     ) -> Result<Self, MetricError> {
         super::same_length(truth, prediction)?;
+        let mut present = [false; MAX_CLASSES];
+        for intent in truth.iter().flatten() {
+            present[intent.class()] = true;
+        }
         let length = super::predicted_length(prediction);
         let (truth, prediction) = (&truth[..length], &prediction[..length]);
         Ok(Self {
             subject: subject.to_owned(),
             name: name.to_owned(),
+            present,
             recalls: Recalls::new(truth, prediction)?,
             raw_accuracy: raw_accuracy(truth, prediction)?,
             transitions: transition::score(truth, prediction, rule)?,
@@ -63,6 +71,8 @@ pub struct SubjectScore {
     pub subject: String,
     /// Number of recordings.
     pub recordings: usize,
+    /// Number of classes in the truth of these recordings.
+    pub classes: usize,
     /// Mean of the recalls of the classes that the subject's truth contains; none with fewer than two.
     pub balanced_accuracy: Option<f64>,
     /// Mean over the recordings that have true labels.
@@ -133,6 +143,14 @@ pub(crate) fn summary(scores: &[RecordingScore]) -> Summary {
     Summary::of_subjects(subjects)
 }
 
+/// Number of classes that are in any of the recordings.
+fn classes<'a>(present: impl Iterator<Item = &'a [bool; MAX_CLASSES]>) -> usize {
+    let all = present.fold([false; MAX_CLASSES], |all, own| {
+        std::array::from_fn(|class| all[class] || own[class])
+    });
+    all.into_iter().filter(|&present| present).count()
+}
+
 fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
     let raw: Vec<f64> = scores.iter().filter_map(|s| s.raw_accuracy).collect();
     let recalls = scores.iter().map(|score| score.recalls);
@@ -146,6 +164,7 @@ fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
     SubjectScore {
         subject: subject.to_owned(),
         recordings: scores.len(),
+        classes: classes(scores.iter().map(|score| &score.present)),
         balanced_accuracy: recalls.balanced_accuracy(),
         raw_accuracy: MeanSd::of(&raw).map(|r| r.mean),
         correct,
@@ -190,6 +209,8 @@ mod tests {
         // 20 of the 1000 samples of the second class are wrong.
         assert_eq!(summary.subjects[0].balanced_accuracy, Some(0.99));
         assert_eq!(summary.offset.unwrap().signed.mean, 50.0);
+        assert_eq!(summary.subjects[0].classes, 2);
+        assert_eq!(summary.balanced_accuracy.unwrap().n, 2);
     }
 
     #[test]
@@ -200,6 +221,11 @@ mod tests {
             RecordingScore::new("a", "r", &step(500), &prediction, &Rule::default()).unwrap();
         assert_eq!(score.raw_accuracy, Some(1.0));
         assert_eq!(score.transitions.correct(), 1);
+        // A class of which no sample is scored is in the recording all the same.
+        prediction[490..].fill(None);
+        let score =
+            RecordingScore::new("a", "r", &step(500), &prediction, &Rule::default()).unwrap();
+        assert_eq!(summary(&[score]).subjects[0].classes, 2);
     }
 
     proptest! {

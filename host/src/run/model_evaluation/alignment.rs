@@ -20,6 +20,9 @@ use crate::inference::integer_logits;
 use crate::inference::stream::{feed, pipeline};
 use crate::run::error::StepError;
 
+/// What is added to the name of a model that is evaluated after alignment.
+pub const ALIGNED: &str = ", aligned";
+
 /// How the armband sits, after the data set's own frame is accounted for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Worn {
@@ -233,7 +236,7 @@ pub(super) fn aligned_candidate(
         })
         .collect::<Result<_, _>>()?;
     Ok(Candidate {
-        name: format!("{name}, aligned"),
+        name: format!("{name}{ALIGNED}"),
         looks_back: true,
         logits,
         entry_margins: model.header.smoother.entry_margins,

@@ -38,7 +38,7 @@ pub(super) fn subjects(
     selection: &Selection,
 ) -> Result<(Vec<EvaluatedSubject>, LeftOut), StepError> {
     let known = folds::subjects(recordings.iter().copied());
-    let named = expand("--subjects", &selection.subjects, &known)?;
+    let named = expand("--subjects", &selection.subjects, &known, |_| true)?;
     let mut evaluated = Vec::new();
     let mut left_out = LeftOut::default();
     for &subject in known.values().flatten() {
@@ -57,7 +57,9 @@ pub(super) fn subjects(
             .filter(|(_, parsed)| saw(parsed))
             .map(|(model, _)| model.name.clone())
             .collect();
-        if test && !selection.test && !is_named {
+        // A whole data set names nobody for a release.
+        let by_name = selection.subjects.iter().any(|name| name == subject);
+        if test && !selection.test && !by_name {
             left_out.test.push(subject.to_owned());
         } else if !seen_by.is_empty() && !selection.seen && !is_named {
             left_out.seen.push(subject.to_owned());
@@ -76,4 +78,49 @@ pub(super) fn subjects(
         });
     }
     Ok((evaluated, left_out))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::DataSet;
+
+    /// Whom a selection evaluates of two people of roshambo, of whom 06 is a test person, and the test people left out.
+    fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {
+        let recordings = ["roshambo/03", "roshambo/06"]
+            .map(|subject| Recording::new(DataSet::Roshambo, subject, Vec::new(), Vec::new()));
+        let selection = Selection {
+            subjects: names.iter().map(|&name| name.to_owned()).collect(),
+            test,
+            ..Selection::default()
+        };
+        let recordings: Vec<&Recording> = recordings.iter().collect();
+        let (evaluated, left_out) = subjects(&[], &[], &recordings, &selection).unwrap();
+        let evaluated = evaluated.into_iter().map(|own| own.subject);
+        (evaluated.collect(), left_out.test)
+    }
+
+    #[test]
+    fn test_people_of_a_whole_set_are_evaluated_if_asked_for_and_left_out_in_words_if_not() {
+        let (both, one, test) = (
+            vec!["roshambo/03".to_owned(), "roshambo/06".to_owned()],
+            vec!["roshambo/03".to_owned()],
+            vec!["roshambo/06".to_owned()],
+        );
+        for names in [&[][..], &["roshambo"], &["roshambo", "roshambo/03"]] {
+            assert_eq!(
+                selected(names, true),
+                (both.clone(), Vec::new()),
+                "{names:?}"
+            );
+            assert_eq!(
+                selected(names, false),
+                (one.clone(), test.clone()),
+                "{names:?}"
+            );
+        }
+        // Whoever is named is evaluated.
+        assert_eq!(selected(&["roshambo/06"], false), (test, Vec::new()));
+        assert_eq!(selected(&["roshambo/03"], true), (one, Vec::new()));
+    }
 }

@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
     use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{LookAhead, Truth};
+    use crate::evaluation::{Group, LookAhead, Truth};
 
     /// What a person's score is of.
     #[derive(Clone)]
@@ -168,6 +168,7 @@ mod tests {
             let subject = SubjectScore {
                 subject: "x/1".to_owned(),
                 recordings: 1,
+                classes: 3,
                 balanced_accuracy,
                 raw_accuracy: None,
                 correct: 0,
@@ -196,6 +197,8 @@ mod tests {
             Score {
                 model: "m".to_owned(),
                 data_set: "x".to_owned(),
+                classes: 3,
+                people: Group::AllClasses,
                 look_ahead: LookAhead::None,
                 truth: Truth::LagCompensated,
                 reference: std::array::from_fn(|_| summary.clone()),

@@ -10,7 +10,7 @@ use myointent::evaluation::metric::event::latency;
 use myointent::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
 use myointent::evaluation::metric::offset;
 use myointent::evaluation::metric::summary::{SubjectScore, Summary};
-use myointent::evaluation::{ALL, LookAhead, Score, Truth};
+use myointent::evaluation::{ALL, Group, LookAhead, Score, Truth};
 use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::run_folder::{RunFolder, Stamped};
 use myointent::run::config::{Fold, ResolvedConfig};
@@ -144,6 +144,7 @@ pub(crate) fn score(subject: &str, raw: f64, offsets: &[i32], events: usize) -> 
     SubjectScore {
         subject: subject.to_owned(),
         recordings: 1,
+        classes: 3,
         balanced_accuracy: Some(raw),
         raw_accuracy: Some(raw),
         correct: offsets.len(),
@@ -202,6 +203,8 @@ pub(crate) fn results(
                     Score {
                         model: model.to_owned(),
                         data_set: set.to_owned(),
+                        classes: 3,
+                        people: Group::AllClasses,
                         look_ahead,
                         truth,
                         reference: [reference.clone(), reference.clone(), reference],

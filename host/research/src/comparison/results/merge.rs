@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use myointent::dataset::DataSet;
 use myointent::evaluation::metric::event::summary::EventSummary;
 use myointent::evaluation::metric::summary::Summary;
-use myointent::evaluation::{ALL, Cued, LookAhead, Score, Truth};
+use myointent::evaluation::{ALL, Cued, Group as People, LookAhead, Score, Truth};
 use myointent::run::evaluate::Results;
 
 /// Merges the results of folds that hold out different subjects.
@@ -38,11 +38,16 @@ pub(super) fn merge(folds: &[&Results]) -> Results {
 
 /// One score per condition and data set, in the order in which the conditions first appear.
 fn scores<'a>(all: impl Iterator<Item = &'a Score>) -> Vec<Score> {
-    type Condition<'a> = (Truth, &'a str, LookAhead);
+    type Condition<'a> = (Truth, &'a str, LookAhead, People);
     type Group<'a> = BTreeMap<&'a str, Vec<&'a Score>>;
     let mut groups: Vec<(Condition, Group)> = Vec::new();
     for score in all.filter(|score| score.data_set != ALL) {
-        let condition = (score.truth, score.model.as_str(), score.look_ahead);
+        let condition = (
+            score.truth,
+            score.model.as_str(),
+            score.look_ahead,
+            score.people,
+        );
         let at = groups
             .iter()
             .position(|(known, _)| *known == condition)
@@ -70,7 +75,7 @@ fn scores<'a>(all: impl Iterator<Item = &'a Score>) -> Vec<Score> {
 }
 
 fn pooled(
-    (truth, model, look_ahead): (Truth, &str, LookAhead),
+    (truth, model, look_ahead, people): (Truth, &str, LookAhead, People),
     data_set: &str,
     folds: &[&Score],
 ) -> Score {
@@ -82,6 +87,8 @@ fn pooled(
     Score {
         model: model.to_owned(),
         data_set: data_set.to_owned(),
+        classes: folds[0].classes,
+        people,
         look_ahead,
         truth,
         reference: std::array::from_fn(with_buffer),

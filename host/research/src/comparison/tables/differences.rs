@@ -81,7 +81,7 @@ mod tests {
         let balanced = Difference::of(Measure::BalancedAccuracy, &model, &other);
         assert_eq!(
             cell::difference(balanced).shown,
-            "+0.200 [+0.100, +0.300] n 2, no difference shown"
+            "+0.200 n 2, no difference shown"
         );
         let transition = Difference::of(Measure::TransitionAccuracy, &model, &other);
         assert_eq!(

@@ -124,6 +124,7 @@ mod tests {
         let raw = MeanSd {
             mean: 0.5,
             sd: Some(0.1),
+            n: 2,
         };
         let row = |cells| Row {
             cells,
