@@ -1,4 +1,4 @@
-//! `myointent live`: the page and its messages, a board on a pseudo-terminal, and the page in a browser.
+//! `myointent live`: the page and its messages, lines of JSON, a board on a pseudo-terminal, and the page in a browser.
 
 #[cfg(target_os = "linux")]
 #[path = "live/ask.rs"]
@@ -20,6 +20,9 @@ mod install;
 #[cfg(unix)]
 #[path = "live/interrupt.rs"]
 mod interrupt;
+#[cfg(unix)]
+#[path = "live/json.rs"]
+mod json;
 #[cfg(target_os = "linux")]
 #[path = "live/owner.rs"]
 mod owner;

@@ -1,11 +1,10 @@
-//! `myointent live`: the stream of a board or a recording, on a page or in the terminal.
+//! `myointent live`: the stream of a board or a recording, on a page or as lines of JSON.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::bail;
 use clap::Args;
 use shared::myo::Address;
 
@@ -26,7 +25,7 @@ const PORT: u16 = 8377;
     --port is asked for its raw stream, and looked for again when it is lost. The page has pause, marks and a csv of what was\n\
     seen, which `myointent data inspect` reads. docs/live.md explains it.\n\n\
     Examples:\n  myointent live --demo                                              no hardware, no recording\n  \
-    myointent live --demo --tui                                        in the terminal\n  \
+    myointent live --demo --json                                       a line of JSON for each event, no page\n  \
     myointent live --replay recordings/s1/s1_grasp.csv\n  \
     myointent live --port /dev/ttyACM0 --model models/three-class.intent"
 )]
@@ -39,9 +38,10 @@ pub struct Arguments {
     /// Model file. Without it, recordings run through the shipped three-class model, and a board shows no scores.
     #[arg(long, value_name = "FILE.intent")]
     model: Option<PathBuf>,
-    /// Show the stream in this terminal instead of on a page.
-    #[arg(long, conflicts_with = "listen")]
-    tui: bool,
+    /// Write every event as a line of JSON on standard output, for other programs; serve a page only with --listen. Exit code
+    /// 0 when the reader closes the pipe.
+    #[arg(long)]
+    json: bool,
     /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
     /// the connection is not encrypted.
     #[arg(long, value_name = "ADDR", value_parser = listen)]
@@ -90,19 +90,26 @@ pub(super) fn listen(text: &str) -> Result<(IpAddr, Option<u16>), String> {
     })
 }
 
-/// Serves the page, or shows the stream in the terminal, until Ctrl-C.
+/// Serves the page, or writes lines of JSON, until Ctrl-C.
 ///
 /// # Errors
-/// When the model is refused, the recording cannot be read or the address cannot be listened on.
+/// When the model is refused, the recording cannot be read, the address cannot be listened on or nobody reads the lines
+/// any more.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().map(read_model).transpose()?;
     let source = arguments.source.source(arguments.name.as_deref())?;
-    if arguments.tui {
-        if !std::io::stdout().is_terminal() {
-            bail!("--tui needs a terminal: leave it out for a page in a browser");
-        }
+    if arguments.json {
+        let listen = arguments
+            .listen
+            .map(|(address, port)| SocketAddr::new(address, port.unwrap_or_else(|| free(address))));
         let interrupt = Interrupt::listen();
-        return live::show(source, model, || interrupt.requested());
+        let opened = |url: &str| {
+            progress::log(&format!("page: {url}"));
+            listen.into_iter().for_each(|listen| warn(listen.ip()));
+        };
+        return live::print(source, model, listen, std::io::stdout(), opened, || {
+            interrupt.requested()
+        });
     }
     let (address, port) = arguments
         .listen
@@ -148,18 +155,24 @@ pub(super) fn serve(
     let live = live::start(options(listen))?;
     writeln!(std::io::stdout(), "{}", live.url())?;
     progress::log("open this address in a browser; Ctrl-C ends it");
-    if !is_local(address) {
-        progress::log(
-            "whoever knows the whole address can look; it is not encrypted: use it on a network that you trust",
-        );
-        if address.is_unspecified() {
-            progress::log("from elsewhere, put this machine's address in place of the first part");
-        }
-    }
+    warn(address);
     while !interrupt.requested() && !live.is_over() {
         std::thread::sleep(Duration::from_millis(50));
     }
     live.stop()
+}
+
+/// Says who can look, beyond this machine.
+fn warn(address: IpAddr) {
+    if is_local(address) {
+        return;
+    }
+    progress::log(
+        "whoever knows the whole address can look; it is not encrypted: use it on a network that you trust",
+    );
+    if address.is_unspecified() {
+        progress::log("from elsewhere, put this machine's address in place of the first part");
+    }
 }
 
 /// The usual port, or any if another program has it.

@@ -40,6 +40,15 @@ pub(crate) struct Subscription {
     pub(crate) following: broadcast::Receiver<Message>,
 }
 
+impl State {
+    fn subscription(&self) -> Subscription {
+        Subscription {
+            known: self.newest.values().cloned().collect(),
+            following: self.sender.subscribe(),
+        }
+    }
+}
+
 impl Hub {
     pub(crate) fn new() -> Self {
         let state = State {
@@ -119,13 +128,17 @@ impl Hub {
         }
     }
 
-    /// A new viewer, or one that has lost messages and begins anew.
+    /// A new viewer.
     pub(crate) fn subscribe(&self) -> Subscription {
+        self.lock().subscription()
+    }
+
+    /// A viewer that has lost messages begins anew. Returns what it is told of it: those, and all that it has not taken yet.
+    pub(crate) fn resubscribe(&self, subscription: &mut Subscription, lost: u64) -> Message {
         let state = self.lock();
-        Subscription {
-            known: state.newest.values().cloned().collect(),
-            following: state.sender.subscribe(),
-        }
+        let messages = lost + subscription.following.len() as u64;
+        *subscription = state.subscription();
+        format!(r#"{{"type":"skipped","messages":{messages}}}"#).into()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

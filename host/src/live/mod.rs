@@ -4,7 +4,7 @@
 //! source (a thread)            hub                  server (a thread)
 //! board, recording   events -> newest of each  -->  a page, a websocket for each viewer
 //!                    <- requests -----------------  align, cancel
-//!                                                   or: a terminal
+//!                                              -->  or lines of JSON (a thread)
 //! ```
 //!
 //! `myointent record` is the same with a recorder beside it, which hears all samples and leads through a session. A simulated
@@ -16,17 +16,19 @@
 mod event;
 mod hub;
 mod lead;
+mod lines;
 mod outcome;
 mod recorder;
 mod scores;
 mod server;
 mod source;
-mod tui;
 
+use std::io::Write;
 use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use anyhow::Context as _;
 use shared::model::encoder::HostEncoder;
@@ -34,6 +36,7 @@ use shared::model::file::Model;
 
 use self::event::Event;
 use self::hub::Hub;
+use self::lines::Lines;
 pub use self::recorder::RecordOptions;
 use self::recorder::{Recorder, Wish};
 use self::server::Server;
@@ -129,9 +132,7 @@ pub struct Live {
 /// # Errors
 /// When the model is refused or the address cannot be listened on.
 pub fn start(options: Options) -> anyhow::Result<Live> {
-    let listener = TcpListener::bind(options.listen)
-        .with_context(|| format!("{}: cannot be listened on", options.listen))?;
-    let access = Access::new(listener.local_addr()?);
+    let (listener, access) = bind(options.listen)?;
     let url = access.url();
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
@@ -181,22 +182,49 @@ fn record_beside(hub: &Hub, recorder: Recorder) -> anyhow::Result<(Recording, Sy
     Ok(((stop, thread), sender))
 }
 
-/// Shows a stream in the terminal until the user leaves or `over`.
+/// Listens for viewers of a page.
+fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
+    let listener =
+        TcpListener::bind(address).with_context(|| format!("{address}: cannot be listened on"))?;
+    let access = Access::new(listener.local_addr()?);
+    Ok((listener, access))
+}
+
+/// Writes every event of a source as a line of JSON, until `over` or until nobody reads `output` any more.
+///
+/// With an address in `listen` a page is served as well, and `opened` is told where.
 ///
 /// # Errors
-/// When the model is refused, or standard output is no terminal.
-pub fn show(source: Source, model: Option<Vec<u8>>, over: impl Fn() -> bool) -> anyhow::Result<()> {
-    let stream = Stream::start(
-        Arc::new(Hub::new()),
-        source,
-        model,
-        None,
-        mpsc::sync_channel(REQUESTS),
-    )?;
-    let ended = || over() || stream.source.is_finished();
-    let shown = tui::show(&stream.hub, &stream.requests, ended);
-    stream.stop()?;
-    shown.context("the terminal cannot be drawn on")
+/// When the model is refused, the address cannot be listened on, the source ends by an error or the output cannot be
+/// written. An output that its reader has closed is a [`std::io::ErrorKind::BrokenPipe`].
+pub fn print(
+    source: Source,
+    model: Option<Vec<u8>>,
+    listen: Option<SocketAddr>,
+    output: impl Write + Send + 'static,
+    opened: impl FnOnce(&str),
+    over: impl Fn() -> bool,
+) -> anyhow::Result<()> {
+    let page = listen.map(bind).transpose()?;
+    let hub = Arc::new(Hub::new());
+    // Before the source: nothing that it says is missed.
+    let lines = Lines::start(hub.clone(), output)?;
+    let requests = mpsc::sync_channel(REQUESTS);
+    let stream = Stream::start(hub.clone(), source, model, None, requests)?;
+    let server = page.map(|(listener, access)| {
+        opened(&access.url());
+        Server::start(listener, access, hub.clone(), stream.requests.clone(), None)
+    });
+    let server = server.transpose()?;
+    while !(over() || stream.source.is_finished() || lines.is_finished()) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let result = stream.stop();
+    hub.publish(&Event::End);
+    if let Some(server) = server {
+        server.stop();
+    }
+    result.and(lines.stop().context("standard output"))
 }
 
 impl Live {

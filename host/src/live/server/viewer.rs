@@ -119,10 +119,9 @@ impl Viewer {
                 Err(TryRecvError::Empty | TryRecvError::Closed) => break,
                 Err(TryRecvError::Lagged(messages_lost)) => {
                     // What is known may be older than what was lost.
-                    *subscription = self.hub.subscribe();
+                    let skipped = self.hub.resubscribe(subscription, messages_lost);
                     messages.clear();
-                    let skipped = format!(r#"{{"type":"skipped","messages":{messages_lost}}}"#);
-                    messages.push(skipped.into());
+                    messages.push(skipped);
                     messages.append(&mut subscription.known);
                 }
             }
