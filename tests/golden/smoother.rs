@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::files::{json, labels, npy};
 
 /// What the files call the sets of windows.
-pub const SETS: [&str; 3] = ["three_class", "mask_class_wins", "edge_rows"];
+const SETS: [&str; 3] = ["three_class", "mask_class_wins", "edge_rows"];
 
 /// Whether a setting of a case is the second of the two that there are.
 fn second(case: &Value, setting: &str, [first, second]: [&str; 2]) -> bool {
@@ -23,7 +23,7 @@ fn second(case: &Value, setting: &str, [first, second]: [&str; 2]) -> bool {
 }
 
 /// Whether only the instant's own row counts.
-pub fn same_instant(case: &Value) -> bool {
+fn same_instant(case: &Value) -> bool {
     second(case, "maj_vote_range", ["future", "single"])
 }
 

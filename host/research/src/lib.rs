@@ -1,5 +1,4 @@
-//! Research beside the product: the paper's five baselines, its comparisons and their tables, and the
-//! aggregation of overlapping windows that its published numbers were computed with.
+//! Research beside the product: the paper's five baselines, cross-validations, and the paper's tables.
 //!
 //! Models, metrics, data sets and run folders are those of the crate `myointent`, which does not depend
 //! on this one.
@@ -11,5 +10,4 @@ pub mod cli;
 mod comparison;
 mod cross_validation;
 mod job;
-pub mod offline;
 mod personalization;

@@ -71,7 +71,7 @@ const COLUMNS: [usize; 14] = [
 ];
 /// Rows of `multiply`: one tile and several.
 const ROWS: [usize; 2] = [4, 12];
-/// Most tokens of `multiply`: two that share the weights, and one more.
+/// Most tokens of `multiply` that are tried.
 const MOST_TOKENS: usize = 3;
 /// Terms of the products of codes.
 const TERMS: [usize; 9] = [0, 1, 2, 4, 6, 12, 16, 27, MAX_TERMS];

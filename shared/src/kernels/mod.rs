@@ -81,7 +81,7 @@ pub(crate) trait Kernels {
     /// has inputs, a multiple of [`GROUP`] and at most [`MAX_COLUMNS`]. Inputs are within the matrix's
     /// [`code_limit`]. Weights are stored in tiles of [`TILE_ROWS`] rows: group of columns after group, in a
     /// group row after row, the four weights of a row in one word ([`weights_of`]). All tokens have the same
-    /// length; two of them share the reading of the weights.
+    /// length.
     fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]);
 
     /// `sums[r] = sum over c of rows[r * stride + c] * codes[c]`, exactly.

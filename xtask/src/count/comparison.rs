@@ -47,16 +47,6 @@ impl fmt::Display for Comparison<'_> {
             let mean = encoder.mean;
             writeln!(f, "embed to head without a probe between them: {mean}")?;
         }
-        if let [Some(recompute), Some(slice)] = ["recompute", "slice"].map(|name| table.part(name))
-        {
-            writeln!(
-                f,
-                "full recompute: {} a patch; longest slice {}, about {:.1} ms",
-                recompute.mean,
-                slice.largest,
-                milliseconds(slice.largest),
-            )?;
-        }
         let alignment = ALIGNMENT.map(|name| table.part(name));
         if let [
             Some(waiting),

@@ -25,8 +25,7 @@ use table::milliseconds;
 const TIMEOUT: Duration = Duration::from_secs(120);
 /// What keeps the radio's tasks waiting, and for how many milliseconds at most. While the encoder takes the window again
 /// for an alignment or after one, a sample must be done before the next one comes.
-const WAITS: [(&str, &str, f64); 4] = [
-    ("a slice of the full recompute", "slice", 10.0),
+const WAITS: [(&str, &str, f64); 3] = [
     ("the end of an alignment", "align-end", 10.0),
     ("a sample after an alignment", "align-again", 5.0),
     (

@@ -14,9 +14,8 @@ pub const PARTS: [(&str, f64); 8] = [
     ("smoother", 1.4),
     ("rest", 1.4),
 ];
-/// What is counted besides: the whole pipeline; the encoder without a probe between its parts; and of a
-/// full recompute from the ring a patch's share and one slice.
-pub const MORE: [&str; 4] = ["total", "encoder", "recompute", "slice"];
+/// What is counted besides: the whole pipeline, and the encoder without a probe between its parts.
+pub const MORE: [&str; 2] = ["total", "encoder"];
 
 /// What is counted of an alignment: a patch while gestures are waited for; the sample that ends it; each sample with which
 /// the encoder takes the window again; the fit alone; the change of the window alone; each sample while the model decides on

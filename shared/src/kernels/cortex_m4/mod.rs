@@ -8,14 +8,12 @@
 mod attention;
 mod median;
 mod multiply_one;
-mod multiply_two;
 mod quantize;
 mod rescale;
 
 use attention::{COLUMNS, ROWS, eight_columns, four_rows};
 use median::four_rectified_medians;
 use multiply_one::{COLUMNS as PASS_COLUMNS, multiply_one};
-use multiply_two::multiply_two;
 use quantize::{absmax_bits, round_to_codes};
 
 use super::portable::{Portable, factors};
@@ -28,7 +26,7 @@ pub(crate) struct CortexM4;
 
 impl Kernels for CortexM4 {
     #[inline]
-    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], mut sums: [&mut [i32]; T]) {
+    fn multiply<const T: usize>(weights: &[i8], inputs: [&[i16]; T], sums: [&mut [i32]; T]) {
         let columns = inputs.first().map_or(0, |input| input.len());
         let fits = inputs
             .iter()
@@ -37,25 +35,7 @@ impl Kernels for CortexM4 {
         if !fits {
             return fall_back(|| Portable::multiply(weights, inputs, sums));
         }
-        let (input_pairs, last_input) = inputs.as_chunks();
-        let (sum_pairs, last_sums) = sums.as_chunks_mut();
-        for ([input, next_input], [sums, next_sums]) in input_pairs.iter().zip(sum_pairs) {
-            let sums = sums.as_mut_ptr_range();
-            // SAFETY: as below, for both tokens: one matrix fits both, so they have as many inputs and
-            // as many sums.
-            unsafe {
-                multiply_two(
-                    weights.as_ptr(),
-                    input.as_ptr(),
-                    next_input.as_ptr(),
-                    columns,
-                    sums.start,
-                    next_sums.as_mut_ptr(),
-                    sums.end,
-                );
-            }
-        }
-        if let ([input], [sums]) = (last_input, last_sums) {
+        for (input, sums) in inputs.into_iter().zip(sums) {
             let sums = sums.as_mut_ptr_range();
             // SAFETY: by `multiply_fits` the weights are one or more whole tiles of rows as long as
             // `input`, which is one or more pairs of groups; there is a sum for each row; all is aligned. Both

@@ -92,8 +92,8 @@ impl Attention<'_> {
 
     /// `attended = sum over t of softmax(q k_t / sqrt(width) + bias[p - t]) v_t` of one head.
     ///
-    /// Sums over patches run from the newest to the oldest, in any order of slots: after
-    /// a full recompute the same patches have other slots and must give the same bits.
+    /// Sums over patches run from the newest to the oldest, in any order of slots: where the encoder takes a window anew,
+    /// the same patches have other slots and must give the same bits.
     #[inline(never)]
     fn head(
         &self,

@@ -24,7 +24,6 @@ mod look_back_head;
 mod norm;
 mod patch_embedding;
 pub mod probe;
-pub mod recompute;
 mod token;
 
 use super::{Encode, LookBackLogits};

@@ -7,10 +7,7 @@
 use core::hint::black_box;
 
 use shared::intent::MAX_LOGITS;
-use shared::model::encoder::{
-    Encoder, EncoderState,
-    recompute::{Recompute, TILE},
-};
+use shared::model::encoder::{Encoder, EncoderState};
 use shared::model::file::Model;
 use shared::model::{Encode, LookBackLogits};
 use shared::pipeline::Pipeline;
@@ -35,15 +32,11 @@ pub struct Counts {
     pub total: Spans,
     /// The encoder without a probe: its parts add up to it.
     encoder: Spans,
-    /// A full recompute from the ring: one patch's share of it.
-    recompute: Spans,
-    /// One slice of the recompute.
-    slice: Spans,
 }
 
 impl Counts {
-    /// Parts with their names, in the pipeline's order; the two sums; then the full recompute.
-    pub fn named(&self) -> [(&'static str, Spans); 12] {
+    /// Parts with their names, in the pipeline's order; then the two sums.
+    pub fn named(&self) -> [(&'static str, Spans); 10] {
         let [embed, attention, feed_forward, head] = self.encoder_parts;
         [
             ("preprocess", self.preprocess),
@@ -56,8 +49,6 @@ impl Counts {
             ("rest", self.rest),
             ("total", self.total),
             ("encoder", self.encoder),
-            ("recompute", self.recompute),
-            ("slice", self.slice),
         ]
     }
 }
@@ -90,7 +81,7 @@ impl<const WIDTH: usize, const SLOTS: usize> Encode for Apart<'_, WIDTH, SLOTS> 
 /// Counts over all the samples.
 ///
 /// # Panics
-/// If the full recompute gives other logits than streaming.
+/// If a probe changes the logits.
 pub fn count<const WIDTH: usize, const SLOTS: usize>(
     encoder: Encoder<'_, WIDTH, SLOTS>,
     model: &Model<'_>,
@@ -161,24 +152,5 @@ pub fn count<const WIDTH: usize, const SLOTS: usize>(
         let parts = preprocess + ring_time + step + smooth;
         counts.rest.push(total.saturating_sub(parts));
     }
-
-    let mut recomputed = encoder.fresh();
-    let mut recompute = Recompute::start(&mut recomputed, &ring);
-    let mut of_two = 0;
-    while !recompute.is_done() {
-        let (outputs, slice) = clock.span(|| recompute.slice(&encoder.0, &mut recomputed, &ring));
-        counts.slice.push(slice);
-        of_two += slice;
-        if outputs.is_some() {
-            counts.recompute.push(of_two / TILE as u32);
-            of_two = 0;
-        }
-    }
-    let next = Patch::default();
-    let outputs = [&mut state, &mut recomputed].map(|state| encoder.step(state, &next));
-    assert!(
-        outputs[0] == outputs[1],
-        "the recomputed state gives other logits"
-    );
     counts
 }
