@@ -1,4 +1,4 @@
-//! A job of a study or of a cross-validation: one run folder, begun once and gone on with after an interruption.
+//! A job of a cross-validation: one run folder, begun once and gone on with after an interruption.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use crate::baselines::training::TrainingError;
 /// Why a job failed.
 #[derive(Debug, Error)]
 pub(crate) enum JobError {
-    /// The variant's preset does not fit the recordings.
+    /// The preset does not fit the recordings.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// The run folder cannot be used.
@@ -26,18 +26,16 @@ pub(crate) enum JobError {
     /// A baseline cannot be trained, or the user interrupted.
     #[error(transparent)]
     Baseline(#[from] TrainingError),
-    /// The teacher that the variant starts from is missing.
-    #[error(
-        "{path}: no teacher to start from; run `myointent-research study --variant pretraining` first"
-    )]
-    NoPretraining {
-        /// Run folder of the pre-training.
+    /// The teacher that training starts from is missing.
+    #[error("{path}: no teacher to start from; give the same command with --only {only} first")]
+    NoStart {
+        /// Run folder of that teacher.
         path: PathBuf,
+        /// Its name on the command line.
+        only: &'static str,
     },
     /// The folder holds a run with other settings.
-    #[error(
-        "{path}: made with another preset, protocol or recordings; give another --study folder"
-    )]
+    #[error("{path}: made with another preset, protocol or recordings; give another --out folder")]
     OtherRun {
         /// The configuration in the folder.
         path: PathBuf,

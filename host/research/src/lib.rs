@@ -7,7 +7,6 @@
 
 mod baselines;
 pub mod cli;
-mod comparison;
 mod cross_validation;
 mod job;
 mod personalization;

@@ -7,59 +7,34 @@ use crate::statistics::{Interval, MeanSd};
 /// In place of a missing number.
 const NONE: &str = "-";
 
-/// One cell, as text and as fields.
+/// One cell as text, in a terminal or Markdown: `0.912 (0.04)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// As text, in a terminal or Markdown: `0.912 (0.04)`.
+    /// The text.
     pub shown: String,
-    /// Its numbers one by one, as CSV keeps them; empty if there are none.
-    pub fields: Vec<String>,
 }
 
 impl Cell {
     /// The cell of so many people, which it says where the row has another number: `0.912 [0.88, 0.94] n 29`.
     #[must_use]
     pub fn of_people(mut self, people: usize, of_row: usize) -> Self {
-        if people != of_row && !self.fields.is_empty() {
+        if people != of_row && self.shown != NONE {
             self.shown += &format!(" n {people}");
         }
         self
     }
 }
 
-/// Names of a cell's fields, in CSV.
-pub type Parts = &'static [&'static str];
-
-/// One field, named as its column.
-pub const ONE: Parts = &[""];
-/// Mean and sample deviation.
-pub const MEAN_SD: Parts = &["mean", "sd"];
-/// Number of subjects and of transitions behind a score.
-pub const SUPPORT: Parts = &["subjects", "transitions"];
-/// Mean, sample deviation and 95 % interval of the mean.
-pub const ESTIMATE: Parts = &["mean", "sd", "low", "high"];
-/// A mean of paired differences, its 95 % interval, and whether that excludes zero.
-pub const PAIRED: Parts = &["mean", "sd", "low", "high", "subjects", "shown"];
-/// Median and 90th percentile of a latency.
-pub const LATENCY: Parts = &["median", "p90"];
-
 /// A name.
 #[must_use]
 pub fn text(text: impl Into<String>) -> Cell {
-    let shown = text.into();
-    Cell {
-        fields: vec![shown.clone()],
-        shown,
-    }
+    Cell { shown: text.into() }
 }
 
 /// A missing number.
 #[must_use]
 pub fn none() -> Cell {
-    Cell {
-        shown: NONE.to_owned(),
-        fields: Vec::new(),
-    }
+    text(NONE)
 }
 
 /// A share of 1 over subjects: mean with three digits, deviation with two.
@@ -94,27 +69,15 @@ pub fn absolute_ms(value: Option<MeanSd>) -> Cell {
 /// Number of subjects and of transitions behind a score: `subjects / transitions`.
 #[must_use]
 pub fn support(subjects: usize, transitions: usize) -> Cell {
-    Cell {
-        shown: format!("{subjects} / {transitions}"),
-        fields: vec![subjects.to_string(), transitions.to_string()],
-    }
+    text(format!("{subjects} / {transitions}"))
 }
 
 /// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
 #[must_use]
 pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
     let Some(value) = mean else { return none() };
-    let mean = format!("{:.3}", value.mean);
-    let sd = value.sd.map(|sd| format!("{sd:.2}"));
-    let [low, high] = ends(interval, |end| format!("{end:.2}"));
-    let shown = match interval {
-        Some(_) => format!("{mean} [{low}, {high}]"),
-        None => mean.clone(),
-    };
-    Cell {
-        shown,
-        fields: vec![mean, sd.unwrap_or_default(), low, high],
-    }
+    let interval = interval.map(|ends| format!(" [{:.2}, {:.2}]", ends.low, ends.high));
+    text(format!("{:.3}{}", value.mean, interval.unwrap_or_default()))
 }
 
 /// The same in 14 columns: `0.76 (.70-.81)`.
@@ -141,11 +104,7 @@ pub fn latency(value: Option<LatencySummary>) -> Cell {
     let Some(LatencySummary { median, p90 }) = value else {
         return none();
     };
-    let fields = [median, p90].map(quantile);
-    Cell {
-        shown: fields.join(" / "),
-        fields: fields.to_vec(),
-    }
+    text([median, p90].map(quantile).join(" / "))
 }
 
 /// A quantile of a latency in ms.
@@ -162,36 +121,15 @@ pub fn difference(value: Option<Difference>) -> Cell {
     let Some(value) = value else { return none() };
     let signed = |value: f64| format!("{:+.3}", unsigned_zero(value, 1000.0));
     let mean = signed(value.mean.mean);
-    let sd = value.mean.sd.map(|sd| format!("{sd:.3}"));
-    let [low, high] = ends(value.interval, signed);
-    let interval = match value.interval {
-        Some(_) => format!(" [{low}, {high}]"),
-        None => String::new(),
+    let interval = value
+        .interval
+        .map(|ends| format!(" [{}, {}]", signed(ends.low), signed(ends.high)));
+    let interval = interval.unwrap_or_default();
+    let words = match value.is_shown() {
+        true => "",
+        false => ", no difference shown",
     };
-    let (words, flag) = if value.is_shown() {
-        ("", "yes")
-    } else {
-        (", no difference shown", "no")
-    };
-    let people = value.people.to_string();
-    Cell {
-        shown: format!("{mean}{interval} n {people}{words}"),
-        fields: vec![
-            mean,
-            sd.unwrap_or_default(),
-            low,
-            high,
-            people,
-            flag.to_owned(),
-        ],
-    }
-}
-
-/// Both ends of an interval, empty without one.
-fn ends(interval: Option<Interval>, format: impl Fn(f64) -> String) -> [String; 2] {
-    interval.map_or_else(Default::default, |Interval { low, high }| {
-        [low, high].map(format)
-    })
+    text(format!("{mean}{interval} n {}{words}", value.people))
 }
 
 fn spread(
@@ -200,14 +138,8 @@ fn spread(
     deviation: impl Fn(f64) -> String,
 ) -> Cell {
     let Some(value) = value else { return none() };
-    let (mean, sd) = (mean(value.mean), value.sd.map(deviation));
-    Cell {
-        shown: match &sd {
-            Some(sd) => format!("{mean} ({sd})"),
-            None => mean.clone(),
-        },
-        fields: vec![mean, sd.unwrap_or_default()],
-    }
+    let deviation = value.sd.map(|sd| format!(" ({})", deviation(sd)));
+    text(mean(value.mean) + &deviation.unwrap_or_default())
 }
 
 fn whole(value: f64) -> String {
@@ -224,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_and_fields_hold_the_same_number() {
+    fn numbers_are_rounded_alike_in_every_table() {
         let both = MeanSd {
             mean: 0.9116,
             sd: Some(0.044),
@@ -232,9 +164,7 @@ mod tests {
         };
         let one = MeanSd { sd: None, ..both };
         assert_eq!(share(Some(both)).shown, "0.912 (0.04)");
-        assert_eq!(share(Some(both)).fields, ["0.912", "0.04"]);
         assert_eq!(share(Some(one)).shown, "0.912");
-        assert_eq!(share(Some(one)).fields, ["0.912", ""]);
         assert_eq!(share(None), none());
         assert_eq!(support(8, 357).shown, "8 / 357");
         let interval = Some(Interval {
@@ -242,10 +172,6 @@ mod tests {
             high: 0.94,
         });
         assert_eq!(estimate(Some(both), interval).shown, "0.912 [0.88, 0.94]");
-        assert_eq!(
-            estimate(Some(both), interval).fields,
-            ["0.912", "0.04", "0.88", "0.94"]
-        );
         assert_eq!(estimate(Some(one), None).shown, "0.912");
         let whole = Some(Interval {
             low: 0.0,
@@ -284,8 +210,6 @@ mod tests {
             unclear.shown,
             "+0.012 [-0.003, +0.020] n 8, no difference shown"
         );
-        let fields = ["+0.012", "0.044", "-0.003", "+0.020", "8", "no"];
-        assert_eq!(unclear.fields, fields);
         let alone = Difference {
             interval: None,
             people: 1,

@@ -14,7 +14,10 @@ use crate::inference::{integer_logits, student_logits, teacher_logits};
 use crate::student::model::Student;
 
 /// The teacher's logits over all trials; `name` is that in tables.
-pub(super) fn teacher_candidate(
+///
+/// # Errors
+/// When the teacher is missing, not this run's, or of another shape, or the user interrupts.
+pub fn teacher_candidate(
     context: &RunContext,
     name: &str,
     trials: &[Trial],

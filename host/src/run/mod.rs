@@ -1,7 +1,7 @@
 //! A run: its preset, its resolved configuration, and its steps, from recordings to an evaluated model file.
 
 mod aggregation;
-mod candidates;
+pub mod candidates;
 pub mod config;
 pub mod context;
 pub mod distill;

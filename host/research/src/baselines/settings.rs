@@ -8,10 +8,9 @@ use thiserror::Error;
 use myointent::execution::bounded_read;
 use myointent::run::preset::{BUILT_IN, Preset, PresetError};
 
-/// Names and texts of the research presets: the paper's comparisons on few people; preset `cpu` with settings for the
-/// baselines; the paper's teacher at what two cores can do.
-const OWN: [(&str, &str); 3] = [
-    ("study", include_str!("../../presets/study.toml")),
+/// Names and texts of the research presets: preset `cpu` with settings for the baselines; the paper's teacher at what two
+/// cores can do.
+const OWN: [(&str, &str); 2] = [
     ("comparison", include_str!("../../presets/comparison.toml")),
     ("paper-size", include_str!("../../presets/paper-size.toml")),
 ];
@@ -102,7 +101,7 @@ pub(crate) enum SettingsError {
     Preset(#[from] PresetError),
 }
 
-/// A preset and its baseline settings: `study`, `comparison`, a preset of the product, or a TOML file. Without a table
+/// A preset and its baseline settings: `comparison`, `paper-size`, a preset of the product, or a TOML file. Without a table
 /// `[baselines]` the settings are the reference's.
 ///
 /// # Errors
@@ -176,16 +175,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_study_has_settings_of_its_own_and_the_paper_has_the_references() {
-        let (study, settings) = find_preset("study").unwrap();
-        assert_eq!((study.name.as_str(), settings.epochs), ("study", 6));
-        assert_eq!(find_preset("paper").unwrap().1, BaselineSettings::default());
-    }
-
-    #[test]
     fn the_comparison_is_the_recipe_of_the_shipped_models() {
         let (mut comparison, settings) = find_preset("comparison").unwrap();
         assert_ne!(settings, BaselineSettings::default());
+        assert_eq!(find_preset("paper").unwrap().1, BaselineSettings::default());
         comparison.name = "cpu".to_owned();
         assert_eq!(comparison, find_preset("cpu").unwrap().0);
     }
@@ -194,7 +187,7 @@ mod tests {
     fn an_unknown_preset_is_refused_with_the_known_names() {
         let error = find_preset("nonsense").unwrap_err().to_string();
         assert!(
-            error.contains("study, comparison, paper-size, quickstart"),
+            error.contains("comparison, paper-size, quickstart"),
             "{error}"
         );
     }
@@ -204,8 +197,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let refused = |table: &str| {
             let path = folder.path().join("mine.toml");
-            let study = OWN[0].1.split("[baselines]").next().unwrap();
-            std::fs::write(&path, format!("{study}\n[baselines]\n{table}\n")).unwrap();
+            let rest = OWN[0].1.split("[baselines]").next().unwrap();
+            std::fs::write(&path, format!("{rest}\n[baselines]\n{table}\n")).unwrap();
             find_preset(path.to_str().unwrap()).unwrap_err().to_string()
         };
         assert!(refused("lstm_step = 0").contains("1 to 500"));

@@ -27,7 +27,7 @@ use crate::baselines::training::train_all;
     Examples:\n  \
     myointent-research baselines --run runs/mine                  on a run of `myointent train`\n  \
     myointent-research baselines --run runs/mine --only lda,mlp\n  \
-    myointent-research baselines --run runs/baselines --preset study --begin --data recordings\n                                                                \
+    myointent-research baselines --run runs/baselines --preset comparison --begin --data recordings\n                                                                \
     in a new run, without a teacher"
 )]
 pub(super) struct Arguments {
@@ -37,9 +37,9 @@ pub(super) struct Arguments {
     /// Which baselines; all five if not given.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<Baseline>,
-    /// Preset with the training settings: study, a preset of `myointent`, or a TOML file. Without a table
+    /// Preset with the training settings: comparison, a preset of `myointent`, or a TOML file. Without a table
     /// `[baselines]` they are the reference's.
-    #[arg(long, default_value = "study")]
+    #[arg(long, default_value = "comparison")]
     preset: String,
     /// Begin a new run in the folder, with --preset and --data.
     #[arg(long, conflicts_with = "resume")]

@@ -1,27 +1,24 @@
-//! `myointent-research cross-validate`: presets, baselines and floors compared on everybody, for several seeds.
+//! `myointent-research cross-validate`: presets, baselines and floors compared on everybody, for several seeds; or the paper's
+//! tables.
 
 mod contenders;
+mod output;
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
 use myointent::cli::arguments::{BackendArguments, DataArguments, warn_of_test_people};
-use myointent::evaluation::LookAhead;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
-use myointent::execution::run_folder::write_whole;
-use myointent::report::Table;
 use myointent::run::resolve::{ConfigError, test_people};
 
-use self::contenders::{contenders, presets};
+use self::contenders::{Compared, contenders, presets};
+use self::output::{Tables, merged};
 use super::shell::{line, program, shared_options};
 use crate::baselines::Baseline;
-use crate::cross_validation::{
-    Contender, CrossValidation, FoldScore, Gate, Job, JobScores, Kind, Merged, Origin, differences,
-    movements, people, scores, test_scores,
-};
+use crate::cross_validation::{Contender, CrossValidation, Gate, Job, Kind, Origin, PaperTeacher};
 
 /// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
@@ -37,6 +34,10 @@ use crate::cross_validation::{
     energy detector.\n\n\
     Jobs are independent. An interrupted job continues where it stopped; a finished one is not repeated. Tables are printed\n\
     for the folds that all have, and written to the folder when these are all folds.\n\n\
+    --paper trains what the paper's tables show, once: the student of one preset; its teacher, with a window of 600, 300 and\n\
+    100 samples, and on roshambo without, before and after training on it; the five baselines; the floors. A job of\n\
+    teacher-fine-tuned or teacher-lora needs that of teacher-pre-trained of its fold. The tables (main result, offsets,\n\
+    pre-training, window, buffer, look-ahead) have mean (sample deviation) over people.\n\n\
     Examples:\n  \
     myointent-research cross-validate --preset cpu --preset mine.toml --seeds 42,7 --data recordings\n  \
     myointent-research cross-validate --preset comparison --baselines lda,mlp,lstm,ed-tcn,trahgr --data recordings\n  \
@@ -44,16 +45,24 @@ use crate::cross_validation::{
 )]
 pub(super) struct Arguments {
     /// Presets to compare, the first one with all others: built-in ones, or TOML files. Repeat the option.
-    #[arg(long, required = true)]
+    #[arg(long, required_unless_present = "paper")]
     preset: Vec<String>,
+    /// Print the paper's tables, of one preset (comparison if none is given) and one seed.
+    #[arg(long, conflicts_with_all = ["baselines", "entry_margins", "test_people"])]
+    paper: bool,
     /// The paper's baselines to compare, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     baselines: Vec<Baseline>,
-    /// Run the jobs of this preset or baseline only.
+    /// Run the jobs of this preset, baseline or teacher only.
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
     /// Seeds, separated by commas; everything is trained with each.
-    #[arg(long, value_delimiter = ',', default_value = "42,7")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "42,7",
+        default_value_if("paper", "true", "42")
+    )]
     seeds: Vec<u64>,
     /// Number of folds.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..))]
@@ -92,14 +101,34 @@ pub(super) struct Arguments {
 /// # Errors
 /// When the recordings, a preset or a folder cannot be used, or a job fails.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (presets, settings) = presets(&arguments.preset)?;
-    let contenders = contenders(&presets, &arguments.baselines, arguments.only.as_deref())?;
+    let (presets, settings) = presets(arguments)?;
     let of = usize::from(arguments.folds);
     if let Some(number) = arguments.fold.map(usize::from)
         && !(1..=of).contains(&number)
     {
         return Err(ConfigError::Fold { number, of }.into());
     }
+    // All data sets, whatever the presets train on: everybody is evaluated.
+    let mut readable = presets[0].clone();
+    readable.data.data_sets.clear();
+    let library = Arc::new(arguments.data.load(&readable)?);
+    let compared = Compared {
+        teachers: match arguments.paper {
+            true => PaperTeacher::possible(&presets[0], &library),
+            false => Vec::new(),
+        },
+        baselines: match arguments.paper {
+            true => Baseline::ALL.to_vec(),
+            false => arguments.baselines.clone(),
+        },
+        presets: &presets,
+    };
+    if arguments.paper && compared.teachers.len() < PaperTeacher::ALL.len() {
+        progress::log(
+            "no table of pre-training: it takes labelled recordings of roshambo and of another data set",
+        );
+    }
+    let contenders = contenders(&compared, arguments.only.as_deref())?;
     let mut out = std::io::stdout().lock();
     if arguments.list {
         // The floors train nothing: the command that makes the tables does them.
@@ -109,17 +138,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    // All data sets, whatever the presets train on: everybody is evaluated.
-    let mut readable = presets[0].clone();
-    readable.data.data_sets.clear();
     let device = arguments.backend.device()?;
-    let library = Arc::new(arguments.data.load(&readable)?);
     let data = arguments.data.folder();
     let interrupt = Interrupt::listen();
     let validation = CrossValidation {
         folder: &arguments.out,
         folds: of,
         test_people: arguments.test_people,
+        without_look_ahead: arguments.paper,
         gates: gates(arguments).collect(),
         baselines: &settings,
         library,
@@ -161,15 +187,19 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         progress::log("no tables yet: no fold has been run with everything that is compared");
         return Ok(());
     }
-    let merged = |people| merged(arguments, &contenders, &results, people);
+    let merged = |people| {
+        let gates = || gates(arguments);
+        merged(&contenders, &results, gates, arguments.paper, people)
+    };
     let (development, test) = (
         merged(|own| Some(&own.development)),
         merged(|own| own.test.as_ref()),
     );
-    let tables = tables(&development, &test);
-    for table in &tables {
-        writeln!(out, "{}", table.plain())?;
-    }
+    let tables = match arguments.paper {
+        true => Tables::of_paper(&development, presets[0].teacher.window),
+        false => Tables::new(&development, &test),
+    };
+    writeln!(out, "{}", tables.plain())?;
     if left > 0 {
         progress::log(&format!(
             "these are {counted} of {} folds, not everybody: nothing was written; give the same command without --fold and --only",
@@ -177,8 +207,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ));
         return Ok(());
     }
-    let people = people(&development, &test);
-    for path in write(&arguments.out, &tables, &people)? {
+    for path in tables.write(&arguments.out)? {
         writeln!(out, "{}", path.display())?;
     }
     Ok(())
@@ -218,7 +247,9 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) ->
     for preset in &arguments.preset {
         option("preset", preset.clone());
     }
-    if let Kind::Baseline(_) = contender.kind {
+    if let Kind::Baseline(_) = contender.kind
+        && !arguments.paper
+    {
         option("baselines", contender.argument());
     }
     option("only", contender.argument());
@@ -234,57 +265,20 @@ fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) ->
             .collect();
         option("entry-margins", margins.join(","));
     }
-    if arguments.test_people {
-        words.push("--test-people".to_owned());
-    }
+    let flags = [
+        (arguments.paper, "--paper"),
+        (arguments.test_people, "--test-people"),
+    ];
+    words.extend(
+        flags
+            .iter()
+            .filter(|(given, _)| *given)
+            .map(|(_, name)| (*name).to_owned()),
+    );
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     if let Some(data) = arguments.data.folder() {
         option("data", data.display().to_string());
     }
     words.extend(shared_options(&arguments.data, arguments.backend));
     line(&words)
-}
-
-/// Every contender under both aggregation modes, or without look-ahead, and each confidence gate, on some of the people.
-fn merged<'a>(
-    arguments: &Arguments,
-    contenders: &'a [Contender],
-    results: &'a [Vec<(Origin, JobScores)>],
-    people: fn(&JobScores) -> Option<&Vec<FoldScore>>,
-) -> Vec<Merged<'a>> {
-    let mut merged = Vec::new();
-    for (contender, own) in contenders.iter().zip(results) {
-        for gate in gates(arguments) {
-            for look_ahead in [LookAhead::AllRows, LookAhead::SameInstant, LookAhead::None] {
-                let scores = own.iter().flat_map(|(origin, scores)| {
-                    let scores = people(scores).into_iter().flatten();
-                    scores.map(|score| (*origin, score))
-                });
-                merged.push(Merged::new(contender.name(), look_ahead, gate, scores));
-            }
-        }
-    }
-    merged.retain(|own| !own.is_empty());
-    merged
-}
-
-/// The tables of development, then that of the test people, if they were looked at.
-fn tables(development: &[Merged<'_>], test: &[Merged<'_>]) -> Vec<Table> {
-    let mut tables = vec![
-        scores(development),
-        differences(development),
-        movements(development),
-    ];
-    tables.extend((!test.is_empty()).then(|| test_scores(test)));
-    tables
-}
-
-/// Writes the tables, and a row for each person, seed, fold, preset and mode.
-fn write(folder: &Path, tables: &[Table], people: &Table) -> anyhow::Result<[PathBuf; 2]> {
-    let page = folder.join("tables.md");
-    let text: Vec<String> = tables.iter().map(Table::markdown).collect();
-    write_whole(&page, text.join("\n").as_bytes())?;
-    let rows = folder.join("people.csv");
-    write_whole(&rows, &people.csv()?)?;
-    Ok([page, rows])
 }

@@ -5,9 +5,6 @@ mod cross_validate;
 mod evaluate;
 mod personalization;
 mod shell;
-mod study;
-mod summary;
-mod tables;
 
 use std::process::ExitCode;
 
@@ -38,16 +35,10 @@ enum Command {
     Baselines(baselines::Arguments),
     /// Evaluate the models and baselines of a run on the held-out subjects.
     Evaluate(evaluate::Arguments),
-    /// Compare presets: every person but the test people held out once, for several seeds.
+    /// Compare presets, or print the paper's tables: every person but the test people held out once for each seed.
     CrossValidate(cross_validate::Arguments),
     /// Measure what tuning a model on a person's own recordings gains, by their duration.
     Personalization(personalization::Arguments),
-    /// Train and evaluate the paper's comparisons, each subject held out once.
-    Study(study::Arguments),
-    /// Merge the results of a variant's folds.
-    Summary(summary::Arguments),
-    /// Write a study's tables, in the paper's layout, as Markdown and CSV.
-    Tables(tables::Arguments),
 }
 
 impl Cli {
@@ -56,7 +47,7 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let advice = match &self.command {
             Command::Baselines(_) => "to continue, give the same command and --resume",
-            Command::Study(_) | Command::CrossValidate(_) | Command::Personalization(_) => {
+            Command::CrossValidate(_) | Command::Personalization(_) => {
                 "to continue, give the same command"
             }
             _ => "to try again, give the same command",
@@ -66,9 +57,6 @@ impl Cli {
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::CrossValidate(arguments) => cross_validate::run(&arguments),
             Command::Personalization(arguments) => personalization::run(&arguments),
-            Command::Study(arguments) => study::run(&arguments),
-            Command::Summary(arguments) => summary::run(&arguments),
-            Command::Tables(arguments) => tables::run(&arguments),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,
@@ -133,8 +121,9 @@ mod tests {
         for error in &errors {
             assert_eq!(code(error), format!("{:?}", ExitCode::from(130)), "{error}");
         }
-        let other = JobError::NoPretraining {
+        let other = JobError::NoStart {
             path: "runs/x".into(),
+            only: "x",
         };
         assert_eq!(code(&other.into()), format!("{:?}", ExitCode::FAILURE));
     }

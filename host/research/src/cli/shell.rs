@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn words_are_quoted_where_a_shell_needs_it() {
-        let words = ["runs/study-1", "my data", "it's", ""].map(str::to_owned);
-        assert_eq!(line(&words), r"runs/study-1 'my data' 'it'\''s' ''");
+        let words = ["runs/fold-1", "my data", "it's", ""].map(str::to_owned);
+        assert_eq!(line(&words), r"runs/fold-1 'my data' 'it'\''s' ''");
     }
 }

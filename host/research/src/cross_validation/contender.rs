@@ -5,6 +5,7 @@ use clap::ValueEnum as _;
 use myointent::evaluation::{CONSTANT, ENERGY};
 use myointent::run::preset::Preset;
 
+use super::teacher::PaperTeacher;
 use crate::baselines::Baseline;
 
 /// A preset's integer student, or what it is compared with.
@@ -20,6 +21,8 @@ pub(crate) struct Contender {
 pub(crate) enum Kind {
     /// The integer student of the preset.
     Student,
+    /// A teacher of the paper's tables.
+    Teacher(PaperTeacher),
     /// A baseline.
     Baseline(Baseline),
     /// The label relax, always.
@@ -33,6 +36,7 @@ impl Contender {
     pub(crate) fn name(&self) -> &str {
         match self.kind {
             Kind::Student => &self.preset.name,
+            Kind::Teacher(teacher) => teacher.name(),
             Kind::Baseline(baseline) => baseline.name(),
             Kind::Constant => CONSTANT,
             Kind::EnergyDetector => ENERGY,
@@ -43,6 +47,7 @@ impl Contender {
     pub(crate) fn argument(&self) -> String {
         match self.kind {
             Kind::Student => self.preset.name.clone(),
+            Kind::Teacher(teacher) => teacher.name().to_owned(),
             Kind::Baseline(baseline) => baseline
                 .to_possible_value()
                 .map_or_else(String::new, |value| value.get_name().to_owned()),
@@ -71,6 +76,6 @@ impl Contender {
 
     /// Whether it is a trained model, whose logits allow a confidence gate. Those of a floor say no more than its label.
     pub(crate) const fn is_trained(&self) -> bool {
-        matches!(self.kind, Kind::Student | Kind::Baseline(_))
+        !matches!(self.kind, Kind::Constant | Kind::EnergyDetector)
     }
 }

@@ -11,28 +11,24 @@ use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
 use myointent::dataset::split::Role;
 use myointent::dataset::split::circles::is_test;
-use myointent::evaluation::{ALL, Candidate, LookAhead, Trial, Truth, constant, score};
+use myointent::evaluation::{ALL, Candidate, LookAhead, Score, Trial, Truth, score};
 use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;
-use myointent::execution::run_folder::RunFolder;
+use myointent::execution::run_folder::{RunFolder, weights_file};
 use myointent::run::StepError;
 use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
-use myointent::run::distill::distill;
-use myointent::run::evaluate::energy_detector;
-use myointent::run::model_evaluation::{NamedModel, beside, trials_of};
+use myointent::run::model_evaluation::trials_of;
 use myointent::run::preset::EntryMargins;
-use myointent::run::quantize::{MODEL, quantize};
 use myointent::run::resolve::{FoldChoice, fold_people, test_people};
-use myointent::run::train::train;
+use myointent::teacher;
 
 use super::contender::{Contender, Kind};
 use super::gate::Gate;
 use super::job_scores::{FoldScore, JobScores};
-use crate::baselines::inference::candidate;
+use super::teacher::TARGET;
 use crate::baselines::settings::BaselineSettings;
-use crate::baselines::training::train_all;
 use crate::job::{JobError, begun};
 
 /// Name of a job's scores in its run folder.
@@ -46,6 +42,8 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) folds: usize,
     /// Whether the test people are evaluated too.
     pub(crate) test_people: bool,
+    /// Whether everything is also evaluated without look-ahead.
+    pub(crate) without_look_ahead: bool,
     /// Confidence gates to evaluate with; none is the contender's own.
     pub(crate) gates: Vec<Option<Gate>>,
     /// How baselines are trained.
@@ -87,7 +85,7 @@ impl CrossValidation<'_> {
     fn kept(&self, job: &Job, folder: &RunFolder, config: &ResolvedConfig) -> Option<JobScores> {
         let kept = folder.load_stamped::<JobScores>(SCORES, self.made_from(job, config));
         let scores = kept.ok()?.content;
-        scores.complete(self.gates(job), self.test_people)
+        scores.complete(self.gates(job), self.test_people, self.without_look_ahead)
     }
 
     /// The confidence gates that a job is evaluated with.
@@ -102,7 +100,7 @@ impl CrossValidation<'_> {
     /// What the scores of a job depend on.
     fn made_from(&self, job: &Job, config: &ResolvedConfig) -> Fingerprint {
         match job.contender.kind {
-            Kind::Student => config.fingerprint(),
+            Kind::Student | Kind::Teacher(_) => config.fingerprint(),
             Kind::Baseline(baseline) => {
                 Fingerprint::of(&(config.fingerprint(), baseline, self.baselines))
             }
@@ -160,8 +158,26 @@ impl CrossValidation<'_> {
             number: job.fold,
         };
         let preset = job.contender.preset.clone();
-        let config =
+        let mut config =
             ResolvedConfig::new(preset, &self.library, self.data, self.strict, Some(choice))?;
+        if let Kind::Teacher(teacher) = job.contender.kind
+            && let Some(start) = teacher.start()
+        {
+            let kind = Kind::Teacher(start);
+            let contender = Contender {
+                kind,
+                ..job.contender.clone()
+            };
+            let path = self.path(&Job {
+                contender,
+                fold: job.fold,
+            });
+            if !path.join(weights_file(teacher::training::NAME)).exists() {
+                let only = start.name();
+                return Err(JobError::NoStart { path, only });
+            }
+            config.start_from(&path)?;
+        }
         Ok(config)
     }
 
@@ -177,6 +193,9 @@ impl CrossValidation<'_> {
             None => !fold.iter().any(|own| own == subject) && !is_test(subject),
         };
         let mut people = fold.clone();
+        if matches!(job.contender.kind, Kind::Teacher(teacher) if teacher.is_on_target()) {
+            people.retain(|person| person.starts_with(&format!("{}/", TARGET.name())));
+        }
         if self.test_people {
             people.extend(test_people(preset, &self.library));
         }
@@ -217,7 +236,7 @@ impl CrossValidation<'_> {
                 (entry, own.1.map(|margin| gate.other.unwrap_or(margin)))
             });
             let look_aheads: &[LookAhead] = if candidate.looks_back {
-                &[LookAhead::AllRows, LookAhead::SameInstant]
+                &LookAhead::ALL
             } else {
                 &[LookAhead::None]
             };
@@ -236,45 +255,5 @@ impl CrossValidation<'_> {
         let single = scores.iter().all(|own| own.score.data_set != ALL);
         scores.retain(|own| single || own.score.data_set == ALL);
         Ok(scores)
-    }
-
-    /// Trains the job's models, or the rest of them; its logits over the trials, which are made after the training.
-    fn trained(
-        &self,
-        job: &Job,
-        context: &RunContext,
-        trials: &dyn Fn() -> Vec<Trial>,
-    ) -> Result<(Candidate, Vec<Trial>), JobError> {
-        match job.contender.kind {
-            Kind::Student => {
-                if context.config.preset.distillation.needs_teacher() {
-                    train(context)?;
-                }
-                distill(context)?;
-                let model = NamedModel {
-                    name: job.contender.name().to_owned(),
-                    bytes: quantize(context, &context.folder.file(MODEL))?,
-                };
-                let trials = trials();
-                Ok((beside(&model, &trials)?, trials))
-            }
-            Kind::Baseline(baseline) => {
-                train_all(context, &[baseline], self.baselines)?;
-                let trials = trials();
-                Ok((candidate(context, baseline, &trials)?, trials))
-            }
-            Kind::Constant => {
-                let trials = trials();
-                Ok((constant(&trials), trials))
-            }
-            Kind::EnergyDetector => {
-                let detector = energy_detector(&context.config, &self.library);
-                let trials = trials();
-                // Without a gesture to fit it to, nothing is active.
-                let floor = detector
-                    .map_or_else(|| constant(&trials), |detector| detector.candidate(&trials));
-                Ok((floor, trials))
-            }
-        }
     }
 }

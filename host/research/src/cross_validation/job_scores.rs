@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use myointent::evaluation::Score;
+use myointent::evaluation::{LookAhead, Score};
 
 use super::gate::Gate;
 
@@ -25,10 +25,22 @@ pub(crate) struct FoldScore {
 }
 
 impl JobScores {
-    /// The scores with these gates alone, and on the test people if they are wanted; none if any are missing.
-    pub(crate) fn complete(self, gates: &[Option<Gate>], test_people: bool) -> Option<Self> {
+    /// The scores with these gates alone, and on the test people and without look-ahead if they are wanted; none if any are
+    /// missing.
+    pub(crate) fn complete(
+        self,
+        gates: &[Option<Gate>],
+        test_people: bool,
+        without_look_ahead: bool,
+    ) -> Option<Self> {
         let complete = |mut scores: Vec<FoldScore>| {
-            let has = |gate: &Option<Gate>| scores.iter().any(|own| own.gate == *gate);
+            let counts = |own: &FoldScore| {
+                !without_look_ahead || own.score.look_ahead == LookAhead::None
+            };
+            let has = |gate: &Option<Gate>| {
+                let mut scores = scores.iter();
+                scores.any(|own| own.gate == *gate && counts(own))
+            };
             let all = gates.iter().all(has);
             scores.retain(|own| gates.contains(&own.gate));
             all.then_some(scores)

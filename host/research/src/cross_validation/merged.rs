@@ -125,6 +125,21 @@ impl<'a> Merged<'a> {
         latency::summary(&latencies, gestures)
     }
 
+    /// Offsets of the transitions that are followed, in samples, and the number of all transitions, of everybody of a section
+    /// and all jobs.
+    pub(crate) fn offsets(&self, (data_set, group): Section<'_>) -> (Vec<i32>, usize) {
+        let subjects = self
+            .of_group(group)
+            .flat_map(|score| &score.widest().subjects);
+        let own = subjects.filter(|of| data_set.is_none_or(|set| is_of(&of.subject, set)));
+        let (mut offsets, mut transitions) = (Vec::new(), 0);
+        for of in own {
+            offsets.extend_from_slice(&of.offsets);
+            transitions += of.events;
+        }
+        (offsets, transitions)
+    }
+
     /// Movements outside the vocabulary, of everybody and all seeds, by the name of their kind.
     pub(crate) fn raised(&self) -> BTreeMap<&'a str, Raised> {
         let mut by_kind: BTreeMap<&str, Raised> = BTreeMap::new();
@@ -163,38 +178,17 @@ fn is_of(subject: &str, data_set: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comparison::results::fixture::{results, score};
-
-    /// The scores of one fold, `subject` with this accuracy.
-    fn fold(people: &[(&str, f64, &[i32], usize)]) -> Vec<FoldScore> {
-        let people = people
-            .iter()
-            .map(|&(subject, accuracy, offsets, gestures)| {
-                score(subject, accuracy, offsets, gestures)
-            });
-        let mut scores = results(people, &[("m", true)]).published;
-        // One truth, as a cross-validation keeps it.
-        scores.truncate(scores.len() / 2);
-        let several = scores
-            .iter()
-            .any(|score| score.data_set == myointent::evaluation::ALL);
-        scores.retain(|score| !several || score.data_set == myointent::evaluation::ALL);
-        let scores = scores
-            .into_iter()
-            .map(|score| FoldScore { gate: None, score });
-        scores.collect()
-    }
+    use crate::cross_validation::fixture::{fold, origin};
 
     #[test]
     fn a_persons_value_is_the_mean_over_seeds_and_gestures_are_pooled() {
-        let origin = |seed, fold| Origin { seed, fold };
         let folds = [
             (
                 origin(1, 1),
-                fold(&[("x/a", 0.5, &[10], 2), ("y/b", 0.9, &[20, 40], 2)]),
+                fold("m", &[("x/a", 0.5, &[10], 2), ("y/b", 0.9, &[20, 40], 2)]),
             ),
-            (origin(2, 1), fold(&[("x/a", 0.7, &[30, 30], 2)])),
-            (origin(2, 2), fold(&[("y/b", 0.9, &[], 2)])),
+            (origin(2, 1), fold("m", &[("x/a", 0.7, &[30, 30], 2)])),
+            (origin(2, 2), fold("m", &[("y/b", 0.9, &[], 2)])),
         ];
         let scores = || {
             let folds = folds.iter();

@@ -1,4 +1,5 @@
-//! A small study and fine-tuning, through the command lines of `myointent-research` and `myointent`.
+//! Cross-validations, the paper's tables and fine-tuning, small, through the command lines of `myointent-research` and
+//! `myointent`.
 
 #[path = "small.rs"]
 mod small;
@@ -22,10 +23,10 @@ fn research(arguments: &[&str]) -> bool {
 }
 
 /// The small preset with settings of the baselines.
-fn study_preset(folder: &Path) -> PathBuf {
+fn preset_with_baselines(folder: &Path) -> PathBuf {
     let text = fs::read_to_string(small_preset(folder)).unwrap();
     let baselines = "[baselines]\nstride = 600\nepochs = 1\nlstm_step = 100\n";
-    let path = folder.join("study.toml");
+    let path = folder.join("with-baselines.toml");
     fs::write(&path, format!("{text}\n{baselines}")).unwrap();
     path
 }
@@ -39,123 +40,6 @@ fn names(value: &Value) -> Vec<String> {
     names
         .map(|name| name.as_str().unwrap().to_owned())
         .collect()
-}
-
-#[test]
-fn a_study_holds_every_subject_out_once_and_its_jobs_are_independent() {
-    let folder = folder("study");
-    let (data, _) = recordings(&folder);
-    let (preset, study) = (study_preset(&folder), folder.join("study"));
-    let [data, preset, path] = [&data, &preset, &study].map(|path| path.to_str().unwrap());
-    let job = |fold: &str| {
-        let line = ["study", "--preset", preset, "--data", data, "--study", path];
-        let which = [
-            "--protocol",
-            "2-fold",
-            "--variant",
-            "main,window-100",
-            "--fold",
-            fold,
-        ];
-        research(&[&line[..], &which[..]].concat())
-    };
-    // The second fold does not need the first.
-    assert!(job("2") && job("1"));
-
-    let mut all_held_out = Vec::new();
-    for fold in ["fold-1", "fold-2"] {
-        let run = study.join("main").join(fold);
-        let split = &json(&run.join("config.json"))["split"];
-        let held_out = names(&split["held_out"]);
-        let others: BTreeSet<_> = ["training", "validation"]
-            .iter()
-            .flat_map(|role| names(&split[role]))
-            .collect();
-        assert!(held_out.iter().all(|subject| !others.contains(subject)));
-        let scores = &json(&run.join("results.json"))["published"];
-        let models: BTreeSet<&str> = scores
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|score| score["model"].as_str().unwrap())
-            .collect();
-        for model in [
-            "teacher",
-            "integer student",
-            "student without teacher",
-            "LDA",
-            "TraHGR",
-            "constant relax",
-            "energy detector",
-        ] {
-            assert!(models.contains(model), "{model} is not among {models:?}");
-        }
-        all_held_out.extend(held_out);
-    }
-    all_held_out.sort_unstable();
-    let subjects: BTreeSet<_> = all_held_out.iter().collect();
-    assert_eq!((all_held_out.len(), subjects.len()), (4, 4));
-
-    let short = study.join("window-100/fold-1");
-    assert_eq!(
-        json(&short.join("config.json"))["preset"]["teacher"]["window"],
-        100
-    );
-    assert!(short.join("results.json").exists() && !short.join("student.bpk").exists());
-    // An evaluated job is skipped.
-    let before = fs::metadata(study.join("main/fold-1/results.json"))
-        .unwrap()
-        .modified()
-        .unwrap();
-    assert!(job("1"));
-    let after = fs::metadata(study.join("main/fold-1/results.json"))
-        .unwrap()
-        .modified()
-        .unwrap();
-    assert_eq!(before, after);
-    assert!(!job("3"), "there is no third fold");
-
-    // All folds are summarized as one evaluation.
-    let main = study.join("main");
-    assert!(research(&["summary", main.to_str().unwrap()]));
-    let all = &json(&main.join("summary.json"))["results"]["published"][0]["events"];
-    let subjects: Vec<&str> = all["subjects"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|score| score["subject"].as_str().unwrap())
-        .collect();
-    assert_eq!(subjects, all_held_out);
-    let tables = folder.join("tables");
-    let write = || {
-        research(&[
-            "tables",
-            path,
-            "--allow-dirty",
-            "--out",
-            tables.to_str().unwrap(),
-        ])
-    };
-    assert!(write());
-    let page = |name: &str| fs::read_to_string(tables.join(name)).unwrap();
-    assert!(page("tables.md").contains("2 of 2 folds"));
-    let main_table = page("main-lag-compensated.csv");
-    assert!(
-        main_table.contains("\nconstant relax,0,0.333,"),
-        "{main_table}"
-    );
-    let events = page("events-lag-compensated.csv");
-    assert!(events.contains("synthetic,0,constant relax,0.000,0.00,0.00,0.00,missed,missed,"));
-    let differences = page("differences-lag-compensated.csv");
-    assert!(differences.contains("integer student - constant relax"));
-    let window = page("window-lag-compensated.csv");
-    assert!(window.contains("\n100,0,") && window.contains("\n600,0,"));
-
-    // A missing fold is reported; one without results is refused.
-    fs::rename(main.join("fold-2"), folder.join("elsewhere")).unwrap();
-    assert!(write() && page("tables.md").contains("1 of 2 folds"));
-    fs::remove_file(main.join("fold-1/results.json")).unwrap();
-    assert!(!write());
 }
 
 #[test]
@@ -211,7 +95,7 @@ fn a_teacher_is_fine_tuned_from_a_run_or_from_safetensors() {
 fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     let folder = folder("cross-validation");
     let (data, _) = recordings(&folder);
-    let one = study_preset(&folder);
+    let one = preset_with_baselines(&folder);
     let text = fs::read_to_string(&one).unwrap();
     let other = folder.join("other.toml");
     let text = text
@@ -319,12 +203,13 @@ fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Synthetic recordings as files of roshambo, whose subject 06 is a test person.
+/// Synthetic recordings of other people than those of [`recordings`] as files of roshambo, whose subject 06 is a test person.
 fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
     let options = SynthOptions {
         subjects: subjects.len(),
         recordings: 1,
         seconds: 30,
+        seed: 7,
         ..SynthOptions::default()
     };
     let data = folder.join("data");
@@ -365,7 +250,7 @@ fn roshambo(folder: &Path, subjects: &[&str]) -> PathBuf {
 fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_them() {
     let folder = folder("cross-validation-test-people");
     let data = roshambo(&folder, &["01", "02", "03", "04", "06"]);
-    let (preset, out) = (study_preset(&folder), folder.join("out"));
+    let (preset, out) = (preset_with_baselines(&folder), folder.join("out"));
     let [data, preset, path] = [&data, &preset, &out].map(|path| path.to_str().unwrap());
     let command = |more: &[&str]| {
         let line = [
@@ -443,4 +328,114 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     // Without the option the same folder has tables of development alone again.
     assert!(command(&[]));
     assert!(rows().iter().all(|row| row[5] == "development"));
+}
+
+/// The rows of the table with this caption, cell by cell.
+fn rows<'a>(page: &'a str, caption: &str) -> Vec<Vec<&'a str>> {
+    let from = page
+        .find(caption)
+        .unwrap_or_else(|| panic!("no {caption}: {page}"));
+    let lines = page[from..]
+        .lines()
+        .skip_while(|line| !line.starts_with('|'));
+    let rows = lines.take_while(|line| line.starts_with('|')).skip(2);
+    let cells = |line: &'a str| line.trim_matches('|').split('|').map(str::trim).collect();
+    rows.map(cells).collect()
+}
+
+#[test]
+fn the_papers_tables_are_those_of_one_cross_validation_that_goes_on() {
+    let folder = folder("paper");
+    let (data, _) = recordings(&folder);
+    roshambo(&folder, &["01", "02", "04", "05"]);
+    let preset = preset_with_baselines(&folder);
+    let text = fs::read_to_string(&preset).unwrap();
+    let text = text.replace(r#"data_sets = ["roshambo", "ss-stm"]"#, "data_sets = []");
+    fs::write(&preset, text).unwrap();
+    let out = folder.join("out");
+    let [data, preset, path] = [&data, &preset, &out].map(|path| path.to_str().unwrap());
+    let command = |rest: &[&str]| {
+        let line = [
+            "cross-validate",
+            "--paper",
+            "--preset",
+            preset,
+            "--data",
+            data,
+            "--out",
+            path,
+            "--folds",
+            "2",
+        ];
+        research(&[&line[..], rest].concat())
+    };
+    assert!(!command(&["--seeds", "1,2"]), "one seed");
+    assert!(command(&["--list"]) && !out.exists());
+    // What starts from another teacher says which.
+    assert!(!command(&["--only", "teacher-lora", "--fold", "2"]));
+    assert!(command(&["--only", "teacher-pre-trained", "--fold", "2"]));
+    let job = |name: &str| out.join(name).join("seed-42/fold-2");
+    let weights = || fs::read(job("small-teacher-pre-trained").join("teacher.bpk")).unwrap();
+    let before = weights();
+    assert!(command(&["--only", "teacher-lora", "--fold", "2"]));
+    assert!(!out.join("paper.md").exists(), "most jobs are left");
+    assert!(command(&[]));
+    assert!(weights() == before, "trained once");
+
+    let config = |name: &str| json(&job(name).join("config.json"));
+    let pre_trained = &config("small-teacher-pre-trained")["split"];
+    for role in ["training", "validation", "held_out"] {
+        let people = names(&pre_trained[role]);
+        assert!(!people.is_empty() && people.iter().all(|one| one.starts_with("synthetic/")));
+    }
+    let tuned = config("small-teacher-fine-tuned");
+    assert!(
+        names(&tuned["split"]["training"])
+            .iter()
+            .all(|one| one.starts_with("roshambo/"))
+    );
+    assert!(
+        tuned["start"]
+            .as_str()
+            .unwrap()
+            .contains("small-teacher-pre-trained/seed-42/fold-2")
+    );
+    assert_eq!(
+        config("small-teacher-window-100")["preset"]["teacher"]["window"],
+        100
+    );
+
+    let page = fs::read_to_string(out.join("paper.md")).unwrap();
+    let names_of =
+        |caption: &str| -> Vec<&str> { rows(&page, caption).iter().map(|row| row[1]).collect() };
+    let models = [
+        "small",
+        "teacher",
+        "LDA",
+        "MLP",
+        "LSTM",
+        "ED-TCN",
+        "TraHGR",
+        "constant relax",
+        "energy detector",
+    ];
+    assert_eq!(names_of("Main result"), models);
+    assert_eq!(names_of("TA by the buffer"), models);
+    assert_eq!(names_of("Window of the teacher"), ["100", "300", "600"]);
+    assert_eq!(names_of("Pre-training").len(), 4);
+    assert_eq!(
+        names_of("Look-ahead")[..6],
+        ["small", "small", "small", "teacher", "teacher", "teacher"]
+    );
+    // Everybody once, the target's people in its table; relax alone follows nothing.
+    let constant = &rows(&page, "Main result")[7];
+    assert_eq!(constant[0], "all 3");
+    assert!(constant[8].starts_with("8 / "), "{constant:?}");
+    assert_eq!(constant[4], "0.000 (0.00)");
+    assert!(
+        rows(&page, "Pre-training")
+            .iter()
+            .all(|row| row[8].starts_with("4 / "))
+    );
+    assert!(names_of("Prediction offsets").contains(&"energy detector"));
 }

@@ -1,0 +1,91 @@
+//! What a cross-validation prints and writes.
+
+use std::path::{Path, PathBuf};
+
+use myointent::evaluation::LookAhead;
+use myointent::execution::run_folder::write_whole;
+use myointent::report::Table;
+
+use crate::cross_validation::{
+    Contender, FoldScore, Gate, JobScores, Merged, Origin, differences, movements, paper_tables,
+    people, scores, test_scores,
+};
+
+/// Tables, and a row for each person, with the names of their files.
+pub(super) struct Tables {
+    tables: Vec<Table>,
+    people: Table,
+    files: [&'static str; 2],
+}
+
+impl Tables {
+    /// The tables of development, then that of the test people, if they were looked at.
+    pub(super) fn new(development: &[Merged<'_>], test: &[Merged<'_>]) -> Self {
+        let mut tables = vec![
+            scores(development),
+            differences(development),
+            movements(development),
+        ];
+        tables.extend((!test.is_empty()).then(|| test_scores(test)));
+        Self {
+            tables,
+            people: people(development, test),
+            files: ["tables.md", "people.csv"],
+        }
+    }
+
+    /// The paper's tables; `window` is that of the preset's teacher, in samples.
+    pub(super) fn of_paper(merged: &[Merged<'_>], window: usize) -> Self {
+        Self {
+            tables: paper_tables(merged, window),
+            people: people(merged, &[]),
+            files: ["paper.md", "paper.csv"],
+        }
+    }
+
+    /// All tables for a terminal.
+    pub(super) fn plain(&self) -> String {
+        let tables: Vec<String> = self.tables.iter().map(Table::plain).collect();
+        tables.join("\n")
+    }
+
+    /// Writes the tables, and a row for each person, seed, fold, preset and mode; returns the files.
+    pub(super) fn write(&self, folder: &Path) -> anyhow::Result<[PathBuf; 2]> {
+        let [page, rows] = self.files.map(|name| folder.join(name));
+        let tables: Vec<String> = self.tables.iter().map(Table::markdown).collect();
+        write_whole(&page, tables.join("\n").as_bytes())?;
+        write_whole(&rows, &self.people.csv()?)?;
+        Ok([page, rows])
+    }
+}
+
+/// Every contender under each confidence gate and look-ahead, on some of the people. Without look-ahead only those that have
+/// none, unless `all` are wanted.
+pub(super) fn merged<'a, G: Iterator<Item = Option<Gate>>>(
+    contenders: &'a [Contender],
+    results: &'a [Vec<(Origin, JobScores)>],
+    gates: impl Fn() -> G,
+    all: bool,
+    people: fn(&JobScores) -> Option<&Vec<FoldScore>>,
+) -> Vec<Merged<'a>> {
+    let mut merged: Vec<Merged> = Vec::new();
+    for (contender, own) in contenders.iter().zip(results) {
+        for gate in gates() {
+            let of = |look_ahead| {
+                let scores = own.iter().flat_map(|(origin, scores)| {
+                    let scores = people(scores).into_iter().flatten();
+                    scores.map(|score| (*origin, score))
+                });
+                let merged = Merged::new(contender.name(), look_ahead, gate, scores);
+                (!merged.is_empty()).then_some(merged)
+            };
+            let ahead = [LookAhead::AllRows, LookAhead::SameInstant].map(of);
+            let looks_back = ahead.iter().any(Option::is_some);
+            merged.extend(ahead.into_iter().flatten());
+            if all || !looks_back {
+                merged.extend(of(LookAhead::None));
+            }
+        }
+    }
+    merged
+}

@@ -1,0 +1,73 @@
+//! Scores of folds for tests.
+
+use std::collections::BTreeMap;
+
+use myointent::evaluation::metric::event::activation::Rate;
+use myointent::evaluation::metric::event::latency;
+use myointent::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
+use myointent::evaluation::metric::offset;
+use myointent::evaluation::metric::summary::{SubjectScore, Summary};
+use myointent::evaluation::{ALL, Group, LookAhead, Score, Truth};
+
+use super::job::FoldScore;
+use super::merged::Origin;
+
+pub(crate) const fn origin(seed: u64, fold: u8) -> Origin {
+    Origin { seed, fold }
+}
+
+/// The scores of one fold under every look-ahead: for each person balanced and raw accuracy, an offset for each transition
+/// that is followed, and the number of all transitions.
+pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<FoldScore> {
+    let subjects: Vec<SubjectScore> = people
+        .iter()
+        .map(|&(subject, accuracy, offsets, transitions)| SubjectScore {
+            subject: subject.to_owned(),
+            recordings: 1,
+            classes: 3,
+            balanced_accuracy: Some(accuracy),
+            raw_accuracy: Some(accuracy),
+            correct: offsets.len(),
+            events: transitions,
+            transition_accuracy: (transitions > 0)
+                .then(|| offsets.len() as f64 / transitions as f64),
+            offset: offset::summary(offsets),
+            offsets: offsets.to_vec(),
+        })
+        .collect();
+    let events = EventSummary::of_subjects(subjects.iter().map(events).collect());
+    let reference = Summary::of_subjects(subjects);
+    let score = |look_ahead| Score {
+        model: model.to_owned(),
+        data_set: ALL.to_owned(),
+        classes: 3,
+        people: Group::AllClasses,
+        look_ahead,
+        truth: Truth::LagCompensated,
+        reference: std::array::from_fn(|_| reference.clone()),
+        events: events.clone(),
+    };
+    let scores = LookAhead::ALL.into_iter().map(score);
+    scores
+        .map(|score| FoldScore { gate: None, score })
+        .collect()
+}
+
+/// The events of a person: every transition is the onset of a gesture, and labels are emitted 50 samples after their
+/// reference time; one false activation in half a minute of rest, three changes too many in a minute.
+fn events(score: &SubjectScore) -> SubjectEvents {
+    let latencies: Vec<i32> = score.offsets.iter().map(|offset| offset + 50).collect();
+    let rate = |count, seconds| Rate { count, seconds };
+    SubjectEvents {
+        subject: score.subject.clone(),
+        gestures: score.events,
+        recognised: score.correct,
+        recognition: score.transition_accuracy,
+        latency: latency::summary(&latencies, score.events),
+        latencies,
+        rest: rate(1, 30.0),
+        other_movement: rate(0, 0.0),
+        raised: BTreeMap::new(),
+        flicker: rate(3, 60.0),
+    }
+}

@@ -1,0 +1,68 @@
+//! What a job trains, and the logits that come of it.
+
+use myointent::evaluation::{Candidate, Trial, constant};
+use myointent::run::candidates::teacher_candidate;
+use myointent::run::context::RunContext;
+use myointent::run::distill::distill;
+use myointent::run::evaluate::energy_detector;
+use myointent::run::model_evaluation::{NamedModel, beside};
+use myointent::run::quantize::{MODEL, quantize};
+use myointent::run::train::train;
+use shared::intent::MAX_CLASSES;
+
+use super::contender::Kind;
+use super::job::{CrossValidation, Job};
+use crate::baselines::inference::candidate;
+use crate::baselines::training::train_all;
+use crate::job::JobError;
+
+impl CrossValidation<'_> {
+    /// Trains the job's models, or the rest of them; its logits over the trials, which are made after the training.
+    pub(super) fn trained(
+        &self,
+        job: &Job,
+        context: &RunContext,
+        trials: &dyn Fn() -> Vec<Trial>,
+    ) -> Result<(Candidate, Vec<Trial>), JobError> {
+        match job.contender.kind {
+            Kind::Student => {
+                if context.config.preset.distillation.needs_teacher() {
+                    train(context)?;
+                }
+                distill(context)?;
+                let model = NamedModel {
+                    name: job.contender.name().to_owned(),
+                    bytes: quantize(context, &context.folder.file(MODEL))?,
+                };
+                let trials = trials();
+                Ok((beside(&model, &trials)?, trials))
+            }
+            Kind::Teacher(teacher) => {
+                train(context)?;
+                let trials = trials();
+                let mut candidate = teacher_candidate(context, teacher.name(), &trials)?;
+                // As the paper's: without a gate. It knows no movement outside the vocabulary.
+                candidate.entry_margins = [0.0; MAX_CLASSES];
+                candidate.other_margin = None;
+                Ok((candidate, trials))
+            }
+            Kind::Baseline(baseline) => {
+                train_all(context, &[baseline], self.baselines)?;
+                let trials = trials();
+                Ok((candidate(context, baseline, &trials)?, trials))
+            }
+            Kind::Constant => {
+                let trials = trials();
+                Ok((constant(&trials), trials))
+            }
+            Kind::EnergyDetector => {
+                let detector = energy_detector(&context.config, &self.library);
+                let trials = trials();
+                // Without a gesture to fit it to, nothing is active.
+                let floor = detector
+                    .map_or_else(|| constant(&trials), |detector| detector.candidate(&trials));
+                Ok((floor, trials))
+            }
+        }
+    }
+}
