@@ -9,7 +9,6 @@ use myointent::dataset::alignment::{open_hand, openings, template};
 use myointent::dataset::labels::compensation::Compensation;
 use myointent::dataset::labels::lag::{self, LabelLag};
 use myointent::dataset::labels::set_lag::Lag;
-use myointent::dataset::labels::timing::Timing;
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::split::circles::{self, Circles, is_test};
 use myointent::dataset::{Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs};

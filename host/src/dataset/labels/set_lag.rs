@@ -10,8 +10,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use super::compensation::Compensation;
 use super::lag::{LabelLag, LagEstimate, estimate};
-use super::timing::Timing;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 use crate::dataset::split::circles::Circles;
 
 /// Whose recordings a constant lag is from.

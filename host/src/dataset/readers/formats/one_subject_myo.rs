@@ -6,11 +6,10 @@ use serde_json::Value;
 use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::folder;
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// A file whose hold starts late, and the sample at which it does.
 const LATE_HOLD: (&str, usize) = ("trial_1/R_1_C_3.csv", 60);

@@ -16,13 +16,12 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::labels::from_number;
 use crate::dataset::readers::npy::{Array, Values};
 use crate::dataset::readers::path::{folder, is_number, stem};
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
 pub(crate) const MUSCLE_COLUMN: &str = "synthetic_muscle";
