@@ -35,7 +35,7 @@ fn recording(folder: &Path, samples: usize) -> PathBuf {
     let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
     for at in 0..samples {
         let class = [0, 1, 0, 2][at / 400 % 4];
-        let value = if at % 2 == 0 { 1 } else { -1 } * if class == 0 { 3 } else { 40 };
+        let value = if at.is_multiple_of(2) { 1 } else { -1 } * if class == 0 { 3 } else { 40 };
         writeln!(text, "{class}{}", format!(",{value}").repeat(8)).unwrap();
     }
     let own = folder.join("anna");

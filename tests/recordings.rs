@@ -9,10 +9,11 @@ use myointent::dataset::alignment::{open_hand, openings, template};
 use myointent::dataset::labels::compensation::Compensation;
 use myointent::dataset::labels::lag::{self, LabelLag};
 use myointent::dataset::labels::set_lag::Lag;
-use myointent::dataset::labels::timing::Timing;
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::split::circles::{self, Circles, is_test};
-use myointent::dataset::{Fault, Library, LoadError, LoadOptions, Place, Recording, load, runs};
+use myointent::dataset::{
+    Fault, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
+};
 use myointent::evaluation::metric::event::latency::Latency;
 use myointent::evaluation::{
     ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,

@@ -29,5 +29,5 @@ pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;
 pub use readers::why::Why;
 pub(crate) use recording::by_data_set;
-pub use recording::{DataSet, Recording};
+pub use recording::{DataSet, Recording, Timing};
 pub use split::folds;

@@ -7,7 +7,6 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
-use super::labels::timing::Timing;
 use super::movement::Movement;
 
 /// A published set of recordings, or a kind of file.
@@ -90,6 +89,30 @@ impl DataSet {
     pub const fn trained_by_default(self) -> bool {
         !matches!(self, Self::UciGestures)
     }
+}
+
+/// What the labels of a recording mark.
+#[derive(
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Debug,
+    Default,
+    serde::Serialize,
+    serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Timing {
+    /// Cues, or holds, without rest around them.
+    #[default]
+    Cues,
+    /// Cues with rest around each gesture, so that the muscle shows when each was followed.
+    RestAroundCues,
+    /// The muscle's own activity: the labels are not late.
+    Muscle,
 }
 
 /// Recordings of each data set, in their order.

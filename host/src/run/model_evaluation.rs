@@ -16,6 +16,7 @@ use shared::units::Sample;
 
 pub use self::alignment::{ALIGNED, AlignedSubject, Turn, Worn};
 use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
+use self::named_model::common_vocabulary;
 pub use self::named_model::{NamedModel, beside};
 pub use self::subjects::EvaluatedSubject;
 use self::subjects::subjects;
@@ -268,22 +269,6 @@ fn trials(
             trial(recording, arrange, vocabulary, compensation)
         })
         .collect()
-}
-
-/// The classes of all models.
-fn common_vocabulary(models: &[NamedModel], parsed: &[Model<'_>]) -> Result<Vocabulary, StepError> {
-    let classes = |model: &Model<'_>| model.header.dimensions.vocabulary;
-    let first = parsed.first().ok_or(StepError::NoModel)?;
-    let other = parsed
-        .iter()
-        .position(|model| classes(model) != classes(first));
-    match other {
-        None => Ok(classes(first)),
-        Some(at) => Err(StepError::DifferentClasses {
-            first: models[0].name.clone(),
-            other: models[at].name.clone(),
-        }),
-    }
 }
 
 fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {

@@ -10,5 +10,3 @@ pub mod lag;
 pub(crate) mod motion;
 #[path = "../../../host/src/dataset/labels/runs.rs"]
 pub(crate) mod runs;
-#[path = "../../../host/src/dataset/labels/timing.rs"]
-pub mod timing;

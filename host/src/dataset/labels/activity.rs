@@ -22,8 +22,7 @@ use shared::units::Sample;
 
 use super::envelope::Envelope;
 use super::motion::{Motion, Truth};
-use super::timing::Timing;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 use crate::statistics::median;
 
 /// Samples of the moving average that finds bursts: 200 ms.

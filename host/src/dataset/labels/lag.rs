@@ -16,8 +16,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use super::envelope::Envelope;
 use super::runs::{Run, runs};
-use super::timing::Timing;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 use crate::statistics::median;
 
 /// Samples of the moving average, and for which the envelope stays beyond the half-way level: 50 ms.

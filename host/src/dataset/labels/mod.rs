@@ -9,5 +9,5 @@ pub mod lag;
 pub(crate) mod motion;
 pub(crate) mod runs;
 pub mod set_lag;
-pub mod timing;
+pub(crate) mod timing;
 pub(crate) mod vocabulary;

@@ -10,8 +10,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use super::compensation::Compensation;
 use super::lag::{LabelLag, LagEstimate, estimate};
-use super::timing::Timing;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 use crate::dataset::split::circles::Circles;
 
 /// Whose recordings a constant lag is from.
@@ -217,7 +216,7 @@ mod tests {
         let class = |at: usize| Intent::from_class(2 * (at / 200 % 2));
         let sample = |at: usize| {
             let active = at >= late && (at - late) / 200 % 2 == 1;
-            let sign = if at % 2 == 0 { 1 } else { -1 };
+            let sign = if at.is_multiple_of(2) { 1 } else { -1 };
             [sign * if active { 40 } else { 3 }; CHANNELS]
         };
         let subject = format!("{}/{person}", data_set.name());

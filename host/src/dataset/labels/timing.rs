@@ -12,12 +12,11 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 
 use super::lag::lags_of;
 use super::runs::{Run, runs};
-use crate::dataset::recording::Recording;
+use crate::dataset::recording::{Recording, Timing};
 
 /// Least samples of a rest before and after a gesture: 0.5 s.
 const REST: usize = 100;
@@ -25,19 +24,6 @@ const REST: usize = 100;
 const ON_THE_MUSCLE: f64 = 12.0;
 /// Least changes by which labels are taken for the muscle's.
 const FEWEST_CHANGES: usize = 4;
-
-/// What the labels of a recording mark.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Timing {
-    /// Cues, or holds, without rest around them.
-    #[default]
-    Cues,
-    /// Cues with rest around each gesture, so that the muscle shows when each was followed.
-    RestAroundCues,
-    /// The muscle's own activity: the labels are not late.
-    Muscle,
-}
 
 /// Finds out what the labels mark, person by person. What is known to be the muscle's stays so.
 pub(crate) fn find(recordings: &mut [Recording]) {

@@ -280,7 +280,7 @@ mod tests {
                 labels: (0..800).map(label).collect(),
                 notes: vec!["known".into()],
                 other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
-                timing: crate::dataset::labels::timing::Timing::Cues,
+                timing: crate::dataset::Timing::Cues,
                 wearer: shared::stream::normalizer::Normalizer::new(),
             }],
             ignored: ["LICENSE", "notes.txt", "README"]

@@ -31,7 +31,7 @@ fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
         labels,
         notes: Vec::new(),
         other_movement: Vec::new(),
-        timing: crate::dataset::labels::timing::Timing::Cues,
+        timing: crate::dataset::Timing::Cues,
         wearer: shared::stream::normalizer::Normalizer::new(),
     }
 }

@@ -129,7 +129,7 @@ mod tests {
                 labels: Vec::new(),
                 notes: Vec::new(),
                 other_movement: Vec::new(),
-                timing: crate::dataset::labels::timing::Timing::Cues,
+                timing: crate::dataset::Timing::Cues,
                 wearer: shared::stream::normalizer::Normalizer::new(),
             })
         };

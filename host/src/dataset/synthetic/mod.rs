@@ -19,9 +19,9 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 use self::cues::cues;
 pub use self::follower::Follower;
 use self::wearer::Wearer;
-use super::labels::timing::{self, Timing};
+use super::labels::timing;
 use super::readers::formats::react_emg::MUSCLE_COLUMN;
-use super::recording::{DataSet, Recording};
+use super::recording::{DataSet, Recording, Timing};
 use super::seed::generator;
 use crate::execution::run_folder::{RunError, write_whole};
 

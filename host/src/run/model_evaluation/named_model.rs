@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
 use crate::evaluation::{Candidate, Trial};
@@ -52,6 +53,28 @@ pub fn beside(model: &NamedModel, trials: &[Trial]) -> Result<Candidate, StepErr
         Some(subject) => Err(StepError::Seen {
             model: model.name.clone(),
             subject: subject.to_owned(),
+        }),
+    }
+}
+
+/// The classes of all models.
+///
+/// # Errors
+/// When there is no model, or two have different classes.
+pub(super) fn common_vocabulary(
+    models: &[NamedModel],
+    parsed: &[Model<'_>],
+) -> Result<Vocabulary, StepError> {
+    let classes = |model: &Model<'_>| model.header.dimensions.vocabulary;
+    let first = parsed.first().ok_or(StepError::NoModel)?;
+    let other = parsed
+        .iter()
+        .position(|model| classes(model) != classes(first));
+    match other {
+        None => Ok(classes(first)),
+        Some(at) => Err(StepError::DifferentClasses {
+            first: models[0].name.clone(),
+            other: models[at].name.clone(),
         }),
     }
 }

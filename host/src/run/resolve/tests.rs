@@ -18,7 +18,7 @@ fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
             labels: vec![Some(Intent::Relax); 20],
             other_movement: Vec::new(),
             notes: Vec::new(),
-            timing: crate::dataset::labels::timing::Timing::Cues,
+            timing: crate::dataset::Timing::Cues,
             wearer: shared::stream::normalizer::Normalizer::new(),
         })
         .collect()

@@ -87,9 +87,9 @@ fn samples(t: &[Label], p: &[Label], expected: &mut Expected) {
 
 fn stretches(t: &[Label]) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
-    for at in 0..t.len() {
+    for (at, label) in t.iter().enumerate() {
         match found.last_mut() {
-            _ if t[at].is_none() => {}
+            _ if label.is_none() => {}
             Some(last) if last.end == at => last.end = at + 1,
             _ => found.push(at..at + 1),
         }

@@ -14,11 +14,10 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::stem;
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 #[derive(Deserialize)]
 struct User {

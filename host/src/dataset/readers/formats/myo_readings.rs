@@ -12,12 +12,11 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, is_number, left_arm, stem};
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// People whose labels do not mark when the gesture happens, and why.
 const UNUSABLE: [(&str, &str); 4] = [

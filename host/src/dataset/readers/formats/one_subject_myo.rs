@@ -9,10 +9,9 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
 use super::libemg::{class_name, motion};
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{folder, stem};
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// A file whose hold starts late, and the sample at which it does.
 const LATE_HOLD: (&str, usize) = ("trial_1/R_1_C_3.csv", 60);

@@ -14,7 +14,6 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::readers::columns::Columns;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::excerpt::excerpt;
@@ -22,7 +21,7 @@ use crate::dataset::readers::labels::{from_number, from_text};
 use crate::dataset::readers::npy::{Array, Values};
 use crate::dataset::readers::path::{is_number, left_arm, stem};
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
 pub(crate) const MUSCLE_COLUMN: &str = "synthetic_muscle";

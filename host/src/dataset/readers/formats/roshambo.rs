@@ -10,13 +10,12 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::npy::{self, Array, Values};
 use crate::dataset::readers::path::stem;
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// Whether an array holds samples of the set: whole numbers, (n, 8), in a file `subject*_emg.npy`.
 pub(crate) fn is_samples(path: &Path, array: &Array) -> bool {

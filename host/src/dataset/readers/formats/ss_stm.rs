@@ -9,12 +9,11 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
 use crate::dataset::labels::motion::{Motion, Truth};
-use crate::dataset::labels::timing::Timing;
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::path::{numbered, stem};
 use crate::dataset::readers::table;
-use crate::dataset::recording::{DataSet, Recording};
+use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// First sample of the motion, and of the rest after it.
 const MOTION: std::ops::Range<usize> = 200..600;

@@ -14,7 +14,7 @@ fn people(data_set: DataSet, names: &[&str]) -> Vec<Recording> {
         labels: Vec::new(),
         other_movement: Vec::new(),
         notes: Vec::new(),
-        timing: crate::dataset::labels::timing::Timing::Cues,
+        timing: crate::dataset::Timing::Cues,
         wearer: shared::stream::normalizer::Normalizer::new(),
     };
     names
