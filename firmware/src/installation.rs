@@ -68,11 +68,9 @@ async fn take(
 ) -> Result<Progress, Refused> {
     installation.take(number, block, is_ours)?;
     while let Some(step) = installation.step() {
-        let outcome = match step {
-            Step::Suspend => suspend().await,
-            Step::Verify => verify().await,
-            Step::Resume => inference(ModelRequest::Resume).await,
-            _ => {
+        let outcome = match request(step) {
+            Some(request) => inference(request).await,
+            None => {
                 let mut flash = flash.lock().await;
                 let written = write(installation, &mut *flash, step).await;
                 written.map_err(|FlashFailed| Refused::Flash)
@@ -96,31 +94,26 @@ fn is_ours(first: &Block) -> bool {
     }
 }
 
-/// Has the inference do something about the model.
-async fn inference(request: ModelRequest) -> Result<(), Refused> {
-    MODEL.ask(request).await.map_err(|refusal| match refusal {
-        Refusal::Model => Refused::Model,
-        _ => Refused::Busy,
-    })
+/// What the inference has to do in a step.
+const fn request(step: Step) -> Option<ModelRequest> {
+    match step {
+        Step::Suspend => Some(ModelRequest::Suspend),
+        Step::Verify => Some(ModelRequest::Verify),
+        Step::Resume => Some(ModelRequest::Resume),
+        _ => None,
+    }
 }
 
-/// The pins are safe, and nothing reads the region.
-async fn suspend() -> Result<(), Refused> {
-    inference(ModelRequest::Suspend).await?;
+/// Has the inference do its part. The pins show it then: they are safe, and nothing reads the region, once it is suspended.
+async fn inference(request: ModelRequest) -> Result<(), Refused> {
+    let done = MODEL.ask(request).await;
     while !pin_state::is_shown() {
         yield_now().await;
     }
-    Ok(())
-}
-
-/// Checks that the region holds a model that can be run. Says so if not.
-async fn verify() -> Result<(), Refused> {
-    let Err(error) = model_region::load(&mut |_| ()) else {
-        return Ok(());
-    };
-    // If it does not answer, the reason is not said; the answer to the command is the same.
-    let _ = inference(ModelRequest::Refuse(error)).await;
-    Err(Refused::Model)
+    done.map_err(|refusal| match refusal {
+        Refusal::Model => Refused::Model,
+        _ => Refused::Busy,
+    })
 }
 
 async fn write(

@@ -2,9 +2,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use embassy_sync::{
-    blocking_mutex::raw::CriticalSectionRawMutex, channel::Channel, signal::Signal,
-};
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::{Duration, with_timeout};
 use shared::installation::{Block, Progress, Transfer};
 use shared::stream::alignment::Alignment;
@@ -12,8 +10,6 @@ use shared::stream::smoother::Gate;
 use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
-
-use crate::model_region::ModelRefused;
 
 /// From the control task to the inference.
 pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
@@ -46,8 +42,8 @@ pub static MODEL: Requests<ModelRequest, ()> = Requests::new();
 pub enum ModelRequest {
     /// Enter the safe state, and read the model's region no more.
     Suspend,
-    /// The region holds no model, for this reason.
-    Refuse(ModelRefused),
+    /// Check that the region holds a model that can be run, and say why not.
+    Verify,
     /// Put the region's model in use.
     Resume,
 }
@@ -77,15 +73,18 @@ pub struct Ticket(u8);
 /// Requests of one task to one other, one at a time.
 pub struct Requests<Q, A> {
     tickets: AtomicU8,
-    asked: Channel<CriticalSectionRawMutex, (Ticket, Q), 1>,
-    answered: Signal<CriticalSectionRawMutex, (Ticket, Result<A, Refusal>)>,
+    asked: Signal<CriticalSectionRawMutex, (Ticket, Q)>,
+    /// The newest answer, and whose it is.
+    answer: Signal<CriticalSectionRawMutex, Result<A, Refusal>>,
+    answered: Signal<CriticalSectionRawMutex, Ticket>,
 }
 
 impl<Q, A> Requests<Q, A> {
     const fn new() -> Self {
         Self {
             tickets: AtomicU8::new(0),
-            asked: Channel::new(),
+            asked: Signal::new(),
+            answer: Signal::new(),
             answered: Signal::new(),
         }
     }
@@ -96,40 +95,39 @@ impl<Q, A> Requests<Q, A> {
     /// What the other task answers, or that it does not answer in time.
     pub async fn ask(&self, request: Q) -> Result<A, Refusal> {
         let own = Ticket(self.tickets.fetch_add(1, Ordering::Relaxed));
-        // It has room: a request is taken, or else withdrawn below.
-        let _ = self.asked.try_send((own, request));
-        let answer = async {
-            loop {
-                // One to an earlier request, which was given up, is passed over.
-                let (ticket, answer) = self.answered.wait().await;
-                if ticket == own {
-                    return answer;
-                }
-            }
-        };
-        with_timeout(PATIENCE, answer).await.unwrap_or_else(|_| {
-            // Or it would be carried out when nobody waits for it any more.
-            self.asked.clear();
-            Err(Refusal::Busy)
-        })
+        self.asked.signal((own, request));
+        if is_answered(&self.answered, own).await {
+            return self.answer.try_take().unwrap_or(Err(Refusal::Busy));
+        }
+        // Or it would be carried out when nobody waits for it any more.
+        self.asked.reset();
+        Err(Refusal::Busy)
     }
 
     /// Waits for a request, which is answered with its ticket.
     pub async fn receive(&self) -> (Ticket, Q) {
-        self.asked.receive().await
+        self.asked.wait().await
     }
 
     /// Answers a request.
     pub fn answer(&self, ticket: Ticket, answer: Result<A, Refusal>) {
-        self.answered.signal((ticket, answer));
+        self.answer.signal(answer);
+        self.answered.signal(ticket);
     }
+}
+
+/// Waits until a request is answered; false if that takes too long. The same code for all requests: it is long on a board.
+async fn is_answered(answered: &Signal<CriticalSectionRawMutex, Ticket>, own: Ticket) -> bool {
+    // Answers to earlier requests, which were given up, are passed over.
+    let answer = async { while answered.wait().await != own {} };
+    with_timeout(PATIENCE, answer).await.is_ok()
 }
 
 #[cfg(test)]
 mod tests {
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
-    use std::sync::{Mutex, MutexGuard, PoisonError};
+    use std::sync::{Mutex as Lock, MutexGuard, PoisonError};
 
     use embassy_time::MockDriver;
 
@@ -155,7 +153,7 @@ mod tests {
 
     /// Virtual time is one for all tests: one of them at a time.
     fn alone() -> MutexGuard<'static, ()> {
-        static TIME: Mutex<()> = Mutex::new(());
+        static TIME: Lock<()> = Lock::new(());
         TIME.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -174,7 +174,7 @@ pub async fn run(
                         absence.began(now, ModelRefused::Incomplete);
                         Ok(())
                     }
-                    ModelRequest::Refuse(error) => Err(error),
+                    ModelRequest::Verify => model_region::load(&mut |_| ()),
                     ModelRequest::Resume => resume(pipeline),
                 };
                 match done {

@@ -241,7 +241,7 @@ impl Installation {
         let step = self.lowest();
         self.pending &= !step;
         match (step, outcome) {
-            (VERIFY, Err(_)) => {
+            (VERIFY, Err(Refused::Model)) => {
                 self.is_bad = true;
                 self.pending = END_JOURNAL;
             }
