@@ -209,11 +209,13 @@ pub fn print(
     let hub = Arc::new(Hub::new());
     // Before the source: nothing that it says is missed.
     let lines = Lines::start(hub.clone(), output)?;
+    let mode = Mode::of(&source, false);
     let requests = mpsc::sync_channel(REQUESTS);
     let stream = Stream::start(hub.clone(), source, model, None, requests)?;
     let server = page.map(|(listener, access)| {
         opened(&access.url());
-        Server::start(listener, access, hub.clone(), stream.requests.clone(), None)
+        let requests = stream.requests.clone();
+        Server::start(listener, access, mode, hub.clone(), requests, None)
     });
     let server = server.transpose()?;
     while !(over() || stream.source.is_finished() || lines.is_finished()) {

@@ -23,7 +23,7 @@ pub const CONFIG: &str = "config.json";
 /// Everything that decides the outcome of a run but its recordings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ResolvedConfig {
-    /// Name of the variant in a study; the preset's name in a run by itself.
+    /// Name of the preset. It stays apart from the preset, because fingerprints of earlier runs contain it.
     pub variant: String,
     /// The fold of a cross-validation; none without one.
     pub fold: Option<Fold>,
