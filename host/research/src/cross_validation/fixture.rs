@@ -9,7 +9,7 @@ use myointent::evaluation::metric::offset;
 use myointent::evaluation::metric::summary::{SubjectScore, Summary};
 use myointent::evaluation::{ALL, Group, LookAhead, Score, Truth};
 
-use super::job::FoldScore;
+use super::job_scores::FoldScore;
 use super::merged::Origin;
 
 pub(crate) const fn origin(seed: u64, fold: u8) -> Origin {

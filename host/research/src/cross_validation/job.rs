@@ -11,7 +11,7 @@ use myointent::dataset::Library;
 use myointent::dataset::folds::Protocol;
 use myointent::dataset::split::Role;
 use myointent::dataset::split::circles::is_test;
-use myointent::evaluation::{ALL, Candidate, LookAhead, Score, Trial, Truth, score};
+use myointent::evaluation::{ALL, Candidate, LookAhead, Trial, Truth, score};
 use myointent::execution::fingerprint::Fingerprint;
 use myointent::execution::interrupt::Interrupt;
 use myointent::execution::progress;

@@ -34,9 +34,8 @@ impl JobScores {
         without_look_ahead: bool,
     ) -> Option<Self> {
         let complete = |mut scores: Vec<FoldScore>| {
-            let counts = |own: &FoldScore| {
-                !without_look_ahead || own.score.look_ahead == LookAhead::None
-            };
+            let counts =
+                |own: &FoldScore| !without_look_ahead || own.score.look_ahead == LookAhead::None;
             let has = |gate: &Option<Gate>| {
                 let mut scores = scores.iter();
                 scores.any(|own| own.gate == *gate && counts(own))
