@@ -141,7 +141,9 @@ fn the_old_model_is_kept_if_the_new_one_is_worse() {
     let files = person(&recordings);
     // What is tuned on says the opposite of what is held back, the last recording.
     let [first, second] = [&files[0], &files[1]];
-    [first, second].map(|path| exchange(path, ["1", "2"]));
+    for path in [first, second] {
+        exchange(path, ["1", "2"]);
+    }
     let out = folder.join("new.intent");
     let code = personalize(&shipped(), &recordings, &out, &[]);
     assert_eq!(code, ExitCode::from(KEPT));
