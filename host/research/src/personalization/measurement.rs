@@ -145,7 +145,7 @@ impl Measurement<'_> {
                     let [old, new] = [model, &file].map(|file| judge("", file, &held_back));
                     let vocabulary = Model::parse(model)?.header.dimensions.vocabulary;
                     let constant = judge_constant(&held_back, vocabulary)?;
-                    let is_kept = exchange(model, &part)?.is_some_and(|found| found.is_mutual)
+                    let is_kept = exchange(model, person)?.is_some_and(|found| found.is_mutual)
                         || worse(&old?, &new?, &constant).is_some();
                     Some(if is_kept {
                         Outcome::Kept

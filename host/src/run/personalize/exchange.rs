@@ -5,7 +5,7 @@ use std::slice;
 use shared::model::file::Model;
 
 use super::error::PersonalizeError;
-use super::part::Part;
+use super::person::{Own, Person};
 use crate::evaluation::{Candidate, Trial, confusion};
 use crate::run::candidates::integer_candidate;
 use crate::run::model_evaluation::look_ahead;
@@ -39,14 +39,24 @@ fn within(recordings: &[String]) -> String {
     format!(" in {}", recordings.join(", "))
 }
 
-/// The two classes that a model takes for each other in a part of a person's recordings, in all of it or in single
-/// recordings; none if no exchange of two explains [`EXPLAINED`] of balanced accuracy.
+/// The two classes that a model takes for each other in a person's recordings, in all of them or in single ones; none if no
+/// exchange of two explains [`EXPLAINED`] of balanced accuracy.
+///
+/// Labels are those that were published: compensation for their lag drops what no muscle follows, so rest that is labelled as a
+/// gesture.
 ///
 /// # Errors
 /// When the model is refused.
-pub fn exchange(file: &[u8], part: &Part<'_>) -> Result<Option<Exchange>, PersonalizeError> {
+pub fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, PersonalizeError> {
     let model = Model::parse(file)?;
-    let trials = part.trials();
+    let published = |own: &Own| {
+        let mut trial = own.trial.clone();
+        if let Some(labels) = trial.published.take() {
+            trial.lag_compensated = labels;
+        }
+        trial
+    };
+    let trials: Vec<Trial> = person.recordings.iter().map(published).collect();
     let candidate = integer_candidate("before", &model, &trials)?;
     let look_ahead = look_ahead(&model.header.smoother);
     let vocabulary = model.header.dimensions.vocabulary;

@@ -84,7 +84,7 @@ pub fn personalize(
         ));
     }
     progress::log(&format!("labels: {}", person.lag()));
-    let exchanged = exchange(file, &person.whole())?;
+    let exchanged = exchange(file, &person)?;
     if let Some(found) = exchanged.clone().filter(|found| found.is_mutual) {
         return Err(PersonalizeError::Exchanged(found));
     }
