@@ -185,7 +185,7 @@ fn recordings_in_the_layout_of_libemg_are_people_by_folder_and_not_the_published
 
 /// A text of `myo-readings`: rest and a fist in turn.
 fn fist(person: u32) -> String {
-    let label = |at: u32| if at / 100 % 2 == 0 { 0 } else { 7 };
+    let label = |at: u32| if (at / 100).is_multiple_of(2) { 0 } else { 7 };
     (0..700)
         .map(|at| format!("{},{}\n", row(&sample(person, at), ","), label(at)))
         .collect()

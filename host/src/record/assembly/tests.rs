@@ -173,7 +173,7 @@ fn samples_of_a_bad_trial_stay_and_have_no_label() {
 #[test]
 fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
     // Rest and gesture in turn, five seconds each.
-    let label = |at: usize| if at / 1000 % 2 == 0 { R } else { O };
+    let label = |at: usize| if (at / 1000).is_multiple_of(2) { R } else { O };
     let part = |labels: Vec<Option<Intent>>| Part {
         samples: vec![[0; CHANNELS]; labels.len()],
         labels,
@@ -197,5 +197,5 @@ fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
         held,
         [0..6_500, 6_500..13_000, 13_000..19_500, 19_500..20_000]
     );
-    assert_eq!(part(vec![O; 6_500]).files(6_500), [0..6_500]);
+    assert_eq!(part(vec![O; 6_500]).files(6_500), vec![0..6_500]);
 }
