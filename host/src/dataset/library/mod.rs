@@ -214,6 +214,12 @@ fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), Load
 }
 
 #[cfg(test)]
+mod fixture;
+#[cfg(test)]
+#[path = "tests.rs"]
+mod seeming;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
