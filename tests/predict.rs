@@ -35,8 +35,14 @@ fn recording(folder: &Path, samples: usize) -> PathBuf {
     let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
     for at in 0..samples {
         let class = [0, 1, 0, 2][at / 400 % 4];
-        let value = if at.is_multiple_of(2) { 1 } else { -1 } * if class == 0 { 3 } else { 40 };
-        writeln!(text, "{class}{}", format!(",{value}").repeat(8)).unwrap();
+        let amplitude = if class == 0 { 3 } else { 40 };
+        let noise = |channel: usize| {
+            let mixed = (8 * at + channel) as u32;
+            i64::from((mixed ^ (mixed >> 5)).wrapping_mul(2_654_435_761) >> 16)
+                % (2 * amplitude + 1)
+        };
+        let values = (0..8).map(|channel| format!(",{}", noise(channel) - amplitude));
+        writeln!(text, "{class}{}", values.collect::<String>()).unwrap();
     }
     let own = folder.join("anna");
     fs::create_dir_all(&own).unwrap();
@@ -79,4 +85,35 @@ fn predict_and_then_score_take_a_recording_of_any_length() {
             "{samples}"
         );
     }
+}
+
+#[test]
+fn a_recording_too_short_for_a_label_fails_a_replay() {
+    let folder = folder("short");
+    let model = model(&folder);
+    for (samples, labelled) in [(500, false), (649, false), (660, true), (1003, true)] {
+        let recording = recording(&folder, samples);
+        let [model, recording] = [&model, &recording].map(|path| path.to_str().unwrap());
+        assert_eq!(
+            myointent(&["replay", model, recording]),
+            labelled,
+            "{samples}"
+        );
+    }
+}
+
+#[test]
+fn a_folder_without_one_readable_recording_fails_inspect_and_evaluate() {
+    let folder = folder("damaged");
+    let model = model(&folder);
+    let path = recording(&folder, 700);
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace(",-", ",x")).unwrap();
+    let [model, page] = [model, folder.join("page.html")].map(|path| path.display().to_string());
+    let own = path.parent().unwrap().to_str().unwrap();
+    assert!(!myointent(&["data", "inspect", own]));
+    let evaluate = [
+        "evaluate", "--model", &model, "--data", own, "--report", &page,
+    ];
+    assert!(!myointent(&evaluate));
 }

@@ -413,12 +413,12 @@ fn a_refusal_says_what_was_found_and_what_was_expected() {
         (
             "sixteen.csv",
             sixteen.into_bytes(),
-            &["16 columns emg", "eight channels"],
+            &["2 armbands", "emg_8 to emg_15"],
         ),
         (
             "decimals.csv",
             decimals.into_bytes(),
-            &["whole number from -128 to 127", "divided by 128"],
+            &["whole numbers from -128 to 127", "divided by 128"],
         ),
         ("utf16.csv", utf16, &["UTF-16", "UTF-8"]),
         ("latin.csv", latin, &["UTF-8"]),

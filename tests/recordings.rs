@@ -12,7 +12,7 @@ use myointent::dataset::labels::set_lag::Lag;
 use myointent::dataset::splice::{SpliceOptions, splice};
 use myointent::dataset::split::circles::{self, Circles, is_test};
 use myointent::dataset::{
-    Fault, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
+    Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
 };
 use myointent::evaluation::metric::event::latency::Latency;
 use myointent::evaluation::{
@@ -210,7 +210,11 @@ fn myo_readings_drops_doubled_rows_and_labels_that_drift() {
     let polled: BTreeSet<_> = library
         .recordings
         .iter()
-        .filter(|r| r.notes.iter().any(|note| note.contains("250 Hz")))
+        .filter(|r| {
+            r.findings
+                .iter()
+                .any(|f| matches!(f, Finding::Polled { .. }))
+        })
         .map(|r| r.subject.as_str())
         .collect();
     assert_eq!(polled, BTreeSet::from(["myo-readings/69069"]));

@@ -12,6 +12,7 @@ use shared::uart_line::flag;
 
 pub use backend::{Backend, BackendArguments, BackendError};
 
+use crate::dataset::finding::grouped;
 use crate::dataset::readers::excerpt::printable;
 use crate::dataset::{Library, LoadError, LoadOptions, load, synthetic};
 use crate::execution::interrupt::Interrupt;
@@ -93,7 +94,7 @@ pub(crate) fn every_recording(path: &Path, strict: bool) -> anyhow::Result<Libra
         data_sets: Vec::new(),
     };
     let library = load(path, &options).map_err(refused)?;
-    log_found(&library, path);
+    log_found(&library, path)?;
     Ok(library)
 }
 
@@ -187,7 +188,7 @@ pub(crate) fn recordings(
         library => library,
     }
     .map_err(refused)?;
-    log_found(&library, path);
+    log_found(&library, path)?;
     Ok(library)
 }
 
@@ -198,14 +199,20 @@ pub(crate) fn log_labels(config: &ResolvedConfig) {
     }
 }
 
-/// Logs how much was found, and what was left out.
-fn log_found(library: &Library, path: &Path) {
+/// Logs how much was found, what was left out, and what is doubtful.
+///
+/// # Errors
+/// When not one recording is left.
+pub(in crate::cli) fn log_found(library: &Library, path: &Path) -> anyhow::Result<()> {
+    some_recording(library, path)?;
     if let Some(first) = library.skipped.first() {
         progress::log(&format!(
-            "damaged files left out: {} (`myointent data inspect` lists them); the first: {first}",
-            library.skipped.len()
+            "files left out: {} (`myointent data inspect` lists them); the first: {}",
+            library.skipped.len(),
+            first.line()
         ));
     }
+    log_findings(library);
     progress::log(&format!(
         "{} recordings in {}",
         library.recordings.len(),
@@ -214,6 +221,27 @@ fn log_found(library: &Library, path: &Path) {
     for sentence in &library.people {
         progress::log(&printable(sentence));
     }
+    Ok(())
+}
+
+/// Logs what is doubtful in the recordings, the same finding in one line.
+pub(in crate::cli) fn log_findings(library: &Library) {
+    for group in grouped(library.findings()) {
+        progress::log(&printable(&group.to_string()));
+    }
+}
+
+/// Refuses a library without a recording.
+pub(in crate::cli) fn some_recording(library: &Library, path: &Path) -> anyhow::Result<()> {
+    if let (true, Some(first)) = (library.recordings.is_empty(), library.skipped.first()) {
+        anyhow::bail!(
+            "no recording is left in {}: {} files are left out; the first: {}",
+            path.display(),
+            library.skipped.len(),
+            first.line()
+        );
+    }
+    Ok(())
 }
 
 /// What stops a load, with the option that leaves damaged files out.

@@ -8,13 +8,14 @@ use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::dataset::Library;
+use crate::dataset::finding::Group;
 use crate::dataset::library::inspection::{Files, Inspection, SetInspection};
 use crate::dataset::readers::excerpt::printable;
 use crate::record::told::Told;
 use crate::record::{Recorded, recorded};
 use crate::report::Table;
 
-/// How many files with the same anomaly are listed; `--json` has all.
+/// How many files with the same finding are listed; `--json` has all.
 const SHOWN: usize = 4;
 
 /// What is in a library, and whether its guided recordings are good enough to tune a model on.
@@ -106,18 +107,30 @@ pub(super) fn tables(recordings: &Recordings) -> String {
     for sentence in &inspection.people {
         text += &format!("\n{}\n", printable(sentence));
     }
-    for suspicion in &inspection.suspicions {
-        text += &format!(
-            "\n{} ({})\n",
-            printable(&suspicion.what),
-            suspicion.which.len()
+    if !inspection.skipped.is_empty() {
+        text += &list(
+            &format!(
+                "left out, because they cannot be read as they are ({})",
+                inspection.skipped.len()
+            ),
+            &inspection.skipped,
         );
-        for which in suspicion.which.iter().take(SHOWN) {
-            text += &format!("    {}\n", printable(which));
-        }
-        if suspicion.which.len() > SHOWN {
-            text += "    ...\n";
-        }
+    }
+    for Group {
+        severity,
+        what,
+        advice,
+        which,
+        ..
+    } in &inspection.findings
+    {
+        let advice = if advice.is_empty() {
+            String::new()
+        } else {
+            format!(": {advice}")
+        };
+        let head = format!("{}: {what}{advice} ({})", severity.name(), which.len());
+        text += &list(&head, which);
     }
     for ignored in &inspection.ignored {
         text += &format!(
@@ -130,6 +143,18 @@ pub(super) fn tables(recordings: &Recordings) -> String {
     }
     for person in guided {
         text += &format!("\n{person}");
+    }
+    text
+}
+
+/// A heading and the first of its entries.
+fn list(head: &str, entries: &[String]) -> String {
+    let mut text = format!("\n{}\n", printable(head));
+    for entry in entries.iter().take(SHOWN) {
+        text += &format!("    {}\n", printable(entry));
+    }
+    if entries.len() > SHOWN {
+        text += "    ...\n";
     }
     text
 }

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use shared::intent::Vocabulary;
 
-use super::arguments::refused;
+use super::arguments::{refused, some_recording};
 use super::contents::{Recordings, tables};
 use super::fetch;
 use crate::dataset::synthetic::{self, SynthOptions};
@@ -16,7 +16,7 @@ use crate::dataset::{DataSet, LoadOptions, load};
 /// What `myointent data` does.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Show subjects, seconds per intent, transitions, saturation and anomalies
+    /// Show subjects, seconds per intent, transitions, and what is wrong with recordings
     Inspect(InspectArguments),
     /// Write synthetic recordings, to try things without a data set
     Synth(SynthArguments),
@@ -125,7 +125,7 @@ fn inspect(args: &InspectArguments) -> anyhow::Result<()> {
         tables(&recordings)
     };
     std::io::stdout().write_all(report.as_bytes())?;
-    Ok(())
+    some_recording(&library, &args.path)
 }
 
 fn write_synthetic(args: &SynthArguments) -> anyhow::Result<()> {

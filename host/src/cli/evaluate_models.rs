@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use serde::Deserialize as _;
 use serde::de::{IntoDeserializer as _, value};
+use serde::{Deserialize as _, Serialize};
 
 use crate::cli::arguments::{every_recording, warn_of_test_people};
 use crate::cli::output::{PAGE, first_line, refuse_unlike};
+use crate::dataset::finding::{Group, grouped};
 use crate::dataset::labels::lag::LabelLag;
 use crate::dataset::losses::MOST_PERCENT;
 use crate::execution::progress;
@@ -165,7 +166,11 @@ pub(in crate::cli) fn run(
     }
     let mut out = std::io::stdout().lock();
     if json {
-        writeln!(out, "{}", serde_json::to_string_pretty(results)?)?;
+        let found = Evaluated {
+            results,
+            findings: grouped(library.findings()),
+        };
+        writeln!(out, "{}", serde_json::to_string_pretty(&found)?)?;
         return Ok(());
     }
     for table in tables(results) {
@@ -176,6 +181,14 @@ pub(in crate::cli) fn run(
     }
     writeln!(out, "report: {}", options.report.display())?;
     Ok(())
+}
+
+/// Results with what was found in the recordings.
+#[derive(Serialize)]
+struct Evaluated<'r> {
+    #[serde(flatten)]
+    results: &'r ModelResults,
+    findings: Vec<Group>,
 }
 
 /// Says who was left out, and who should not be looked at.

@@ -10,9 +10,9 @@ use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::stream::alignment::Arm;
-use shared::units::{Millis, Sample};
+use shared::units::{Millis, Sample, WINDOW};
 
-use crate::cli::arguments::mirrored;
+use crate::cli::arguments::{log_findings, mirrored};
 use crate::cli::read_model;
 use crate::dataset::{LoadOptions, Recording, load};
 use crate::inference::stream::{feed, pipeline};
@@ -77,10 +77,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let start = arguments.real_time.then(Instant::now);
+    let mut labels = 0_usize;
     let align = arguments
         .align
         .then(|| arguments.mirrored.unwrap_or_default());
     replay(&model, &recording.samples, start, align, |line| {
+        labels += usize::from(line.starts_with("$LABEL"));
         out.write_all(line.as_bytes())?;
         if arguments.real_time {
             out.flush()
@@ -89,7 +91,20 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     })?;
     out.flush()?;
+    if labels == 0 {
+        bail!(
+            "no label: the first needs {} samples, a window of {WINDOW} and the model's look-ahead; {} has {}",
+            first_label(&model),
+            recording.full_name(),
+            recording.samples.len()
+        );
+    }
     Ok(())
+}
+
+/// Samples up to the first label of a model.
+fn first_label(model: &Model<'_>) -> usize {
+    WINDOW + model.header.smoother.look_ahead
 }
 
 /// The UART lines of a model over samples.
@@ -154,6 +169,7 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
             .recordings
             .retain(|recording| recording.full_name() == name);
     }
+    log_findings(&library);
     match library.recordings.len() {
         0 if name.is_none() && !library.skipped.is_empty() => {
             Err(library.skipped.swap_remove(0).into())
@@ -222,7 +238,12 @@ mod tests {
         }
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
         let inspection = Inspection::new(&library);
-        let printed = &inspection.suspicions[0].which[1];
+        let short = inspection
+            .findings
+            .iter()
+            .find(|group| group.kind == "short")
+            .unwrap();
+        let printed = &short.which[1];
         let found = one_recording(folder.path(), Some(printed)).unwrap();
         assert_eq!(found.name, "s1_b");
         let error = one_recording(folder.path(), None).unwrap_err().to_string();

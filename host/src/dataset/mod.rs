@@ -9,6 +9,8 @@
 pub mod alignment;
 pub mod corpus;
 mod electrodes;
+pub(crate) mod examiner;
+pub(crate) mod finding;
 pub mod labels;
 pub mod lead_in;
 pub(crate) mod library;
@@ -22,8 +24,10 @@ pub mod splice;
 pub mod split;
 pub mod synthetic;
 
+pub use examiner::copies::Repeat;
+pub use finding::{Finding, Scale, Severity};
 pub use labels::runs::{Run, runs};
-pub use library::{Ignored, Library, LoadOptions, Repeat, load};
+pub use library::{Ignored, Library, LoadOptions, load};
 pub use movement::{Movement, MovementKind};
 pub use readers::error::{Fault, LoadError, Place};
 pub use readers::npy;

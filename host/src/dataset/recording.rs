@@ -7,6 +7,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
+use super::finding::Finding;
 use super::movement::Movement;
 
 /// A published set of recordings, or a kind of file.
@@ -130,7 +131,7 @@ pub(crate) fn by_data_set<'r>(
 }
 
 /// One continuous stream of one person.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Recording {
     /// The set that it was published in.
     pub data_set: DataSet,
@@ -155,6 +156,8 @@ pub struct Recording {
     pub other_movement: Vec<Movement>,
     /// Known limits of the recording, a sentence each.
     pub notes: Vec<String>,
+    /// What the examiner found in it, and left.
+    pub findings: Vec<Finding>,
     /// What is known about the wearer when the recording begins, from the person's recordings before it.
     pub wearer: Normalizer,
 }
@@ -178,6 +181,7 @@ impl Recording {
             timing: Timing::default(),
             other_movement: Vec::new(),
             notes: Vec::new(),
+            findings: Vec::new(),
             wearer: Normalizer::new(),
         }
     }

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
 use super::assembly::{Part, Take};
+use crate::dataset::Severity;
+use crate::dataset::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
 use crate::dataset::labels::cued::Follow;
-use crate::dataset::library::inspection::{SATURATED, saturation};
 use crate::dataset::runs;
 use crate::statistics::median;
 
@@ -16,37 +16,11 @@ use crate::statistics::median;
 const FEWEST: usize = 6;
 /// How often docs/personalization.md asks for.
 const ENOUGH: usize = 8;
-/// Mean |x| below which an electrode says nothing, in counts: one at rest has 1 to 3.
-const SILENT: f64 = 0.3;
 /// Share of lost samples from which scores suffer, and from which a board gives no label (60 of 600).
 const LOSSES: f64 = 0.02;
 const MANY_LOSSES: f64 = 0.1;
 /// Contrast of a gesture with rest below which labels cannot be found: that of muscle-made labels.
 const LEAST_CONTRAST: f64 = 0.4;
-
-/// How bad a finding is.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Severity {
-    /// Good to know.
-    Note,
-    /// Usable; better without.
-    Warning,
-    /// Not good enough.
-    Serious,
-}
-
-impl Severity {
-    /// Name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Note => "note",
-            Self::Warning => "warning",
-            Self::Serious => "serious",
-        }
-    }
-}
 
 /// Something that is wrong with a session.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
@@ -278,13 +252,10 @@ fn electrodes(parts: &[Part], findings: &mut Vec<Finding>) {
         .copied()
         .collect();
     let saturated = saturation(&samples);
+    let levels = levels(&samples);
     for channel in 0..CHANNELS {
-        let values = || samples.iter().map(|sample| f64::from(sample[channel]));
-        let mean = values().sum::<f64>() / samples.len() as f64;
-        // Without a constant that lies under it.
-        let level = values().map(|value| (value - mean).abs()).sum::<f64>() / samples.len() as f64;
         let number = channel + 1;
-        if level < SILENT {
+        if levels[channel] < SILENT {
             findings.push(Finding::Silent { channel: number });
         }
         if saturated[channel] > SATURATED {

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::quality::{Finding, Severity};
+use super::quality::Finding;
+use crate::dataset::Severity;
 
 /// A finding in words.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]

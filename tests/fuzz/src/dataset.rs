@@ -7,6 +7,10 @@
     reason = "the sources of another crate, of which only the readers are called"
 )]
 
+#[path = "../../../host/src/dataset/examiner/mod.rs"]
+pub(crate) mod examiner;
+#[path = "../../../host/src/dataset/finding/mod.rs"]
+pub(crate) mod finding;
 #[path = "dataset_labels.rs"]
 pub(crate) mod labels;
 #[path = "../../../host/src/dataset/readers/mat/fixture.rs"]

@@ -1,21 +1,21 @@
-//! Contents of a library by data set, and anomalies in it: `myointent data inspect`.
+//! Contents of a library by data set, and what was found in it: `myointent data inspect`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use shared::intent::Intent;
-use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
+use shared::units::SAMPLE_RATE_HZ;
 
 use super::Library;
+use crate::dataset::examiner::electrodes::saturation;
+use crate::dataset::finding::{Finding, Group, grouped};
 use crate::dataset::labels::lag::{self, LabelLag, LagEstimate};
 use crate::dataset::labels::runs::{Run, runs};
 use crate::dataset::labels::set_lag::Lag;
+use crate::dataset::readers::error::LoadError;
 use crate::dataset::readers::why::Why;
 use crate::dataset::recording::{DataSet, Recording, by_data_set};
 use crate::dataset::split::circles;
-
-/// Share of a channel's samples at -128 or 127 above which a recording is reported as saturated.
-pub(crate) const SATURATED: f64 = 0.02;
 
 /// Contents of one data set.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
@@ -57,22 +57,15 @@ pub(crate) struct Files {
     pub first: PathBuf,
 }
 
-/// An anomaly, and the recordings that have it.
-#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
-pub(crate) struct Suspicion {
-    /// The anomaly.
-    pub what: String,
-    /// Recordings or files.
-    pub which: Vec<String>,
-}
-
-/// Contents of a library and its anomalies.
+/// Contents of a library, and what was found in it.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub(crate) struct Inspection {
     /// By data set.
     pub sets: Vec<SetInspection>,
-    /// Anomalies, recordings with the same anomaly together.
-    pub suspicions: Vec<Suspicion>,
+    /// What was found in the recordings, the same together.
+    pub findings: Vec<Group>,
+    /// Files that are damaged, unreadable or without meaning, and why; left out.
+    pub skipped: Vec<String>,
     /// Files by the reader that took them.
     pub taken: Vec<Files>,
     /// Files that no reader took, by reason.
@@ -82,38 +75,16 @@ pub(crate) struct Inspection {
 }
 
 impl Inspection {
-    /// Examines every sample of a library.
+    /// Counts and findings of a library.
     #[must_use]
     pub fn new(library: &Library) -> Self {
-        let mut by_anomaly: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for recording in &library.recordings {
-            for what in anomalies(recording) {
-                by_anomaly
-                    .entry(what)
-                    .or_default()
-                    .push(recording.full_name());
-            }
-        }
-        for skipped in &library.skipped {
-            by_anomaly
-                .entry("damaged or unreadable, left out".into())
-                .or_default()
-                .push(skipped.line());
-        }
-        for repeat in &library.repeats {
-            let what = "same samples as another subject's, left out";
-            let which = format!("{} = {}", repeat.path.display(), repeat.kept.display());
-            by_anomaly.entry(what.into()).or_default().push(which);
-        }
         Self {
             sets: by_data_set(&library.recordings)
                 .into_iter()
                 .map(|(set, recordings)| inspect(set, &recordings))
                 .collect(),
-            suspicions: by_anomaly
-                .into_iter()
-                .map(|(what, which)| Suspicion { what, which })
-                .collect(),
+            findings: groups(library),
+            skipped: library.skipped.iter().map(LoadError::line).collect(),
             taken: taken(library),
             ignored: ignored(library),
             people: library.people.clone(),
@@ -213,47 +184,26 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
     }
 }
 
-/// Share of the samples at either end of the range, by channel.
-pub(crate) fn saturation(samples: &[Sample]) -> [f64; CHANNELS] {
-    let mut ends = [0usize; CHANNELS];
-    for sample in samples {
-        for (count, &value) in ends.iter_mut().zip(sample) {
-            *count += usize::from(value == i8::MIN || value == i8::MAX);
-        }
-    }
-    ends.map(|count| count as f64 / samples.len().max(1) as f64)
-}
-
-fn anomalies(recording: &Recording) -> Vec<String> {
-    let mut anomalies = recording.notes.clone();
-    if recording.samples.len() < WINDOW {
-        anomalies.push(format!("shorter than a window ({WINDOW} samples)"));
-    }
-    if saturation(&recording.samples)
+/// What was found in the recordings of a library, and what their readers know, the same together: the worst first.
+pub(crate) fn groups(library: &Library) -> Vec<Group> {
+    let notes: Vec<(String, Finding)> = library
+        .recordings
         .iter()
-        .any(|&share| share > SATURATED)
-    {
-        anomalies.push(format!(
-            "more than {:.0} % of a channel saturated",
-            100.0 * SATURATED
-        ));
-    }
-    if let Some(first) = recording.samples.first() {
-        for channel in 0..CHANNELS {
-            if recording
-                .samples
-                .iter()
-                .all(|sample| sample[channel] == first[channel])
-            {
-                anomalies.push(format!("channel {channel} never changes"));
-            }
-        }
-    }
-    anomalies
+        .flat_map(|recording| {
+            let known = |note: &String| (recording.full_name(), Finding::Known(note.clone()));
+            recording.notes.iter().map(known)
+        })
+        .collect();
+    let known = notes
+        .iter()
+        .map(|(whose, finding)| (whose.clone(), finding));
+    grouped(library.findings().chain(known))
 }
 
 #[cfg(test)]
 mod tests {
+    use shared::units::CHANNELS;
+
     use super::*;
     use crate::dataset::library::Ignored;
     use crate::dataset::{Movement, MovementKind};
@@ -281,6 +231,7 @@ mod tests {
                 notes: vec!["known".into()],
                 other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
                 timing: crate::dataset::Timing::Cues,
+                findings: Vec::new(),
                 wearer: shared::stream::normalizer::Normalizer::new(),
             }],
             ignored: ["LICENSE", "notes.txt", "README"]
@@ -317,16 +268,20 @@ mod tests {
     }
 
     #[test]
-    fn notes_saturation_and_dead_channels_are_suspicious() {
-        let suspicions = Inspection::new(&library()).suspicions;
-        let what: Vec<_> = suspicions.iter().map(|s| s.what.as_str()).collect();
-        let expected = [
-            "channel 2 never changes",
-            "known",
-            "more than 2 % of a channel saturated",
-        ];
-        assert_eq!(what, expected);
-        assert_eq!(suspicions[0].which, ["react-emg/s1/a"]);
+    fn findings_and_notes_are_told_once_for_all_recordings() {
+        let mut library = library();
+        let recording = &mut library.recordings[0];
+        recording.findings.push(Finding::Dead { channel: 3 });
+        let mut second = recording.clone();
+        second.name = "b".into();
+        library.recordings.push(second);
+        let findings = Inspection::new(&library).findings;
+        let told: Vec<_> = findings
+            .iter()
+            .map(|f| (f.what.as_str(), f.which.len()))
+            .collect();
+        assert_eq!(told, [("channel 3 is silent", 2), ("known", 2)]);
+        assert_eq!(findings[0].which, ["react-emg/s1/a", "react-emg/s1/b"]);
     }
 
     #[test]

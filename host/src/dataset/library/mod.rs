@@ -10,10 +10,12 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use shared::stream::normalizer::Normalizer;
-use shared::units::Sample;
 
+use super::examiner::copies::{self, Repeat};
+use super::examiner::examine;
+use super::finding::Finding;
 use super::labels::timing;
-use super::readers::error::LoadError;
+use super::readers::error::{Damage, LoadError};
 use super::readers::excerpt::excerpt;
 use super::readers::open::{Found, Request, open};
 use super::readers::path::left_arm;
@@ -59,15 +61,6 @@ pub struct Ignored {
     pub why: Why,
 }
 
-/// A recording left out because its samples are published twice.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Repeat {
-    /// The file left out.
-    pub path: PathBuf,
-    /// The file kept.
-    pub kept: PathBuf,
-}
-
 /// Reads every recording at or below a path: a folder of many sets, one set, or one file.
 ///
 /// A single file of eight channels is read whatever set it is of; in a folder, a file is read only if its layout
@@ -110,9 +103,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
             found: passed_over(&library.ignored),
         });
     }
-    library.leave_out_repeats();
     let folder = if alone { root.parent() } else { None };
-    library.people = people::by_folder(folder.unwrap_or(&root), &mut library.recordings);
+    let folder = folder.unwrap_or(&root);
+    people::by_folder(folder, &mut library.recordings);
+    library.repeats = copies::leave_out(&mut library.recordings);
+    library.examine(options.strict)?;
+    // Again: nobody is named after a copy.
+    library.people = people::by_folder(folder, &mut library.recordings);
     library.follow_wearers();
     timing::find(&mut library.recordings);
     Ok(library)
@@ -128,6 +125,39 @@ impl Library {
         subjects
     }
 
+    /// All that was found in the recordings, with their names, in path order.
+    pub(crate) fn findings(&self) -> impl Iterator<Item = (String, &Finding)> {
+        let recordings = self.recordings.iter();
+        let found = recordings.flat_map(|recording| {
+            let findings = recording.findings.iter();
+            findings.map(|finding| (recording.full_name(), finding))
+        });
+        let repeats = self.repeats.iter();
+        found.chain(repeats.map(|repeat| (repeat.path.display().to_string(), &repeat.finding)))
+    }
+
+    /// Examines each recording; one without meaning is left out.
+    fn examine(&mut self, strict: bool) -> Result<(), LoadError> {
+        let recordings = std::mem::take(&mut self.recordings).into_par_iter();
+        let examined: Vec<Result<Recording, LoadError>> = recordings
+            .map(|mut recording| match examine(&recording) {
+                Ok(findings) => {
+                    recording.findings.extend(findings);
+                    Ok(recording)
+                }
+                Err(finding) => Err(Damage::refused(finding).in_file(&recording.path)),
+            })
+            .collect();
+        for recording in examined {
+            match recording {
+                Ok(recording) => self.recordings.push(recording),
+                Err(error) if strict => return Err(error),
+                Err(error) => self.skipped.push(error),
+            }
+        }
+        Ok(())
+    }
+
     /// Normalization follows a wearer from one recording to the next, in path order. Many are of a few seconds: by
     /// themselves they would show it nothing. A person's two arms are two wearers.
     fn follow_wearers(&mut self) {
@@ -140,32 +170,6 @@ impl Library {
                 wearer.push(sample);
             }
         }
-    }
-
-    /// Leaves out copies of a recording under another subject's name.
-    ///
-    /// `cote-allard` publishes one evaluation subject again as three pre-training subjects: kept
-    /// once, or the same person would be trained on and held out. The evaluation part, first in
-    /// path order, is what stays.
-    fn leave_out_repeats(&mut self) {
-        let mut seen: HashMap<Vec<Sample>, (String, PathBuf)> = HashMap::new();
-        let repeats = &mut self.repeats;
-        self.recordings.retain(|recording| {
-            if recording.data_set != DataSet::CoteAllard {
-                return true;
-            }
-            let first = seen
-                .entry(recording.samples.clone())
-                .or_insert_with(|| (recording.subject.clone(), recording.path.clone()));
-            let keep = first.0 == recording.subject;
-            if !keep {
-                repeats.push(Repeat {
-                    path: recording.path.clone(),
-                    kept: first.1.clone(),
-                });
-            }
-            keep
-        });
     }
 }
 
@@ -252,24 +256,19 @@ mod tests {
 
     #[test]
     fn a_recording_published_twice_is_kept_once() {
-        let folder = std::env::temp_dir().join(format!("myointent-twice-{}", std::process::id()));
-        let mut bytes = vec![0; 1600];
-        bytes[0] = 5;
-        for person in [
-            "EvaluationDataset/Female0/Test0",
-            "PreTrainingDataset/Female8/training0",
-        ] {
-            std::fs::create_dir_all(folder.join(person)).unwrap();
-            std::fs::write(folder.join(person).join("classe_0.dat"), &bytes).unwrap();
-        }
-        let library = load(&folder, &LoadOptions::default()).unwrap();
+        let samples = crate::dataset::examiner::fixture::emg(1000, 1);
+        let values = samples.iter().flatten();
+        let bytes: Vec<u8> = values
+            .flat_map(|&count| i16::from(count).to_le_bytes())
+            .collect();
+        let folder = folder(&[
+            ("EvaluationDataset/Female0/Test0/classe_0.dat", &bytes),
+            ("PreTrainingDataset/Female8/training0/classe_0.dat", &bytes),
+        ]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
         assert_eq!(library.subjects(), ["cote-allard/E-Female0"]);
-        assert!(
-            library.repeats[0]
-                .path
-                .ends_with("Female8/training0/classe_0.dat")
-        );
-        std::fs::remove_dir_all(&folder).unwrap();
+        let left_out = &library.repeats[0].path;
+        assert!(left_out.ends_with("Female8/training0/classe_0.dat"));
     }
 
     const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
@@ -286,7 +285,7 @@ mod tests {
     }
 
     fn array() -> Vec<u8> {
-        crate::dataset::npy::encode("|i1", &[700, 8], &[3; 5600])
+        crate::dataset::npy::encode("|i1", &[100, 8], &[3; 800])
     }
 
     #[test]
@@ -311,7 +310,7 @@ mod tests {
 
     #[test]
     fn rows_of_no_known_set_are_no_people() {
-        let rows = "1,2,3,4,5,6,7,8\n".repeat(700);
+        let rows = "1,2,3,4,5,6,7,8\n".repeat(100);
         let folder = folder(&[("a/1.csv", rows.as_bytes()), ("b/2.csv", rows.as_bytes())]);
         let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
         assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");

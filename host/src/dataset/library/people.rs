@@ -42,7 +42,11 @@ pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String
             _ => top.clone(),
         };
         recording.subject = format!("{set}/{person}");
-        let file = recording.path.file_stem().map(text).unwrap_or_default();
+        let file = recording.path.file_stem().unwrap_or_default();
+        // The number of a piece behind a gap.
+        let whole = recording.name.rsplit('/').next().unwrap_or_default();
+        let piece = whole.strip_prefix(&*file.to_string_lossy());
+        let file = text(file) + piece.unwrap_or_default();
         recording.name = place.name(&file);
     }
     let people: BTreeSet<&str> = own

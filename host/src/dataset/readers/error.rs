@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::excerpt::printable;
 pub use super::fault::Fault;
+use crate::dataset::finding::Finding;
 
 /// Place of a fault in its file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,6 +56,11 @@ impl Damage {
 
     pub const fn of_file(fault: Fault) -> Self {
         Self::at(Place::File, fault)
+    }
+
+    /// The file has no meaning.
+    pub const fn refused(finding: Finding) -> Self {
+        Self::of_file(Fault::Refused { finding })
     }
 
     /// The error, now that the file is known.

@@ -2,6 +2,7 @@
 
 use super::excerpt::excerpt;
 use super::separator::Separator;
+use crate::dataset::finding::Finding;
 use crate::execution::file_kind::FileKind;
 
 /// What is wrong with a file.
@@ -25,8 +26,7 @@ pub enum Fault {
     },
     /// A sample outside the armband's range.
     #[error(
-        "expected a count of the armband in field {field}, a whole number from -128 to 127, found {value}{}",
-        scale(*value)
+        "expected a count of the armband in field {field}, a whole number from -128 to 127, found {value}"
     )]
     Range {
         /// Field of the row, 1 first.
@@ -163,6 +163,12 @@ pub enum Fault {
         /// Gestures in the file.
         found: usize,
     },
+    /// Samples without meaning.
+    #[error("{finding}; {}", finding.advice())]
+    Refused {
+        /// What was found, with what to do.
+        finding: Finding,
+    },
     /// Times that last too long.
     #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
     Duration {
@@ -183,17 +189,6 @@ pub enum Fault {
         /// Time of the row.
         to: f64,
     },
-}
-
-/// What a value that is no count may be.
-fn scale(value: f64) -> &'static str {
-    if value.fract() != 0.0 && value.abs() <= 1.0 && (128.0 * value).fract() == 0.0 {
-        ": a count divided by 128? Multiply the channels by 128"
-    } else if value.fract() != 0.0 {
-        ": volts, or a filtered signal? Write the counts as the armband sends them"
-    } else {
-        ""
-    }
 }
 
 #[cfg(test)]

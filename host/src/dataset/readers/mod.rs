@@ -1,5 +1,6 @@
 //! Files of recordings: the published formats, and what their readers share.
 
+mod beside;
 mod columns;
 pub(crate) mod error;
 pub(crate) mod excerpt;

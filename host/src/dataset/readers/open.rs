@@ -9,6 +9,7 @@ use super::formats::{cote_allard, epn, myoup, react_emg, roshambo, wang_myo};
 use super::npy::{self, Values};
 use super::why::Why;
 use super::{mat, table};
+use crate::dataset::examiner::bands;
 use crate::dataset::recording::{DataSet, Recording};
 use crate::execution::bounded_read;
 use crate::execution::file_kind::FileKind;
@@ -141,10 +142,10 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
     /// Eight channels of no known set.
     fn unknown(
         &self,
-        read: impl FnOnce() -> Result<Recording, LoadError>,
+        read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
     ) -> Result<Found, LoadError> {
         if self.alone {
-            self.one(DataSet::ReactEmg, read)
+            self.several(DataSet::ReactEmg, read)
         } else {
             Ok(Found::Nothing(Why::UnknownSet))
         }
@@ -181,16 +182,19 @@ fn array(
         });
     }
     if react_emg::is_recording(path, &array) {
-        return request.one(DataSet::ReactEmg, || {
+        return request.several(DataSet::ReactEmg, || {
             react_emg::read_npy(path, &array).map_err(damage)
         });
+    }
+    if let ([_, columns], Values::Numbers(_)) = (&array.shape[..], &array.values) {
+        bands::in_row(*columns).map_err(|finding| damage(Damage::refused(finding)))?;
     }
     match (&array.shape[..], &array.values) {
         ([_, 8], Values::Numbers(_)) => request.unknown(|| {
             let samples = table::samples(&array).map_err(damage)?;
             react_emg::unlabelled(path, samples).map_err(damage)
         }),
-        (shape, _) if request.alone || matches!(shape, [_, 9 | 16] | [8, _]) => {
+        (shape, _) if request.alone || matches!(shape, [_, 9] | [8, _]) => {
             Err(damage(Damage::of_file(Fault::Array {
                 expected: "eight channels of numbers, (n, 8); where a label or times are beside them, a csv with a \
                            header says so, gt,emg_0 to emg_7",

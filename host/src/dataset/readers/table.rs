@@ -5,6 +5,7 @@ use shared::units::{CHANNELS, Sample};
 use super::error::{Damage, Fault};
 use super::mat::Matrix;
 use super::npy::{Array, Values};
+use crate::dataset::examiner::scale::Judge;
 
 /// The rows of a text, each with its line number; empty lines at the end are no rows.
 ///
@@ -83,6 +84,40 @@ pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault
     Ok(sample)
 }
 
+/// Samples of a file as they are read: their scale is judged by all of them, before the first that is no count.
+#[derive(Default)]
+pub(crate) struct Samples {
+    judge: Judge,
+    samples: Vec<Sample>,
+    fault: Option<Damage>,
+}
+
+impl Samples {
+    /// Takes a row's counts; `first_field` is where they start, `at` makes a fault that of its place.
+    pub fn push(&mut self, counts: &[f64], first_field: usize, at: impl FnOnce(Fault) -> Damage) {
+        self.judge.push(counts);
+        match sample(counts, first_field) {
+            Ok(sample) => self.samples.push(sample),
+            Err(fault) => {
+                self.fault.get_or_insert_with(|| at(fault));
+            }
+        }
+    }
+
+    /// The samples.
+    ///
+    /// # Errors
+    /// Their scale if they are no counts; the first that is none; or that there are none.
+    pub fn finish(self) -> Result<Vec<Sample>, Damage> {
+        self.judge.finish().map_err(Damage::refused)?;
+        match self.fault {
+            Some(fault) => Err(fault),
+            None if self.samples.is_empty() => Err(Damage::of_file(Fault::Empty)),
+            None => Ok(self.samples),
+        }
+    }
+}
+
 /// An array (n, 8) of counts as samples.
 pub(crate) fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
     let (&[_, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {
@@ -91,19 +126,13 @@ pub(crate) fn samples(array: &Array) -> Result<Vec<Sample>, Damage> {
             found: array.describe(),
         }));
     };
-    let of_row = |(row, counts)| {
-        sample(counts, 1).map_err(|fault| Damage::at_byte(array.byte_of_row(row), fault))
-    };
-    let samples = values.chunks_exact(CHANNELS).enumerate().map(of_row);
-    not_empty(samples.collect::<Result<_, _>>()?)
-}
-
-/// A recording has a sample.
-fn not_empty(samples: Vec<Sample>) -> Result<Vec<Sample>, Damage> {
-    if samples.is_empty() {
-        return Err(Damage::of_file(Fault::Empty));
+    let mut samples = Samples::default();
+    for (row, counts) in values.chunks_exact(CHANNELS).enumerate() {
+        samples.push(counts, 1, |fault| {
+            Damage::at_byte(array.byte_of_row(row), fault)
+        });
     }
-    Ok(samples)
+    samples.finish()
 }
 
 /// A matrix n x 8 of counts over `divisor` as samples.
@@ -119,5 +148,9 @@ pub(crate) fn matrix(matrix: &Matrix, divisor: f64) -> Result<Vec<Sample>, Damag
         let counts: [f64; CHANNELS] = std::array::from_fn(|c| matrix.at(row, c) * divisor);
         sample(&counts, 1).map_err(at)
     };
-    not_empty((0..rows).map(of_row).collect::<Result<_, _>>()?)
+    let samples: Vec<Sample> = (0..rows).map(of_row).collect::<Result<_, _>>()?;
+    if samples.is_empty() {
+        return Err(Damage::of_file(Fault::Empty));
+    }
+    Ok(samples)
 }

@@ -84,6 +84,7 @@ pub fn splice(recordings: &[&Recording], options: &SpliceOptions) -> Vec<Recordi
                 timing: recordings[0].timing,
                 notes: vec![format!("spliced from {} recordings", recordings.len())],
                 other_movement: other,
+                findings: Vec::new(),
                 wearer: Normalizer::new(),
             });
         }

@@ -32,6 +32,7 @@ fn recording(subject: &str, sequence: &[(Option<Intent>, usize)]) -> Recording {
         notes: Vec::new(),
         other_movement: Vec::new(),
         timing: crate::dataset::Timing::Cues,
+        findings: Vec::new(),
         wearer: shared::stream::normalizer::Normalizer::new(),
     }
 }

@@ -130,6 +130,7 @@ mod tests {
                 notes: Vec::new(),
                 other_movement: Vec::new(),
                 timing: crate::dataset::Timing::Cues,
+                findings: Vec::new(),
                 wearer: shared::stream::normalizer::Normalizer::new(),
             })
         };

@@ -111,6 +111,7 @@ fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Inte
                 other_movement: Vec::new(),
                 name,
                 timing: Timing::Cues,
+                findings: Vec::new(),
                 wearer: Normalizer::new(),
             };
             (recording, muscle)

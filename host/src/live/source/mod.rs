@@ -24,7 +24,7 @@ use crate::dataset::synthetic::{self, Follower, SynthOptions};
 use crate::dataset::{DataSet, Recording};
 
 /// Where the stream comes from.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Source {
     /// A synthetic recording, in real time and again and again.
     Demo,

@@ -19,6 +19,7 @@ fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
             other_movement: Vec::new(),
             notes: Vec::new(),
             timing: crate::dataset::Timing::Cues,
+            findings: Vec::new(),
             wearer: shared::stream::normalizer::Normalizer::new(),
         })
         .collect()

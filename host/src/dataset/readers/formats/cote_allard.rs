@@ -71,6 +71,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         notes: notes(part, person),
         other_movement,
         timing: Timing::Cues,
+        findings: Vec::new(),
         wearer: Normalizer::new(),
     })
 }

@@ -76,6 +76,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
                 other_movement: Vec::new(),
                 name,
                 timing: Timing::Cues,
+                findings: Vec::new(),
                 wearer: Normalizer::new(),
             });
         }

@@ -11,6 +11,8 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::Sample;
 
+use crate::dataset::examiner::repeats::first_of_each;
+use crate::dataset::finding::Finding;
 use crate::dataset::labels::motion::{Motion, Truth};
 use crate::dataset::movement::MovementKind;
 use crate::dataset::readers::error::{Damage, Fault};
@@ -109,7 +111,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
             *motion = Motion::Unknown;
         }
     }
-    let mut notes = Vec::new();
+    let (mut notes, mut findings) = (Vec::new(), Vec::new());
     if is_left {
         notes.push(
             "left arm: the channels are mirrored, c is 6 - c of the right arm (modulo 8)"
@@ -118,7 +120,10 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
     }
     let dropped = drop_polling_repeats(&mut samples, &mut motions);
     if dropped > 0 {
-        notes.push("polled at 250 Hz: exact repeats dropped".to_owned());
+        findings.push(Finding::Polled {
+            times: (samples.len() + dropped) as f64 / samples.len() as f64,
+            dropped,
+        });
     }
     let gestures = motions.iter().any(|&motion| motion != Motion::RELAX);
     if let Some((_, why)) = UNUSABLE.iter().find(|(id, _)| gestures && *id == person) {
@@ -142,6 +147,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
         notes,
         other_movement,
         timing: Timing::Cues,
+        findings,
         wearer: Normalizer::new(),
     })
 }
@@ -171,9 +177,7 @@ fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) ->
     if (repeats as f64) < POLLED_TOO_FAST * samples.len() as f64 {
         return 0;
     }
-    let keep: Vec<bool> = std::iter::once(true)
-        .chain(samples.windows(2).map(|pair| pair[0] != pair[1]))
-        .collect();
+    let keep = first_of_each(samples);
     let mut kept = keep.iter();
     samples.retain(|_| *kept.next().unwrap_or(&true));
     let mut kept = keep.iter();
@@ -242,7 +246,7 @@ mod tests {
         let first: Vec<i8> = recording.samples.iter().map(|s| s[0]).collect();
         assert_eq!(first, naive[..first.len()]);
         assert_eq!(recording.samples.len(), recording.labels.len());
-        assert_eq!(recording.notes.len(), 1);
+        assert!(matches!(recording.findings[..], [Finding::Polled { .. }]));
     }
 
     #[test]

@@ -59,6 +59,7 @@ pub(crate) fn read(
         notes,
         other_movement: Vec::new(),
         timing: Timing::Cues,
+        findings: Vec::new(),
         wearer: Normalizer::new(),
     })
 }

@@ -14,13 +14,14 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
+use crate::dataset::readers::beside::Beside;
 use crate::dataset::readers::columns::Columns;
 use crate::dataset::readers::error::{Damage, Fault};
 use crate::dataset::readers::excerpt::excerpt;
 use crate::dataset::readers::labels::{from_number, from_text};
 use crate::dataset::readers::npy::{Array, Values};
 use crate::dataset::readers::path::{is_number, left_arm, stem};
-use crate::dataset::readers::table;
+use crate::dataset::readers::table::{self, Samples};
 use crate::dataset::recording::{DataSet, Recording, Timing};
 
 /// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
@@ -39,11 +40,16 @@ pub(crate) const RECORDER_COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used"
 const LEFT: &str = "named after the left arm, read as it is: if the armband was on the left arm, add columns turn (6) and mirrored (1)";
 
 /// Reads a table of these columns, sample by sample.
-pub(crate) fn read_csv(path: &Path, text: &str, columns: &Columns) -> Result<Recording, Damage> {
+pub(crate) fn read_csv(
+    path: &Path,
+    text: &str,
+    columns: &Columns,
+) -> Result<Vec<Recording>, Damage> {
     let placements = columns
         .position(TURN_COLUMN)
         .zip(columns.position(MIRRORED_COLUMN));
-    let (mut samples, mut labels, mut has_numbers) = (Vec::new(), Vec::new(), false);
+    let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
+    let (mut placed, mut beside) = (Vec::new(), Beside::find(&columns.names));
     for (line, row) in table::rows(text).skip(columns.first_line - 1) {
         let at_line = |fault| Damage::at_line(line, fault);
         let fields = columns.separator.fields(row);
@@ -60,7 +66,8 @@ pub(crate) fn read_csv(path: &Path, text: &str, columns: &Columns) -> Result<Rec
         for (count, &column) in counts.iter_mut().zip(&columns.channels) {
             *count = number(column)?;
         }
-        let sample = table::sample(&counts, columns.channels[0] + 1).map_err(at_line)?;
+        samples.push(&counts, columns.channels[0] + 1, at_line);
+        beside.push(&fields);
         let placement = match placements {
             None => Alignment::NONE,
             Some((turn, mirrored)) => {
@@ -69,7 +76,7 @@ pub(crate) fn read_csv(path: &Path, text: &str, columns: &Columns) -> Result<Rec
                     .ok_or_else(|| at_line(Fault::Placement { turn, mirrored }))?
             }
         };
-        samples.push(placement.apply(sample));
+        placed.push(placement);
         labels.push(match columns.label {
             None => None,
             Some(column) => {
@@ -83,7 +90,9 @@ pub(crate) fn read_csv(path: &Path, text: &str, columns: &Columns) -> Result<Rec
     } else {
         DataSet::ReactEmg
     };
-    let mut recording = own(path, data_set, samples, labels)?;
+    let placed = samples.finish()?.into_iter().zip(placed);
+    let samples = placed.map(|(sample, placement)| placement.apply(sample));
+    let mut recording = own(path, data_set, samples.collect(), labels)?;
     let has = |name: &&str| columns.position(name).is_some();
     if RECORDER_COLUMNS.iter().all(has) {
         recording.timing = Timing::Muscle;
@@ -95,7 +104,13 @@ pub(crate) fn read_csv(path: &Path, text: &str, columns: &Columns) -> Result<Rec
             excerpt(label)
         ));
     }
-    Ok(recording)
+    divided(recording, &beside)
+}
+
+/// The recording's samples, or its pieces where its clock leaps.
+fn divided(recording: Recording, beside: &Beside) -> Result<Vec<Recording>, Damage> {
+    let rows = beside.rows(&recording.samples).map_err(Damage::refused)?;
+    Ok(rows.apply(recording))
 }
 
 /// One of the 16 placements.
@@ -129,27 +144,29 @@ pub(crate) fn is_recording(path: &Path, array: &Array) -> bool {
 const COLUMNS: usize = CHANNELS + 1;
 
 /// Reads (n, 9): label and channels.
-pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Recording, Damage> {
+pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Damage> {
     let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
         return Err(Damage::of_file(Fault::Array {
             expected: "numbers, (n, 9)",
             found: array.describe(),
         }));
     };
-    let (mut samples, mut labels) = (Vec::new(), Vec::new());
+    let (mut samples, mut labels) = (Samples::default(), Vec::new());
     for (row, values) in values.chunks_exact(COLUMNS).enumerate() {
         let byte = array.byte_of_row(row);
         let in_row = |fault| Damage::at_byte(byte, fault);
         labels.push(from_number(values[0]).map_err(in_row)?);
-        samples.push(table::sample(&values[1..], 2).map_err(in_row)?);
+        samples.push(&values[1..], 2, in_row);
     }
-    own(path, DataSet::ReactEmg, samples, labels)
+    let recording = own(path, DataSet::ReactEmg, samples.finish()?, labels)?;
+    divided(recording, &Beside::default())
 }
 
 /// Samples without labels, of a file that is asked for by its name.
-pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Recording, Damage> {
+pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Recording>, Damage> {
     let labels = vec![None; samples.len()];
-    own(path, DataSet::ReactEmg, samples, labels)
+    let recording = own(path, DataSet::ReactEmg, samples, labels)?;
+    divided(recording, &Beside::default())
 }
 
 /// A recording of somebody's; whose, is not known from the file alone.
@@ -180,6 +197,7 @@ pub(crate) fn own(
         notes,
         other_movement: Vec::new(),
         timing: Timing::Cues,
+        findings: Vec::new(),
         wearer: Normalizer::new(),
     })
 }
@@ -193,7 +211,7 @@ mod tests {
     fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
         let columns =
             Columns::of(text).map_err(|unlike| Damage::at_line(unlike.line, unlike.fault))?;
-        super::read_csv(path, text, &columns)
+        Ok(super::read_csv(path, text, &columns)?.remove(0))
     }
 
     #[test]
@@ -275,7 +293,7 @@ mod tests {
             ..array.clone()
         };
         assert!(!is_recording(path, &times));
-        let recording = read_npy(path, &array).unwrap();
+        let recording = &read_npy(path, &array).unwrap()[0];
         assert_eq!(recording.labels, [Some(Intent::Open)]);
         assert_eq!(recording.samples, [[0, 1, 2, 3, 4, 5, 6, -7]]);
     }

@@ -65,6 +65,7 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
         notes: notes(person, session),
         other_movement,
         timing: Timing::Cues,
+        findings: Vec::new(),
         wearer: Normalizer::new(),
     })
 }

@@ -55,6 +55,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         notes,
         other_movement,
         timing: Timing::Cues,
+        findings: Vec::new(),
         wearer: Normalizer::new(),
     })
 }

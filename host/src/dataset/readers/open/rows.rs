@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use super::{Found, KINDS, Request};
+use crate::dataset::examiner::bands;
+use crate::dataset::finding::Finding;
 use crate::dataset::readers::columns::Columns;
 use crate::dataset::readers::error::{Damage, Fault, LoadError};
 use crate::dataset::readers::formats::{
@@ -10,9 +12,10 @@ use crate::dataset::readers::formats::{
 };
 use crate::dataset::readers::separator::Separator;
 use crate::dataset::readers::shape::Shape;
+use crate::dataset::readers::table;
 use crate::dataset::readers::text;
 use crate::dataset::readers::why::Why;
-use crate::dataset::recording::DataSet;
+use crate::dataset::recording::{DataSet, Recording};
 use crate::execution::file_kind::FileKind;
 
 /// Reads text, of any encoding.
@@ -89,8 +92,9 @@ pub(super) fn of_text(
             uci_gestures::read(path, text).map_err(damage)
         });
     }
-    let shape = Shape::of(text).filter(|shape| shape.separator == Separator::Comma);
-    match shape.map(|shape| (shape.columns, shape.is_decimal)) {
+    let shape = Shape::of(text);
+    let commas = shape.filter(|shape| shape.separator == Separator::Comma);
+    match commas.map(|shape| (shape.columns, shape.is_decimal)) {
         Some((9, _)) if myo_readings::is_named(path) => {
             return request.one(DataSet::MyoReadings, || {
                 myo_readings::read(path, text).map_err(damage)
@@ -101,9 +105,10 @@ pub(super) fn of_text(
         }
         _ => {}
     }
+    two_armbands(text, shape).map_err(|finding| damage(Damage::refused(finding)))?;
     match Columns::of(text) {
         Ok(columns) if columns.names.is_empty() => bare(path, text, &columns, request),
-        Ok(columns) => request.one(DataSet::ReactEmg, || {
+        Ok(columns) => request.several(DataSet::ReactEmg, || {
             react_emg::read_csv(path, text, &columns).map_err(damage)
         }),
         Err(_) if !(request.wants)(DataSet::ReactEmg) => Ok(Found::Nothing(Why::NotWanted)),
@@ -111,6 +116,16 @@ pub(super) fn of_text(
             Err(damage(Damage::at_line(unlike.line, unlike.fault)))
         }
         Err(_) => Ok(Found::Nothing(Why::Layout)),
+    }
+}
+
+/// Refuses a table with the channels of two armbands, by its header or by numbers alone.
+fn two_armbands(text: &str, shape: Option<Shape>) -> Result<(), Finding> {
+    let mut rows = table::rows(text).map(|(_, row)| row);
+    let first = rows.find(|row| !table::is_note(row)).unwrap_or_default();
+    match (Shape::of(first), shape) {
+        (Some(_), Some(shape)) => bands::in_row(shape.columns),
+        _ => bands::in_header(&Separator::of(first).fields(first)),
     }
 }
 
@@ -123,18 +138,25 @@ fn bare(
 ) -> Result<Found, LoadError> {
     let damage = |damage: Damage| damage.in_file(path);
     let recording = react_emg::read_csv(path, text, columns);
-    let samples = recording.as_ref().map(|recording| &recording.samples[..]);
+    let samples = match recording.as_deref() {
+        Ok([recording]) => Some(&recording.samples[..]),
+        _ => None,
+    };
     let metadata = libemg::metadata(path);
-    if samples.is_ok_and(one_subject_myo::is_published) {
+    if samples.is_some_and(one_subject_myo::is_published) {
         return request.one(DataSet::OneSubjectMyo, || {
-            let samples = recording.map_err(damage)?.samples;
+            let samples = recording.map_err(damage)?.remove(0).samples;
             one_subject_myo::read(path, samples, metadata.as_deref()).map_err(damage)
         });
     }
     if let Some(metadata) = metadata {
         return request.one(DataSet::ReactEmg, || {
-            let samples = recording.map_err(damage)?.samples;
-            libemg::read(path, samples, &metadata).map_err(damage)
+            let recording = recording.map_err(damage)?.remove(0);
+            let found = libemg::read(path, recording.samples, &metadata).map_err(damage)?;
+            Ok(Recording {
+                findings: recording.findings,
+                ..found
+            })
         });
     }
     request.unknown(|| recording.map_err(damage))

@@ -1,0 +1,295 @@
+//! Clock of a recording: a column of times, or of sample numbers, and what it says of the rate and of gaps.
+
+use shared::units::SAMPLE_RATE_HZ;
+
+use super::clock_text;
+
+/// Names of columns that say when a row was sampled; a unit may follow.
+const TIMES: [&str; 9] = [
+    "time",
+    "timestamp",
+    "timestamps",
+    "t",
+    "ts",
+    "datetime",
+    "date",
+    "clock",
+    "elapsed",
+];
+/// Names of columns that count rows or samples.
+const COUNTERS: [&str; 16] = [
+    "index",
+    "idx",
+    "sample",
+    "samples",
+    "row",
+    "frame",
+    "counter",
+    "count",
+    "packet",
+    "seq",
+    "sequence",
+    "number",
+    "nr",
+    "no",
+    "n",
+    "unnamed: 0",
+];
+/// Units of times: their names, and how many are a second.
+const UNITS: [(&[&str], f64); 4] = [
+    (&["s", "sec", "secs", "second", "seconds", "unix"], 1.0),
+    (
+        &[
+            "ms",
+            "msec",
+            "milli",
+            "millis",
+            "millisecond",
+            "milliseconds",
+        ],
+        1e3,
+    ),
+    (
+        &[
+            "us",
+            "\u{b5}s",
+            "\u{3bc}s",
+            "usec",
+            "micro",
+            "micros",
+            "microsecond",
+            "microseconds",
+        ],
+        1e6,
+    ),
+    (
+        &["ns", "nsec", "nano", "nanos", "nanosecond", "nanoseconds"],
+        1e9,
+    ),
+];
+/// Seconds from row to row for which a unit without a name is thought of.
+const PERIODS: std::ops::Range<f64> = 0.0005..0.5;
+/// Share of the usual step that steps of even times differ from it by at most.
+const ALIKE: f64 = 0.2;
+/// Rows over which a rate is averaged: times may come in bursts, or be whole seconds.
+const AVERAGED: usize = 400;
+/// Rows around a gap whose earliest arrivals are compared: what was late only is no gap.
+const AROUND: usize = 200;
+/// Seconds from which missing time is a gap: a board bridges 25 ms and starts its window anew after more.
+const GAP: f64 = 0.05;
+
+/// Column of times of a recording: a value a row.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Clock {
+    /// The column's name.
+    pub name: String,
+    /// Its values as they stand; a date and a time of day are seconds.
+    times: Vec<f64>,
+}
+
+/// What a clock says.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum Says {
+    /// Rows a second, and gaps: the row behind each, and its seconds (negative: the times go back).
+    Rate {
+        /// Rows a second, gaps left out.
+        hz: f64,
+        /// In the order of rows.
+        gaps: Vec<(usize, f64)>,
+    },
+    /// Nothing: the times do not rise, or no unit fits.
+    Nothing,
+}
+
+/// Kind of a column.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Kind {
+    /// Times, of how many a second if the name says so.
+    Times(Option<f64>),
+    /// Numbers of samples.
+    Counter,
+}
+
+/// The kind that a column's name says; none if it is no clock.
+fn kind(name: &str) -> Option<Kind> {
+    let name = name.trim().trim_matches('"').to_lowercase();
+    if COUNTERS.contains(&name.as_str()) {
+        return Some(Kind::Counter);
+    }
+    let words: Vec<&str> = name
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    let unit = |word: &str| UNITS.iter().find(|(names, _)| names.contains(&word));
+    let is_time = |word: &str| TIMES.contains(&word);
+    let glued = |word: &str| {
+        let unit_of = |time: &&str| word.strip_prefix(*time).and_then(unit);
+        TIMES.iter().find_map(unit_of)
+    };
+    if words.iter().any(|word| is_time(word)) {
+        let unit = words
+            .iter()
+            .filter(|word| !is_time(word))
+            .find_map(|word| unit(word));
+        return Some(Kind::Times(unit.map(|(_, per_second)| *per_second)));
+    }
+    if let Some((_, per_second)) = words.iter().find_map(|word| glued(word)) {
+        return Some(Kind::Times(Some(*per_second)));
+    }
+    match words[..] {
+        [word]
+            if [
+                "seconds",
+                "milliseconds",
+                "millis",
+                "microseconds",
+                "nanoseconds",
+            ]
+            .contains(&word) =>
+        {
+            Some(Kind::Times(unit(word).map(|(_, per_second)| *per_second)))
+        }
+        // `sample_index`, `row number`
+        _ if words.len() > 1 && words.iter().all(|word| COUNTERS.contains(word)) => {
+            Some(Kind::Counter)
+        }
+        _ => None,
+    }
+}
+
+/// The column that is a clock, of all names of a header: times before counters.
+pub(crate) fn column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
+    let of = |wanted: fn(Kind) -> bool| {
+        let mut kinds = names.iter().map(|name| kind(name.as_ref()));
+        kinds.position(|kind| kind.is_some_and(wanted))
+    };
+    of(|kind| matches!(kind, Kind::Times(_))).or_else(|| of(|kind| kind == Kind::Counter))
+}
+
+impl Clock {
+    /// A column of that name, before the first row.
+    pub const fn of(name: String) -> Self {
+        Self {
+            name,
+            times: Vec::new(),
+        }
+    }
+
+    /// Takes a row's text. One that is no time is not a number: the clock then says nothing.
+    pub fn push(&mut self, text: &str) {
+        self.times.push(clock_text::parse(text).unwrap_or(f64::NAN));
+    }
+
+    /// The times of some of the rows.
+    pub fn kept(&self, keep: &[bool]) -> Self {
+        let times = self.times.iter().zip(keep);
+        Self {
+            name: self.name.clone(),
+            times: times
+                .filter(|(_, keep)| **keep)
+                .map(|(time, _)| *time)
+                .collect(),
+        }
+    }
+
+    /// Whether it counts samples: by its name, or because it rises by exactly one, and no unit is named.
+    pub fn counts(&self) -> bool {
+        match kind(&self.name) {
+            Some(Kind::Counter) => true,
+            Some(Kind::Times(Some(_))) => false,
+            _ => {
+                let steps = self.times.windows(2);
+                let ones = steps.clone().filter(|pair| pair[1] - pair[0] == 1.0);
+                10 * ones.count() > 9 * steps.len()
+            }
+        }
+    }
+
+    /// What it says of the rows.
+    pub fn says(&self) -> Says {
+        let times = self.unwrapped();
+        let Some(period) = period(&times).filter(|period| *period > 0.0) else {
+            return Says::Nothing;
+        };
+        let per_second = if self.counts() {
+            f64::from(SAMPLE_RATE_HZ)
+        } else if let Some(Kind::Times(Some(per_second))) = kind(&self.name) {
+            per_second
+        } else {
+            let fits = |(_, per_second): &&(&[&str], f64)| PERIODS.contains(&(period / per_second));
+            let Some((_, per_second)) = UNITS.iter().find(fits) else {
+                return Says::Nothing;
+            };
+            *per_second
+        };
+        let seconds: Vec<f64> = times.iter().map(|time| time / per_second).collect();
+        let period = period / per_second;
+        Says::Rate {
+            hz: 1.0 / period,
+            gaps: gaps(&seconds, period),
+        }
+    }
+
+    /// The values, a counter of 8, 16 or 32 bits that begins again at 0 going on.
+    fn unwrapped(&self) -> Vec<f64> {
+        let mut base = 0.0;
+        let mut before: Option<f64> = None;
+        let unwrapped = self.times.iter().map(|&time| {
+            if let Some(before) = before.filter(|_| self.counts())
+                && [256.0, 65_536.0, 4_294_967_296.0].contains(&(before + 1.0 - time))
+            {
+                base += before + 1.0 - time;
+            }
+            before = Some(time);
+            base + time
+        });
+        unwrapped.collect()
+    }
+}
+
+/// The usual step from row to row: of even times the median, else the median over blocks of rows; none if a value is no number, or there are too few.
+fn period(times: &[f64]) -> Option<f64> {
+    if times.len() < 2 || times.iter().any(|time| !time.is_finite()) {
+        return None;
+    }
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let middle = steps[steps.len() / 2];
+    let alike = steps
+        .iter()
+        .filter(|step| (*step - middle).abs() < ALIKE * middle);
+    if 10 * alike.count() > 9 * steps.len() {
+        return Some(middle);
+    }
+    let rows = ((times.len() - 1) / 8).clamp(1, AVERAGED);
+    let ends = times.iter().step_by(rows);
+    let mut steps: Vec<f64> = ends
+        .clone()
+        .zip(ends.skip(1))
+        .map(|(from, to)| (to - from) / rows as f64)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
+}
+
+/// Rows behind a gap, and its seconds.
+///
+/// Rows come late, never early: so the earliest of many, each against its place in an even stream, tells the true offset.
+fn gaps(seconds: &[f64], period: f64) -> Vec<(usize, f64)> {
+    let late = |row: usize| seconds[row] - row as f64 * period;
+    let earliest = |rows: std::ops::Range<usize>| rows.map(late).fold(f64::INFINITY, f64::min);
+    let mut gaps: Vec<(usize, f64)> = Vec::new();
+    for row in 1..seconds.len() {
+        let step = seconds[row] - seconds[row - 1];
+        if step.abs() <= GAP && step >= 0.0 {
+            continue;
+        }
+        let begin = gaps.last().map_or(0, |&(row, _)| row);
+        let before = earliest(row.saturating_sub(AROUND).max(begin)..row);
+        let after = earliest(row..seconds.len().min(row + AROUND));
+        if (after - before).abs() > GAP {
+            gaps.push((row, after - before));
+        }
+    }
+    gaps
+}

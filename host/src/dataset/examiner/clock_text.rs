@@ -1,0 +1,53 @@
+//! Texts of times as seconds.
+
+/// Seconds in a day.
+const DAY: f64 = 86_400.0;
+
+/// A number as it stands, or a date with a time of day, or a time of day, in seconds.
+pub(super) fn parse(text: &str) -> Option<f64> {
+    let text = text.trim().trim_matches('"');
+    if let Ok(number) = text.parse::<f64>() {
+        return number.is_finite().then_some(number);
+    }
+    let (date, time) = match text.split_once(['T', ' ']) {
+        Some((date, time)) => (days(date)?, time.trim_start()),
+        None => (0.0, text),
+    };
+    Some(date * DAY + time_of_day(time)?)
+}
+
+/// Days of a date `2021-03-04` since some day.
+fn days(text: &str) -> Option<f64> {
+    let mut parts = text.split(['-', '/', '.']).map(str::parse::<u32>);
+    let mut next = || parts.next()?.ok();
+    let (year, month, day) = (next()?, next()?, next()?);
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || year > 9999 {
+        return None;
+    }
+    // Days from March on, as calendars are computed: leap days come last in a year.
+    let (year, month) = if month < 3 {
+        (year.checked_sub(1)?, month + 9)
+    } else {
+        (year, month - 3)
+    };
+    let leaps = year / 4 + year / 400 - year / 100;
+    Some(f64::from(365 * year + leaps + (153 * month + 2) / 5 + day))
+}
+
+/// Seconds of `12:30:05.125`, a zone behind it left out.
+fn time_of_day(text: &str) -> Option<f64> {
+    let text = text.trim_end_matches('Z');
+    let zone = text.rfind(['+', '-']).filter(|&at| at > 0);
+    let text = zone.map_or(text, |at| &text[..at]).trim_end();
+    let mut parts = text.split(':');
+    let mut next = || {
+        parts
+            .next()?
+            .parse::<f64>()
+            .ok()
+            .filter(|part| *part >= 0.0)
+    };
+    let (hours, minutes, seconds) = (next()?, next()?, next()?);
+    let whole = parts.next().is_none() && hours.fract() == 0.0 && minutes.fract() == 0.0;
+    (whole && minutes < 60.0 && seconds < 61.0).then_some(3600.0 * hours + 60.0 * minutes + seconds)
+}

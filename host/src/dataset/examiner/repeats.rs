@@ -1,0 +1,90 @@
+//! Repeats: rows that equal the row before.
+//!
+//! Two samples of eight channels are equal once in thousands. A program that polls the newest sample faster than the
+//! armband sends writes it again, and evenly: at 250 Hz every fifth row. One that polls at the armband's own rate repeats
+//! now and then, and loses as many: no pattern.
+
+use shared::units::Sample;
+
+use super::FEWEST;
+
+/// Share of repeats from which they are judged: radio losses that a recorder filled in stay below.
+const SHARE: f64 = 0.02;
+/// Rows of a run from which it is a standstill: no program polls so fast.
+const STANDSTILL: usize = 40;
+/// Runs of rows whose lengths are summed, to tell an even pattern from chance.
+const BLOCK: usize = 50;
+/// Blocks that are needed to tell.
+const BLOCKS: usize = 4;
+/// Share of chance's variance that an even pattern stays below.
+const EVEN: f64 = 0.3;
+
+/// Repeats of rows.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Repeats {
+    /// As few as in a recording of the armband.
+    Few,
+    /// Evenly spread: each sample comes so many times on average.
+    Even(f64),
+    /// In no pattern: the share of rows that repeat.
+    Uneven(f64),
+}
+
+/// Judges which rows repeat the one before.
+pub(crate) fn judge(samples: &[Sample]) -> Repeats {
+    let runs: Vec<usize> = runs(samples).filter(|&run| run < STANDSTILL).collect();
+    let rows: usize = runs.iter().sum();
+    if rows < FEWEST {
+        return Repeats::Few;
+    }
+    let share = (rows - runs.len()) as f64 / rows as f64;
+    if share < SHARE {
+        return Repeats::Few;
+    }
+    let times = rows as f64 / runs.len() as f64;
+    if is_even(&runs, times) {
+        Repeats::Even(times)
+    } else {
+        Repeats::Uneven(share)
+    }
+}
+
+/// Lengths of the runs of equal rows.
+fn runs(samples: &[Sample]) -> impl Iterator<Item = usize> {
+    samples.chunk_by(|a, b| a == b).map(<[Sample]>::len)
+}
+
+/// Whether the sums of runs vary less than chance would have it: as geometric lengths of the same mean do.
+fn is_even(runs: &[usize], mean: f64) -> bool {
+    let blocks = runs.chunks_exact(BLOCK);
+    if blocks.len() < BLOCKS {
+        // Too short for statistics: only a constant number is a pattern.
+        return runs.len() >= BLOCK && runs.iter().all(|&run| run == runs[0]);
+    }
+    let expected = BLOCK as f64 * mean;
+    let count = blocks.len() as f64;
+    let off = blocks.map(|block| (block.iter().sum::<usize>() as f64 - expected).powi(2));
+    let variance = off.sum::<f64>() / count;
+    // A block's ends are whole rows: half a row of variance in the most even pattern.
+    variance < EVEN * BLOCK as f64 * mean * (mean - 1.0) + 0.5
+}
+
+/// Which rows do not repeat the one before.
+pub(crate) fn first_of_each(samples: &[Sample]) -> Vec<bool> {
+    let differs = samples.windows(2).map(|pair| pair[0] != pair[1]);
+    let first = std::iter::once(true).take(samples.len());
+    first.chain(differs).collect()
+}
+
+/// The longest standstill: its first row and the number of its rows; none if there is none.
+pub(crate) fn standstill(samples: &[Sample]) -> Option<(usize, usize)> {
+    let mut begin = 0;
+    let mut longest: Option<(usize, usize)> = None;
+    for run in runs(samples) {
+        if run >= STANDSTILL && longest.is_none_or(|(_, rows)| run > rows) {
+            longest = Some((begin, run));
+        }
+        begin += run;
+    }
+    longest
+}
