@@ -2,7 +2,6 @@
 
 use embassy_futures::yield_now;
 
-use super::armband;
 use super::hardware::{self, Incident};
 use super::person::Person;
 use super::power;
@@ -16,7 +15,7 @@ const TURN_US: u64 = 20;
 pub async fn run(mut person: Person) -> ! {
     loop {
         spend(TURN_US);
-        person.act(hardware::now_us(), armband::sent());
+        person.act(hardware::now_us(), hardware::packets_sent());
         yield_now().await;
     }
 }

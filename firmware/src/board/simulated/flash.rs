@@ -6,7 +6,7 @@ use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::{armband, clock, hardware, power, surroundings};
+use super::{clock, hardware, power, surroundings};
 use crate::flash::{self, Flash, FlashFailed, PAGE_BYTES, Region};
 use crate::reset_reason::ResetReason;
 
@@ -60,7 +60,7 @@ fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), Flash
         keep(path, region, offset, length).map_err(|_| FlashFailed)?;
     }
     if fails {
-        hardware::happened("POWER", armband::sent());
+        hardware::happened("POWER", hardware::packets_sent());
         power::reset(ResetReason::Power);
     }
     Ok(())

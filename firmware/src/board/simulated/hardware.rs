@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use embassy_time::{Duration, Instant, MockDriver};
@@ -155,6 +156,19 @@ pub fn dead_man_has_expired() -> bool {
 /// Lets the outputs show a valid label again.
 pub fn acknowledge_dead_man() {
     with(|hardware| hardware.has_expired = false);
+}
+
+/// Notifications of the wearer's armband, over all connections and all starts of the board.
+static SENT: AtomicUsize = AtomicUsize::new(0);
+
+/// The wearer's armband has sent so many notifications.
+pub fn sent(count: usize) {
+    SENT.store(count, Ordering::Relaxed);
+}
+
+/// How many notifications the wearer's armband has sent.
+pub fn packets_sent() -> usize {
+    SENT.load(Ordering::Relaxed)
 }
 
 /// The packet with this number was received.

@@ -3,17 +3,16 @@
 //! The tasks are the board's, on the same executor; time passes by 20 us with each of its turns, so that a minute takes a second and
 //! every run gives the same lines. What the program computes takes no time but what the scenario gives it.
 
-mod armband;
 mod clock;
 mod fault;
 mod flash;
-mod gatt;
 mod hardware;
 mod person;
 mod power;
 mod radio;
 mod scenario;
 
+use std::cell::RefCell;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
@@ -25,6 +24,7 @@ use embassy_time::{Duration, Instant, Timer};
 use shared::myo::Address;
 use shared::units::Sample;
 use static_cell::StaticCell;
+use virtual_armband::Armband;
 
 use super::{Board, BytesLost};
 use crate::flash::Region;
@@ -33,7 +33,6 @@ use crate::messages::pin_state::PinState;
 use crate::radio::driver::SessionDriver;
 use crate::reset_reason::ResetReason;
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
-use armband::Armband;
 use person::{BYTE_US, IS_DOWN, OVERRUN, Person, RECEIVED};
 use power::Arguments;
 use radio::SimulatedRadio;
@@ -166,10 +165,12 @@ pub async fn run_radio(_: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
     fault::inject_at_start(scenario.fault);
     let address = |text: &str| Address::parse(text).expect("an address of the scenario");
     let new = |text: &str, rssi| Armband::new(address(text), rssi, samples.clone());
-    let worn = new(ARMBAND, RSSI).of_wearer(scenario, arguments.sent);
+    let worn = new(ARMBAND, RSSI).of_wearer(scenario.behaviour(), arguments.sent);
+    hardware::sent(arguments.sent);
     let stranger = scenario.stranger.as_ref();
     let stranger = stranger.map(|other| new(&other.address, other.rssi));
-    let armbands: Vec<_> = [Some(worn), stranger].into_iter().flatten().collect();
+    let armbands = [Some(worn), stranger].into_iter().flatten();
+    let armbands: Vec<_> = armbands.map(RefCell::new).collect();
     let mut radio = SimulatedRadio {
         armbands: &armbands,
     };

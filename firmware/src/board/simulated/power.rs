@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use clap::Parser;
 
-use super::{armband, hardware};
+use super::hardware;
 use crate::messages::pin_state::PinState;
 use crate::reset_reason::ResetReason;
 
@@ -136,7 +136,7 @@ fn start_again(reason: ResetReason) -> anyhow::Result<i32> {
         .args(["--reset", reason])
         .args(["--elapsed-us", &elapsed.to_string()])
         .args(["--starts", &(arguments.starts + 1).to_string()])
-        .args(["--sent", &armband::sent().to_string()])
+        .args(["--sent", &hardware::packets_sent().to_string()])
         .status()?;
     Ok(status.code().unwrap_or(1))
 }

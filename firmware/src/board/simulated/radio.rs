@@ -1,13 +1,14 @@
 //! The link between board and armbands. Every request takes two connection intervals, as on air.
 
+use std::cell::RefCell;
 use std::future;
 
 use embassy_futures::select::select;
 use embassy_time::{Duration, Instant, Timer};
 use shared::myo::Address;
+use virtual_armband::{Armband, Notification};
 
-use super::armband::Armband;
-use super::fault;
+use super::{fault, hardware};
 use crate::radio::{
     Advertisement, ConnectFailed, ConnectionHandler, Disconnected, Link, OperationFailed, Radio,
     SCAN_SECONDS, Scanned,
@@ -25,7 +26,7 @@ const NOTICED_MS: u64 = 1;
 /// The board's Bluetooth stack, in a room with armbands.
 pub struct SimulatedRadio<'a> {
     /// Those within its reach.
-    pub armbands: &'a [Armband],
+    pub armbands: &'a [RefCell<Armband>],
 }
 
 impl Radio for SimulatedRadio<'_> {
@@ -40,7 +41,8 @@ impl Radio for SimulatedRadio<'_> {
                 report(Scanned::Answered);
             }
             for armband in self.armbands {
-                if let Some(data) = armband.advertisement() {
+                let armband = armband.borrow();
+                if let Some(data) = armband.advertisement(hardware::now_us()) {
                     let heard = Advertisement::new(armband.address, armband.rssi, data);
                     report(Scanned::Advertisement(&heard));
                 }
@@ -55,17 +57,20 @@ impl Radio for SimulatedRadio<'_> {
     ) -> Result<(), ConnectFailed> {
         Timer::after_millis(CONNECTING_MS).await;
         fault::radio_works().await;
-        let there = |one: &&Armband| one.address == address && one.advertisement().is_some();
+        let there = |one: &&RefCell<Armband>| {
+            let one = one.borrow();
+            one.address == address && one.advertisement(hardware::now_us()).is_some()
+        };
         let Some(armband) = self.armbands.iter().find(there) else {
             // A controller tries until it is told to stop.
             return future::pending().await;
         };
-        if !armband.connected() {
+        if !armband.borrow_mut().connected() {
             return Err(ConnectFailed);
         }
         let link = SimulatedLink(armband);
         let lost = async {
-            while !armband.is_lost() {
+            while !armband.borrow().is_lost() {
                 Timer::after_millis(NOTICED_MS).await;
             }
         };
@@ -75,18 +80,18 @@ impl Radio for SimulatedRadio<'_> {
 }
 
 /// A connection; dropped with it.
-struct SimulatedLink<'a>(&'a Armband);
+struct SimulatedLink<'a>(&'a RefCell<Armband>);
 
 impl Drop for SimulatedLink<'_> {
     fn drop(&mut self) {
-        self.0.disconnected();
+        self.0.borrow_mut().disconnected(hardware::now_us());
     }
 }
 
 impl Link for SimulatedLink<'_> {
     async fn read(&self, handle: u16, value: &mut [u8]) -> Result<usize, OperationFailed> {
         request().await;
-        let found = self.0.read(handle).ok_or(OperationFailed)?;
+        let found = self.0.borrow().read(handle).ok_or(OperationFailed)?;
         let length = found.len().min(value.len());
         value[..length].copy_from_slice(&found[..length]);
         Ok(length)
@@ -94,7 +99,12 @@ impl Link for SimulatedLink<'_> {
 
     async fn write(&self, handle: u16, value: &[u8]) -> Result<(), OperationFailed> {
         request().await;
-        let taken = self.0.write(handle, value);
+        let mut armband = self.0.borrow_mut();
+        let streamed = armband.streams();
+        let taken = armband.write(handle, value, hardware::now_us());
+        if armband.is_wearers() && armband.streams() && !streamed {
+            hardware::report_stream();
+        }
         taken.then_some(()).ok_or(OperationFailed)
     }
 
@@ -104,9 +114,49 @@ impl Link for SimulatedLink<'_> {
                 on_notification(handle, value);
             }
         };
-        self.0.stream(notify).await;
+        self.stream(notify).await;
         fault::radio_works().await;
         Disconnected
+    }
+}
+
+impl SimulatedLink<'_> {
+    /// Notifies until the connection is lost.
+    async fn stream(&self, mut notify: impl FnMut(u16, &[u8])) {
+        while !self.0.borrow().is_lost() {
+            let (due, streams) = {
+                let armband = self.0.borrow();
+                (armband.due_us(), armband.streams())
+            };
+            let Some(due) = due else {
+                if streams {
+                    return future::pending().await;
+                }
+                Timer::after_millis(1).await;
+                continue;
+            };
+            // All that are due are received at once, as from a Bluetooth stack that has queued them.
+            let due = Instant::from_micros(due);
+            if due > Instant::now() {
+                Timer::at(due).await;
+            }
+            for (handle, value) in self.send() {
+                notify(handle, &value);
+            }
+        }
+    }
+
+    fn send(&self) -> Vec<Notification> {
+        let mut armband = self.0.borrow_mut();
+        let number = armband.sent();
+        let notifications = armband.send(hardware::now_us());
+        if armband.sent() > number {
+            if armband.is_wearers() {
+                hardware::sent(armband.sent());
+            }
+            hardware::received(number);
+        }
+        notifications
     }
 }
 

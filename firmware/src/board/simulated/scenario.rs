@@ -1,6 +1,7 @@
 //! What armband and person do: the part of a scenario that the board's surroundings carry out.
 
 use serde::Deserialize;
+use virtual_armband::{Behaviour, End, Step};
 
 /// A scenario, as `tests/scenario/README.md` describes its file. Other keys are for the test that checks what comes of it.
 #[derive(Deserialize)]
@@ -43,110 +44,26 @@ pub struct Scenario {
     pub power_fails_done: Vec<u32>,
 }
 
+impl Scenario {
+    /// How the wearer's armband behaves.
+    pub fn behaviour(&self) -> Behaviour {
+        Behaviour {
+            pace: self.pace,
+            interval_ms: self.interval_ms,
+            first_lane: self.first_lane,
+            quiet_ms: 0,
+            end: self.end,
+            steps: self.armband.clone(),
+        }
+    }
+}
+
 const fn once() -> f64 {
     1.0
 }
 
-/// What follows the last sample.
-#[derive(Deserialize, Default, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    /// The connection stays.
-    #[default]
-    Silence,
-    /// The armband ends it, and advertises no more.
-    Disconnect,
-}
-
-/// One thing that the armband does. `at` counts its notifications from 0, sent or not, over all connections.
-#[derive(Deserialize, Clone)]
-#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Step {
-    /// Notifications that are never sent.
-    Drop {
-        /// The first.
-        at: usize,
-        /// How many.
-        #[serde(default = "one")]
-        count: usize,
-    },
-    /// One that is sent twice.
-    Duplicate {
-        /// Which.
-        at: usize,
-    },
-    /// The one after it is sent before it.
-    Swap {
-        /// Which.
-        at: usize,
-    },
-    /// Something else is sent instead.
-    Corrupt {
-        /// Which.
-        at: usize,
-        /// What.
-        kind: Corruption,
-    },
-    /// One is sent late, with all that are due by then.
-    Delay {
-        /// Which.
-        at: usize,
-        /// How late.
-        ms: u64,
-    },
-    /// Before it the link is lost.
-    Vanish {
-        /// Which.
-        at: usize,
-        /// So long it does not advertise.
-        for_ms: u64,
-    },
-    /// Before it the armband ends the connection.
-    Sleep {
-        /// Which.
-        at: usize,
-        /// So long it does not advertise.
-        for_ms: u64,
-    },
-    /// Before it the battery's level falls.
-    Battery {
-        /// Which.
-        at: usize,
-        /// Percent.
-        percent: u8,
-    },
-    /// The first connections are closed at once.
-    Refuse {
-        /// How many.
-        count: usize,
-    },
-    /// Notifications without a subscription, from every connection to its stream: a matter of the Bluetooth stack, so
-    /// nothing comes of it here.
-    Chatter {
-        /// Milliseconds between them.
-        #[serde(rename = "ms")]
-        _ms: u64,
-    },
-    /// It is switched off.
-    Absent,
-}
-
 const fn one() -> usize {
     1
-}
-
-/// What is sent instead of a notification.
-#[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Corruption {
-    /// Its first 9 bytes.
-    Short,
-    /// Its bytes and 4 more.
-    Long,
-    /// Its bytes, on another characteristic.
-    Foreign,
-    /// Nothing that a Bluetooth stack passes on.
-    Garbage,
 }
 
 /// Another armband.

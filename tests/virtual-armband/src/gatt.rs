@@ -13,7 +13,7 @@ pub const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 pub const FOREIGN: u16 = 0x27;
 
 /// What an attribute is.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub enum Attribute {
     /// It has this value and never another.
     Constant(Vec<u8>),

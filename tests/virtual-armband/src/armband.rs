@@ -1,0 +1,295 @@
+//! The armband: obeys commands, streams, and misbehaves as its [`Behaviour`] says.
+
+use std::collections::VecDeque;
+
+use shared::myo::{Address, Characteristic};
+use shared::units::Sample;
+
+use crate::behaviour::{Behaviour, Corruption, End, Step};
+use crate::gatt::{self, Attribute};
+
+/// Microseconds between two notifications.
+const PERIOD_US: f64 = 10_000.0;
+const SET_MODE: u8 = 0x01;
+const SET_SLEEP: u8 = 0x09;
+
+/// A notification: handle and value.
+pub type Notification = (u16, Vec<u8>);
+
+/// An armband. Times are microseconds on its driver's clock.
+#[derive(Debug)]
+pub struct Armband {
+    /// Its address.
+    pub address: Address,
+    /// Strength of its signal, dBm.
+    pub rssi: i8,
+    samples: Vec<Sample>,
+    table: Vec<Attribute>,
+    behaviour: Behaviour,
+    is_wearers: bool,
+    /// Number of the next notification, over all connections.
+    next: usize,
+    /// When it advertises again; never where none.
+    advertises_at_us: Option<u64>,
+    link: Connection,
+    battery: u8,
+    refusals: usize,
+}
+
+/// What a connection sets.
+#[derive(Default, Debug)]
+struct Connection {
+    is_lost: bool,
+    /// The armband has ended it, and said so.
+    is_closed: bool,
+    streams_from_us: Option<u64>,
+    subscribed: Vec<Characteristic>,
+    sent: usize,
+    /// A step delays everything until then.
+    delayed_until_us: u64,
+    /// What a swap holds back.
+    held: Option<Notification>,
+}
+
+impl Armband {
+    /// Somebody's armband, which does nothing wrong.
+    pub fn new(address: Address, rssi: i8, samples: Vec<Sample>) -> Self {
+        Self {
+            address,
+            rssi,
+            samples,
+            table: gatt::table(),
+            behaviour: Behaviour::default(),
+            is_wearers: false,
+            next: 0,
+            advertises_at_us: Some(0),
+            link: Connection::default(),
+            battery: 80,
+            refusals: 0,
+        }
+    }
+
+    /// The wearer's armband, which behaves like this; `next` is the number of its next notification.
+    #[must_use]
+    pub fn of_wearer(self, behaviour: Behaviour, next: usize) -> Self {
+        let refusals = behaviour.steps.iter().map(|step| match step {
+            Step::Refuse { count } if next == 0 => *count,
+            _ => 0,
+        });
+        let refusals = refusals.sum();
+        let absent = |step: &Step| matches!(step, Step::Absent);
+        let has_ended = behaviour.end == End::Disconnect && next * 2 >= self.samples.len();
+        let is_there = !has_ended && !behaviour.steps.iter().any(absent);
+        Self {
+            advertises_at_us: is_there.then_some(0),
+            refusals,
+            behaviour,
+            is_wearers: true,
+            next,
+            ..self
+        }
+    }
+
+    /// Whether it is the wearer's.
+    pub const fn is_wearers(&self) -> bool {
+        self.is_wearers
+    }
+
+    /// How many notifications it has sent, over all connections.
+    pub const fn sent(&self) -> usize {
+        self.next
+    }
+
+    /// Its advertisement, while it sends one.
+    pub fn advertisement(&self, now_us: u64) -> Option<&'static [u8]> {
+        let is_there = self.advertises_at_us.is_some_and(|at| at <= now_us);
+        is_there.then_some(&gatt::ADVERTISEMENT)
+    }
+
+    /// A central connects; whether the armband keeps the connection.
+    pub fn connected(&mut self) -> bool {
+        self.link = Connection::default();
+        if self.refusals > 0 {
+            self.refusals -= 1;
+            return false;
+        }
+        self.advertises_at_us = None;
+        true
+    }
+
+    /// The connection has ended, by either side.
+    pub fn disconnected(&mut self, now_us: u64) {
+        // Otherwise its own step said when it advertises.
+        if !self.link.is_lost {
+            self.link.is_lost = true;
+            self.advertises_at_us = Some(now_us);
+        }
+    }
+
+    /// Whether the connection is lost.
+    pub const fn is_lost(&self) -> bool {
+        self.link.is_lost
+    }
+
+    /// Whether it has ended the connection itself; else the other side hears nothing more.
+    pub const fn has_closed(&self) -> bool {
+        self.link.is_closed
+    }
+
+    /// Whether it streams.
+    pub const fn streams(&self) -> bool {
+        self.link.streams_from_us.is_some()
+    }
+
+    /// The value of an attribute that can be read.
+    pub fn read(&self, handle: u16) -> Option<Vec<u8>> {
+        match self.attribute(handle)? {
+            Attribute::Constant(value) => Some(value.clone()),
+            Attribute::Subscription(of) => Some(vec![u8::from(self.notifies(*of)), 0]),
+            Attribute::Value(Characteristic::FirmwareVersion) => Some(gatt::FIRMWARE.to_vec()),
+            Attribute::Value(Characteristic::BatteryLevel) => Some(vec![self.battery]),
+            Attribute::Value(_) | Attribute::Other => None,
+        }
+    }
+
+    /// Takes what is written; whether it can be.
+    pub fn write(&mut self, handle: u16, value: &[u8], now_us: u64) -> bool {
+        match (self.attribute(handle), value) {
+            (Some(Attribute::Subscription(of)), [1, 0]) => {
+                let of = *of;
+                self.link.subscribed.push(of);
+            }
+            (Some(Attribute::Value(Characteristic::Command)), [SET_MODE, 3, emg, ..]) => {
+                let from_us = now_us + self.behaviour.quiet_ms * 1000;
+                self.link.streams_from_us = matches!(emg, 2 | 3).then_some(from_us);
+            }
+            (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
+            _ => return false,
+        }
+        true
+    }
+
+    fn attribute(&self, handle: u16) -> Option<&Attribute> {
+        let place = usize::from(handle).checked_sub(1)?;
+        self.table.get(place)
+    }
+
+    /// When it sends next; none while it does not stream, or has nothing left to send.
+    pub fn due_us(&self) -> Option<u64> {
+        let from = self.link.streams_from_us.filter(|_| !self.link.is_lost)?;
+        if self.has_nothing_left() {
+            // The end is due at once.
+            return (self.behaviour.end == End::Disconnect).then_some(0);
+        }
+        let period = PERIOD_US / self.behaviour.pace;
+        let interval = (self.behaviour.interval_ms * 1000.0) as u64;
+        let due = (period * (self.link.sent + 1) as f64) as u64;
+        let due = from + due.next_multiple_of(interval.max(1));
+        Some(due.max(self.link.delayed_until_us))
+    }
+
+    fn has_nothing_left(&self) -> bool {
+        self.next >= self.samples.len() / 2
+    }
+
+    /// Sends the notification that is due, as its behaviour has it: nothing, one or several. The link may be lost before
+    /// it, or it may come later.
+    pub fn send(&mut self, now_us: u64) -> Vec<Notification> {
+        let mut sent = Vec::new();
+        if self.has_nothing_left() {
+            self.link.is_closed = true;
+            self.lose(None);
+            return sent;
+        }
+        let number = self.next;
+        while let Some(step) = self.take_action(number) {
+            match step {
+                Step::Delay { ms, .. } => {
+                    self.link.delayed_until_us = now_us + ms * 1000;
+                    return sent;
+                }
+                Step::Vanish { for_ms, .. } | Step::Sleep { for_ms, .. } => {
+                    self.link.is_closed = matches!(step, Step::Sleep { .. });
+                    self.lose(Some(now_us + for_ms * 1000));
+                    return sent;
+                }
+                Step::Battery { percent, .. } => {
+                    self.battery = percent;
+                    if self.notifies(Characteristic::BatteryLevel) {
+                        sent.push((self.handle(Characteristic::BatteryLevel), vec![percent]));
+                    }
+                }
+                _ => {}
+            }
+        }
+        let lane = (usize::from(self.behaviour.first_lane) + self.link.sent) % gatt::EMG.len();
+        self.next = number + 1;
+        self.link.sent += 1;
+        sent.extend(self.packets(number, lane));
+        sent
+    }
+
+    /// What is sent for a notification.
+    fn packets(&mut self, number: usize, lane: usize) -> VecDeque<Notification> {
+        let value: Vec<u8> = self.samples[2 * number..2 * number + 2]
+            .iter()
+            .flatten()
+            .map(|byte| byte.cast_unsigned())
+            .collect();
+        let emg = gatt::EMG[lane];
+        let handle = self.handle(emg);
+        let mut sent = VecDeque::new();
+        let step = self.behaviour.steps.iter().find(|step| match **step {
+            Step::Drop { at, count } => (at..at + count).contains(&number),
+            Step::Corrupt { at, .. } | Step::Duplicate { at } | Step::Swap { at } => at == number,
+            _ => false,
+        });
+        match step {
+            _ if !self.notifies(emg) => {}
+            Some(Step::Drop { .. }) => {}
+            Some(Step::Duplicate { .. }) => {
+                sent.extend([(handle, value.clone()), (handle, value)]);
+            }
+            Some(Step::Swap { .. }) => {
+                self.link.held = Some((handle, value));
+                return sent;
+            }
+            Some(Step::Corrupt { kind, .. }) => match kind {
+                Corruption::Short => sent.push_back((handle, value[..9].to_vec())),
+                Corruption::Long => {
+                    sent.push_back((handle, [&value[..], &[0xde, 0xad, 0xbe, 0xef]].concat()));
+                }
+                Corruption::Foreign => sent.push_back((gatt::FOREIGN, value)),
+                Corruption::Garbage => {}
+            },
+            _ => sent.push_back((handle, value)),
+        }
+        sent.extend(self.link.held.take());
+        sent
+    }
+
+    fn take_action(&mut self, number: usize) -> Option<Step> {
+        let steps = &mut self.behaviour.steps;
+        let place = steps.iter().position(|step| match *step {
+            Step::Delay { at, .. }
+            | Step::Vanish { at, .. }
+            | Step::Sleep { at, .. }
+            | Step::Battery { at, .. } => at == number,
+            _ => false,
+        });
+        place.map(|place| steps.remove(place))
+    }
+
+    fn lose(&mut self, advertises_at_us: Option<u64>) {
+        self.link.is_lost = true;
+        self.advertises_at_us = advertises_at_us;
+    }
+
+    fn notifies(&self, characteristic: Characteristic) -> bool {
+        self.link.subscribed.contains(&characteristic)
+    }
+
+    fn handle(&self, characteristic: Characteristic) -> u16 {
+        gatt::value_handle(&self.table, characteristic)
+    }
+}

@@ -1,0 +1,12 @@
+//! A Myo armband for tests, without a clock and without a radio: whoever drives it says what time it is.
+//!
+//! The simulated board (`firmware/src/board/simulated`) and the emulated chip (`tests/nrf52`) put their radios in front of it.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+mod armband;
+mod behaviour;
+pub mod gatt;
+
+pub use armband::{Armband, Notification};
+pub use behaviour::{Behaviour, Corruption, End, Step};
