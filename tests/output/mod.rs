@@ -26,6 +26,12 @@ pub const ARMBAND_LOG: &str = "armband";
 const TAIL: usize = 12;
 /// Starts of the lines that are numbered together.
 const NUMBERED: [&str; 3] = ["$LABEL,", "$STATE,", "$ALIGN,"];
+/// Whether a line has a number: a label, a state, or what an alignment does.
+#[must_use]
+pub fn is_numbered(line: &str) -> bool {
+    NUMBERED.iter().any(|start| line.starts_with(start))
+}
+
 /// Start of the first line that the program writes.
 const STARTED: &str = "# myointent ";
 
@@ -125,8 +131,7 @@ impl Output {
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let lines = self.file(self.lines);
-        let numbered = |line: &&str| NUMBERED.iter().any(|start| line.starts_with(start));
-        let lines = lines.split_inclusive('\n').filter(numbered);
+        let lines = lines.split_inclusive('\n').filter(|line| is_numbered(line));
         lines
             .filter(|l| l.ends_with('\n'))
             .map(str::to_owned)

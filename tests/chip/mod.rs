@@ -1,0 +1,240 @@
+//! A board with an emulated chip that runs an image as it is flashed, and armbands beside it.
+
+mod output;
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use nrf52::chip::{APPROTECT, Model};
+use nrf52::softdevice::{Kind, SoftDevice};
+use nrf52::time::ms;
+use nrf52::{Image, Machine, Refusal};
+use shared::myo::{Address, binding};
+use shared::units::Sample;
+use virtual_armband::{Armband, Behaviour, End};
+use xtask::firmware::{self, Image as Built};
+use xtask::toolchain;
+
+/// The armband's address.
+pub const ARMBAND: &str = "FA:12:34:56:78:9A";
+/// Strength of its signal, dBm.
+const RSSI: i8 = -50;
+/// The page of the bound armband, as in `memory.x`.
+pub const BINDING: u32 = 0x5_7000;
+/// The model's region, as in `memory.x`.
+const MODEL: u32 = 0x5_8000;
+/// UICR's words for the pin that resets the chip.
+const PSELRESET: [u32; 2] = [0x200, 0x204];
+
+/// Pins of a kit, as in `firmware/src/board/nrf52/wiring.rs`: those of the second port follow at 32.
+#[derive(Clone, Copy, Debug)]
+pub struct Pins {
+    /// One for each intent, in class order.
+    pub intents: [u32; 6],
+    /// `valid`.
+    pub valid: u32,
+    /// The LEDs of the armband and of an alignment: low while they are lit.
+    pub leds: [u32; 2],
+    /// The button: low while it is down.
+    pub button: u32,
+    /// Resets the chip.
+    pub reset: u32,
+}
+
+impl Pins {
+    const NRF52840: Self = Self {
+        intents: [33, 34, 35, 36, 37, 38],
+        valid: 39,
+        leds: [14, 15],
+        button: 11,
+        reset: 18,
+    };
+    const NRF52832: Self = Self {
+        intents: [11, 12, 22, 23, 24, 25],
+        valid: 26,
+        leds: [18, 19],
+        button: 13,
+        reset: 21,
+    };
+}
+
+/// An image; if it cannot be built here, reports the test `name` as skipped.
+///
+/// # Panics
+/// If the image does not build: that is no reason to skip.
+#[must_use]
+pub fn image(name: &str, image: Built) -> Option<Image> {
+    static BUILT: OnceLock<Mutex<HashMap<&str, Vec<u8>>>> = OnceLock::new();
+    let found = toolchain::find(false).map_err(|reason| {
+        crate::skip(name, &format!("{reason:#}").replace('\n', " "));
+    });
+    let toolchain = found.ok()?;
+    let mut built = BUILT
+        .get_or_init(Mutex::default)
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
+    let elf = built.entry(image.name()).or_insert_with(|| {
+        let file = firmware::build_image(&toolchain, image, false, false);
+        let file = file.unwrap_or_else(|error| panic!("the image {image}: {error:#}"));
+        std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+    });
+    Some(Image::parse(elf).expect("an image"))
+}
+
+/// The model that the README flashes.
+///
+/// # Panics
+/// If it is not in the repository.
+#[must_use]
+pub fn model() -> Vec<u8> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/three-class.intent");
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// What a board holds, and what is around it.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// The model's flash region from its start.
+    pub model: Vec<u8>,
+    /// The page of the bound armband from its start.
+    pub page: Vec<u8>,
+    /// What the armband streams.
+    pub samples: Vec<Sample>,
+    /// How the armband behaves.
+    pub behaviour: Behaviour,
+    /// Another armband: its address, and the strength of its signal.
+    pub stranger: Option<(Address, i8)>,
+    /// Whether nothing was ever written to UICR.
+    pub is_blank: bool,
+}
+
+impl Default for Setting {
+    /// The README's model, bound to an armband that disconnects after its last sample.
+    fn default() -> Self {
+        let armband = Address::parse(ARMBAND).expect("an address");
+        Self {
+            model: model(),
+            page: binding::to_record(armband).to_vec(),
+            samples: Vec::new(),
+            behaviour: Behaviour {
+                end: End::Disconnect,
+                ..Behaviour::default()
+            },
+            stranger: None,
+            is_blank: false,
+        }
+    }
+}
+
+/// A board.
+#[derive(Debug)]
+pub struct Board {
+    /// Its chip, and the armbands.
+    pub machine: Machine,
+    /// Its pins.
+    pub pins: Pins,
+}
+
+impl Board {
+    /// A board with this image, whose power has just come.
+    ///
+    /// # Panics
+    /// If the constant address is none.
+    #[must_use]
+    pub fn new(built: Built, image: Image, setting: Setting) -> Self {
+        let (model, kind, pins) = match built {
+            Built::Nrf52832S132 => (Model::Nrf52832, Kind::S132, Pins::NRF52832),
+            _ => (Model::Nrf52840, Kind::S140, Pins::NRF52840),
+        };
+        let address = Address::parse(ARMBAND).expect("an address");
+        let stranger = setting.stranger.map(|(address, rssi)| {
+            // It streams the same, so that whoever follows it shows itself by its address alone.
+            Armband::new(address, rssi, setting.samples.clone())
+        });
+        let worn = Armband::new(address, RSSI, setting.samples);
+        let worn = worn.of_wearer(setting.behaviour, 0);
+        let armbands = [Some(worn), stranger].into_iter().flatten().collect();
+        let softdevice = SoftDevice::new(kind, armbands);
+        let machine = Machine::new(model, image, Some(softdevice), 0x6d79_6f21);
+        {
+            let mut chip = machine.chip();
+            chip.bus.memory.program(MODEL, &setting.model);
+            chip.bus.memory.program(BINDING, &setting.page);
+            if !setting.is_blank {
+                for word in PSELRESET {
+                    chip.program_uicr(word, pins.reset);
+                }
+                chip.program_uicr(APPROTECT, 0x5a);
+            }
+        }
+        Self { machine, pins }
+    }
+
+    /// How many notifications the wearer's armband has sent.
+    #[must_use]
+    pub fn sent(&self) -> usize {
+        let softdevice = self.machine.softdevice.as_ref();
+        softdevice.map_or(0, |one| one.armbands[0].sent())
+    }
+
+    /// What the UART has sent, as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let chip = self.machine.chip();
+        let bytes: Vec<u8> = chip.sent().iter().map(|(_, byte)| *byte).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// Complete lines of labels, states and alignments, line ends included.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let text = self.text();
+        let lines = text.split_inclusive('\n');
+        let numbered =
+            lines.filter(|line| line.ends_with('\n') && crate::output::is_numbered(line));
+        numbered.map(str::to_owned).collect()
+    }
+
+    /// Sends a line to the UART; frame and checksum are added.
+    pub fn send(&mut self, body: &str) {
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        self.send_bytes(format!("${body}*{sum:02X}\r\n").bytes());
+    }
+
+    /// Sends bytes to the UART.
+    pub fn send_bytes(&mut self, bytes: impl IntoIterator<Item = u8>) {
+        let now = self.machine.now();
+        let bytes = bytes.into_iter().map(|byte| (byte, false));
+        self.machine.chip().receive(now, bytes);
+    }
+
+    /// Presses the button, or releases it.
+    pub fn set_button(&mut self, is_down: bool) {
+        let button = self.pins.button;
+        self.machine.chip().drive(button, is_down.then_some(false));
+    }
+
+    /// Runs for so many milliseconds.
+    ///
+    /// # Errors
+    /// When the program does what is refused.
+    pub fn run_ms(&mut self, count: u64) -> Result<(), Refusal> {
+        self.machine.run(ms(count))
+    }
+
+    /// Runs until the UART has sent this, at most so many milliseconds.
+    ///
+    /// # Errors
+    /// When the program does what is refused, or the text does not come.
+    pub fn wait_for(&mut self, text: &str, at_most_ms: u64) -> anyhow::Result<()> {
+        let end = self.machine.now() + ms(at_most_ms);
+        while !self.text().contains(text) {
+            let sent = self.text();
+            let in_time = self.machine.now() < end;
+            anyhow::ensure!(in_time, "no {text:?} within {at_most_ms} ms:\n{sent}");
+            self.machine.run(ms(5))?;
+        }
+        Ok(())
+    }
+}

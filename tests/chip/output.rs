@@ -1,0 +1,58 @@
+//! The files that every board of the tests writes ([`crate::output`]): lines, and levels of the pins.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use nrf52::time::us;
+use shared::intent::Intent;
+
+use super::Board;
+use crate::output::{LEVELS, LINES};
+
+/// Levels that change within so many ticks change together: one pin after the other.
+const TOGETHER: u64 = us(50);
+
+impl Board {
+    /// Writes the files into a folder.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn write_output(&self, folder: &Path) -> anyhow::Result<()> {
+        std::fs::write(folder.join(LINES), self.text())?;
+        std::fs::write(folder.join(LEVELS), self.levels())?;
+        Ok(())
+    }
+
+    /// A line for each change of levels.
+    fn levels(&self) -> String {
+        let chip = self.machine.chip();
+        let received = self.machine.softdevice.as_ref();
+        let received = received.map_or(&[][..], |one| &one.received);
+        let mut levels = [None; 64];
+        let mut lines = String::new();
+        let mut changes = chip.changes.iter().peekable();
+        while let Some((at, pin, level)) = changes.next() {
+            levels[*pin as usize] = *level;
+            if changes
+                .peek()
+                .is_some_and(|(next, ..)| next - at < TOGETHER)
+            {
+                continue;
+            }
+            let is_high = |pin: u32| levels[pin as usize] == Some(true);
+            let is_lit = |pin: u32| levels[pin as usize] == Some(false);
+            let before = received.partition_point(|(received, _)| received <= at);
+            let last = before.checked_sub(1).map_or(0, |last| received[last].0);
+            let (now, last) = (at / us(1), last / us(1));
+            let valid = u8::from(is_high(self.pins.valid));
+            // Writing to a string cannot fail.
+            let _ = write!(lines, "PINS {now} {last} valid={valid}");
+            for (intent, pin) in Intent::ALL.into_iter().zip(self.pins.intents) {
+                let _ = write!(lines, " {}={}", intent.name(), u8::from(is_high(pin)));
+            }
+            let [armband, alignment] = self.pins.leds.map(|pin| u8::from(is_lit(pin)));
+            let _ = writeln!(lines, " armband={armband} alignment={alignment}");
+        }
+        lines
+    }
+}

@@ -1,0 +1,12 @@
+//! The images that are flashed, on an emulated chip ([`nrf52`]): from reset to labels.
+//!
+//! Needs the cross compiler: `cargo xtask toolchain --install`.
+
+#[path = "flashed/faults.rs"]
+mod faults;
+#[path = "flashed/flash.rs"]
+mod flash;
+#[path = "flashed/labels.rs"]
+mod labels;
+#[path = "flashed/start.rs"]
+mod start;

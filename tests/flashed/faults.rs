@@ -1,0 +1,139 @@
+//! What keeps the pins safe when the program does not run as it should: without an instruction of its own.
+
+use nrf52::Incident;
+use nrf52::chip::Reset;
+use nrf52::time::{HZ, ms};
+use shared::model::noise::Noise;
+use shared::units::Sample;
+use xtask::firmware::Image;
+
+use myointent_tests::chip::{self, Board, Setting};
+
+/// Noise of rest and effort in turn.
+fn effort(seconds: usize) -> Vec<Sample> {
+    let mut noise = Noise(5);
+    let sample = |index: usize| {
+        let strength = if index / 300 % 2 == 1 { 90.0 } else { 3.0 };
+        [(); 8].map(|()| (noise.signed() * strength) as i8)
+    };
+    (0..seconds * 200).map(sample).collect()
+}
+
+/// A board whose labels are valid; where the image cannot be built, reports the test as skipped.
+fn board_with_valid_labels(test: &str) -> anyhow::Result<Option<Board>> {
+    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+        return Ok(None);
+    };
+    let setting = Setting {
+        samples: effort(60),
+        ..Setting::default()
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    while !is_valid(&board) {
+        anyhow::ensure!(
+            board.machine.now() < 10 * HZ,
+            "never valid:\n{}",
+            board.text()
+        );
+        board.run_ms(10)?;
+    }
+    Ok(Some(board))
+}
+
+fn is_valid(board: &Board) -> bool {
+    board.machine.chip().level(board.pins.valid) == Some(true)
+}
+
+/// Milliseconds from a time to the fall of `valid`.
+fn fell_after_ms(board: &Board, from: u64) -> Option<u64> {
+    let chip = board.machine.chip();
+    let fell = |(at, pin, level): &&(u64, u32, Option<bool>)| {
+        *at >= from && *pin == board.pins.valid && *level == Some(false)
+    };
+    let fell = chip.changes.iter().find(fell);
+    fell.map(|(at, ..)| (at - from) / ms(1))
+}
+
+/// Runs until the program is outside of interrupts.
+fn leave_interrupts(board: &mut Board) -> anyhow::Result<()> {
+    while board.machine.core().is_in_handler() {
+        board.machine.run(1)?;
+    }
+    Ok(())
+}
+
+fn last_start(board: &Board) -> Option<(u64, Reset)> {
+    let mut incidents = board.machine.incidents.iter().rev();
+    incidents.find_map(|(at, incident)| match incident {
+        Incident::Started(why) => Some((*at, *why)),
+        Incident::HardFault(_) => None,
+    })
+}
+
+#[test]
+fn the_dead_man_timer_clears_the_pins_of_a_core_that_stands_still() -> anyhow::Result<()> {
+    let test = "the_dead_man_timer_clears_the_pins_of_a_core_that_stands_still";
+    let Some(mut board) = board_with_valid_labels(test)? else {
+        return Ok(());
+    };
+    let from = board.machine.now();
+    board.machine.chip().bus.halt(ms(400));
+    board.run_ms(500)?;
+    let fell = fell_after_ms(&board, from);
+    assert!(fell.is_some_and(|after| after <= 250), "{fell:?} ms");
+    // It goes on: nothing has to start again.
+    board.run_ms(5000)?;
+    assert!(is_valid(&board), "{}", board.text());
+    assert_eq!(last_start(&board), Some((0, Reset::Power)));
+    Ok(())
+}
+
+#[test]
+fn the_watchdog_ends_a_program_that_loops() -> anyhow::Result<()> {
+    let test = "the_watchdog_ends_a_program_that_loops";
+    let Some(mut board) = board_with_valid_labels(test)? else {
+        return Ok(());
+    };
+    leave_interrupts(&mut board)?;
+    // Somewhere in flash: a branch to itself.
+    const LOOP: u32 = 0x9_0000;
+    board.machine.chip().bus.memory.program(LOOP, &[0xfe, 0xe7]);
+    let from = board.machine.now();
+    board.machine.core().jump(LOOP);
+    board.run_ms(2500)?;
+    let fell = fell_after_ms(&board, from);
+    assert!(fell.is_some_and(|after| after <= 250), "{fell:?} ms");
+    let (at, why) = last_start(&board).expect("it has started");
+    assert_eq!(why, Reset::Watchdog);
+    assert!(at - from <= ms(2010), "after {} ms", (at - from) / ms(1));
+    assert!(board.text().contains("the watchdog"), "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<()> {
+    let test = "the_guard_of_the_stack_ends_a_program_that_grows_into_it";
+    let Some(mut board) = board_with_valid_labels(test)? else {
+        return Ok(());
+    };
+    leave_interrupts(&mut board)?;
+    let end = board
+        .machine
+        .image()
+        .address("_stack_end")
+        .expect("a stack");
+    // Two regions of 256 bytes: firmware/src/stack_guard.rs.
+    let guard = end.next_multiple_of(256) + 512;
+    board.machine.core().set_register(13, guard);
+    board.run_ms(1000)?;
+    assert!(
+        board.text().contains("a stack overflow"),
+        "{}",
+        board.text()
+    );
+    assert_eq!(
+        last_start(&board).map(|(_, why)| why),
+        Some(Reset::Software)
+    );
+    Ok(())
+}

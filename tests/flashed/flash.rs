@@ -1,0 +1,94 @@
+//! Flash that is written by the SoftDevice's calls: power fails in the middle, and no time is found beside the radio.
+
+use std::iter::repeat_n;
+
+use nrf52::chip::PAGE;
+use nrf52::softdevice::Fate;
+use shared::myo::{Address, binding};
+use xtask::firmware::Image;
+
+use myointent_tests::chip::{self, ARMBAND, BINDING, Board, Setting};
+
+/// A binding has fewer operations of flash.
+const MOST_OPERATIONS: usize = 8;
+const OTHER: &str = "F1:23:45:67:89:AB";
+
+fn bound(board: &Board) -> Option<Address> {
+    let page = board.machine.chip().bus.memory.read(BINDING, PAGE);
+    binding::from_record(page.as_deref().and_then(<[u8]>::first_chunk)?)
+}
+
+fn address(text: &str) -> Address {
+    Address::parse(text).expect("an address")
+}
+
+fn board(test: &str, fates: impl IntoIterator<Item = Fate>) -> Option<Board> {
+    let image = chip::image(test, Image::Nrf52840S140)?;
+    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
+    let softdevice = board
+        .machine
+        .softdevice
+        .as_mut()
+        .expect("an image with one");
+    softdevice.flash.fates.extend(fates);
+    Some(board)
+}
+
+#[test]
+fn binding_writes_the_page() -> anyhow::Result<()> {
+    let Some(mut board) = board("binding_writes_the_page", []) else {
+        return Ok(());
+    };
+    board.run_ms(500)?;
+    board.send(&format!("BIND,set,{OTHER}"));
+    board.wait_for("$OK,BIND", 3000)?;
+    // The answer says what is in force; the page follows.
+    board.run_ms(1000)?;
+    assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+    Ok(())
+}
+
+#[test]
+fn power_that_fails_while_the_page_is_written_leaves_one_armband_or_none() -> anyhow::Result<()> {
+    let test = "power_that_fails_while_the_page_is_written_leaves_one_armband_or_none";
+    for operation in 0..MOST_OPERATIONS {
+        for percent in [0, 50, 100] {
+            let before = repeat_n(Fate::Success, operation);
+            let cut = Fate::PowerCut { percent };
+            let Some(mut board) = board(test, before.chain([cut])) else {
+                return Ok(());
+            };
+            board.run_ms(500)?;
+            board.send(&format!("BIND,set,{OTHER}"));
+            board.run_ms(1500)?;
+            let softdevice = board.machine.softdevice.as_ref();
+            if softdevice.is_some_and(|one| !one.flash.fates.is_empty()) {
+                assert!(operation > 0, "no operation of flash:\n{}", board.text());
+                return Ok(());
+            }
+            let found = bound(&board);
+            let allowed = [None, Some(address(ARMBAND)), Some(address(OTHER))];
+            assert!(
+                allowed.contains(&found),
+                "operation {operation}, {percent} %: {found:?}"
+            );
+            // It can be done again.
+            board.send(&format!("BIND,set,{OTHER}"));
+            board.run_ms(1500)?;
+            assert_eq!(bound(&board), Some(address(OTHER)), "{}", board.text());
+        }
+    }
+    anyhow::bail!("more than {MOST_OPERATIONS} operations for a page")
+}
+
+#[test]
+fn flash_that_finds_no_time_beside_the_radio_is_said() -> anyhow::Result<()> {
+    let test = "flash_that_finds_no_time_beside_the_radio_is_said";
+    let Some(mut board) = board(test, repeat_n(Fate::TimeOut, 20)) else {
+        return Ok(());
+    };
+    board.run_ms(500)?;
+    board.send(&format!("BIND,set,{OTHER}"));
+    board.wait_for("the flash page did not take the change", 5000)?;
+    Ok(())
+}

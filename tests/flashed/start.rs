@@ -1,0 +1,50 @@
+//! From reset to the first lines.
+
+use nrf52::Incident;
+use nrf52::chip::{APPROTECT, Reset};
+use xtask::firmware::Image;
+
+use myointent_tests::chip::{self, Board, Setting};
+
+/// Why the program has started, each time.
+fn starts(board: &Board) -> Vec<Reset> {
+    let incidents = board.machine.incidents.iter();
+    let started = incidents.filter_map(|(_, incident)| match incident {
+        Incident::Started(why) => Some(*why),
+        Incident::HardFault(_) => None,
+    });
+    started.collect()
+}
+
+#[test]
+fn a_board_says_why_it_starts_and_who_it_is() -> anyhow::Result<()> {
+    let test = "a_board_says_why_it_starts_and_who_it_is";
+    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+        return Ok(());
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, Setting::default());
+    board.wait_for("power or reset", 1000)?;
+    board.send("IDENTIFY");
+    board.wait_for("$OK,IDENTIFY", 1000)?;
+    assert_eq!(starts(&board), [Reset::Power]);
+    Ok(())
+}
+
+#[test]
+fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
+    let test = "a_blank_chip_sets_its_reset_pin_and_starts_again";
+    let Some(image) = chip::image(test, Image::Nrf52840S140) else {
+        return Ok(());
+    };
+    let setting = Setting {
+        is_blank: true,
+        ..Setting::default()
+    };
+    let mut board = Board::new(Image::Nrf52840S140, image, setting);
+    board.wait_for("# myointent ", 1000)?;
+    assert_eq!(starts(&board), [Reset::Power, Reset::Software]);
+    let chip = board.machine.chip();
+    assert_eq!([chip.uicr(0x200), chip.uicr(0x204)], [18, 18]);
+    assert_eq!(chip.uicr(APPROTECT) & 0xff, 0x5a);
+    Ok(())
+}

@@ -1,0 +1,203 @@
+//! Accesses of the core to peripherals, and what comes of events.
+
+use super::bus::Peripheral;
+use super::register::{Kind, Written};
+use super::{Chip, FICR, GPIO, ownership, uicr};
+use crate::refusal::What;
+
+impl Chip {
+    /// What the program reads from a peripheral, or from UICR or FICR.
+    pub fn read(&mut self, address: u32, bytes: usize) -> u32 {
+        if bytes != 4 || !address.is_multiple_of(4) {
+            self.bus.refuse(address, What::Width { bytes });
+            return 0;
+        }
+        let read = match address & !0xfff {
+            FICR => self.ficr.read(address - FICR),
+            uicr::BASE => self.uicr.read(address - uicr::BASE),
+            _ => self.read_peripheral(address),
+        };
+        read.unwrap_or_else(|what| {
+            self.bus.refuse(address, what);
+            0
+        })
+    }
+
+    fn read_peripheral(&mut self, address: u32) -> Result<u32, What> {
+        self.check_owner(address, None)?;
+        let Some((one, bus)) = self.peripheral(address) else {
+            return Err(What::NoPeripheral);
+        };
+        let offset = address - one.base();
+        let held = one.registers().read(offset)?;
+        Ok(one.read(offset, bus).unwrap_or(held))
+    }
+
+    /// What the program writes to a peripheral, or to UICR or FICR.
+    pub fn write(&mut self, address: u32, bytes: usize, value: u32) {
+        if bytes != 4 || !address.is_multiple_of(4) {
+            return self.bus.refuse(address, What::Width { bytes });
+        }
+        let written = match address & !0xfff {
+            FICR => self.ficr.write(address - FICR, value).map(|_| ()),
+            uicr::BASE => self.write_uicr(address - uicr::BASE, value),
+            _ => self.write_peripheral(address, value),
+        };
+        if let Err(what) = written {
+            self.bus.refuse(address, what);
+        }
+        self.bus.attention = true;
+        self.settle();
+    }
+
+    fn write_uicr(&mut self, offset: u32, value: u32) -> Result<(), What> {
+        if !self.nvmc.writes() {
+            let expected = "CONFIG of NVMC has to enable writing first";
+            return Err(What::Value { value, expected });
+        }
+        let old = self.uicr.read(offset)?;
+        self.uicr.put(offset, old & value);
+        self.bus.halt(self.nvmc.times.write);
+        Ok(())
+    }
+
+    fn write_peripheral(&mut self, address: u32, value: u32) -> Result<(), What> {
+        self.check_owner(address, Some(value))?;
+        let Some((one, bus)) = self.peripheral(address) else {
+            return Err(What::NoPeripheral);
+        };
+        let offset = address - one.base();
+        let pins = matches!(one.base() & !0xfff, GPIO | 0x4000_6000);
+        match one.registers_mut().write(offset, value)? {
+            Written::Nothing => {}
+            Written::Task => one.task(offset, bus),
+            Written::Stored(offset) => one.stored(offset, bus),
+        }
+        self.pins_are_stale |= pins;
+        match address.checked_sub(self.ppi.base()) {
+            Some(offset) if offset < 0x1000 => self.check_channel(offset),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_owner(&self, address: u32, written: Option<u32>) -> Result<(), What> {
+        if self.softdevice_is_enabled && ownership::is_softdevices(address, written) {
+            return Err(What::SoftDevices);
+        }
+        Ok(())
+    }
+
+    /// Refuses ends of channels that are no event, or no task.
+    fn check_channel(&mut self, offset: u32) -> Result<(), What> {
+        let Some((is_event, end)) = self.ppi.end(offset) else {
+            return Ok(());
+        };
+        let kind = if is_event { Kind::Event } else { Kind::Task };
+        let fits = self.peripheral(end).is_some_and(|(one, _)| {
+            let offset = end.wrapping_sub(one.base());
+            offset < 0x1000 && one.registers().is(offset, kind)
+        });
+        match (fits, is_event) {
+            (true, _) => Ok(()),
+            (false, true) => Err(What::NoEvent),
+            (false, false) => Err(What::NoTask),
+        }
+    }
+
+    /// Carries events through shortcuts and the interconnect until nothing is left to do.
+    pub(super) fn settle(&mut self) {
+        while let Some(event) = self.bus.events.pop_front() {
+            if let Some((one, _)) = self.peripheral(event) {
+                let base = one.base();
+                for task in one.shorts(event - base) {
+                    self.start(base + task);
+                }
+            }
+            for task in self.ppi.tasks(event) {
+                self.start(task);
+            }
+        }
+        if std::mem::take(&mut self.pins_are_stale) {
+            self.settle_pins();
+        }
+        let (all, _) = self.clocked();
+        let next = all.iter().filter_map(|one| one.next()).min();
+        self.next = next.unwrap_or(u64::MAX);
+    }
+
+    fn start(&mut self, task: u32) {
+        self.pins_are_stale |= task & !0xfff == self.gpiote.base();
+        if let Some((one, bus)) = self.peripheral(task) {
+            one.task(task - one.base(), bus);
+        }
+    }
+
+    fn settle_pins(&mut self) {
+        let gpiote = &self.gpiote;
+        for (number, port) in (0..self.model.ports()).zip(&mut self.ports) {
+            let before: Vec<_> = (0..32).map(|pin| port.level(pin)).collect();
+            port.settle(|pin| gpiote.drives(32 * number + pin));
+            for (pin, before) in (0..32).zip(before) {
+                let level = port.level(pin);
+                if level != before {
+                    self.changes.push((self.bus.now, 32 * number + pin, level));
+                }
+            }
+        }
+    }
+
+    /// When something happens by itself next.
+    pub fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Lets time pass, and everything happen that is due by then.
+    pub fn advance(&mut self, until: u64) {
+        while self.next <= until && self.bus.reset.is_none() {
+            self.bus.now = self.bus.now.max(self.next);
+            let (all, bus) = self.clocked();
+            for one in all {
+                if one.next().is_some_and(|at| at <= bus.now) {
+                    one.due(bus);
+                }
+            }
+            self.bus.attention = true;
+            self.settle();
+        }
+        self.bus.now = self.bus.now.max(until);
+    }
+
+    /// Levels of the interrupts, by their numbers: a peripheral's is that of its address (6.1.1).
+    pub fn interrupts(&mut self) -> u64 {
+        let interrupts = [
+            0x4000_0000,
+            0x4000_2000,
+            0x4000_6000,
+            0x4000_8000,
+            0x4000_9000,
+            0x4000_a000,
+            0x4000_b000,
+            0x4000_d000,
+            0x4001_0000,
+            0x4001_1000,
+            0x4001_4000,
+            0x4001_5000,
+            0x4001_6000,
+            0x4001_7000,
+            0x4001_8000,
+            0x4001_9000,
+            0x4001_a000,
+            0x4001_b000,
+            0x4002_4000,
+        ];
+        let mut levels = 0;
+        for address in interrupts {
+            if let Some((one, _)) = self.peripheral(address)
+                && one.registers().interrupts()
+            {
+                levels |= 1 << (address >> 12 & 0x3f);
+            }
+        }
+        levels
+    }
+}

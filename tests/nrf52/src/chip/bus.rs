@@ -1,0 +1,123 @@
+//! What peripherals share: time, memory, events on their way, and what they ask of the core.
+
+use std::collections::VecDeque;
+
+use super::register::Registers;
+use crate::memory::Memory;
+use crate::refusal::What;
+
+/// Why the chip resets.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reset {
+    /// Power came.
+    Power,
+    /// The level of the reset pin.
+    Pin,
+    /// The watchdog.
+    Watchdog,
+    /// The program asked for it, by the core's AIRCR.
+    Software,
+}
+
+/// What peripherals share.
+#[derive(Debug)]
+pub struct Bus {
+    /// Ticks since power came.
+    pub now: u64,
+    /// Flash and RAM.
+    pub memory: Memory,
+    /// Addresses of events that have happened and not yet reached the interconnect.
+    pub events: VecDeque<u32>,
+    /// Ticks that the core is to be halted.
+    pub halt: u64,
+    /// A reset that is to come.
+    pub reset: Option<Reset>,
+    /// What was refused first: the address, and what is wrong.
+    pub refused: Option<(u32, What)>,
+    /// Whether the low-frequency clock runs.
+    pub low_frequency_runs: bool,
+    /// Whether something has changed that the core has to know.
+    pub attention: bool,
+}
+
+impl Bus {
+    /// At the moment that power comes.
+    pub fn new(memory: Memory) -> Self {
+        Self {
+            now: 0,
+            memory,
+            events: VecDeque::new(),
+            halt: 0,
+            reset: None,
+            refused: None,
+            low_frequency_runs: false,
+            attention: true,
+        }
+    }
+
+    /// Refuses something. The first refusal ends the run.
+    pub fn refuse(&mut self, address: u32, what: What) {
+        self.attention = true;
+        self.refused.get_or_insert((address, what));
+    }
+
+    /// Resets the chip.
+    pub fn reset(&mut self, why: Reset) {
+        self.attention = true;
+        self.reset.get_or_insert(why);
+    }
+
+    /// Halts the core for so many ticks.
+    pub fn halt(&mut self, ticks: u64) {
+        self.attention = true;
+        self.halt += ticks;
+    }
+}
+
+/// A part of the chip with registers of its own.
+pub trait Peripheral: std::fmt::Debug + Send {
+    /// Its base address.
+    fn base(&self) -> u32;
+
+    /// Its registers.
+    fn registers(&self) -> &Registers;
+
+    /// Its registers, to be changed.
+    fn registers_mut(&mut self) -> &mut Registers;
+
+    /// What the program reads where that is not what the register holds.
+    fn read(&mut self, _offset: u32, _bus: &mut Bus) -> Option<u32> {
+        None
+    }
+
+    /// The register at this offset was written.
+    fn stored(&mut self, _offset: u32, _bus: &mut Bus) {}
+
+    /// A task starts.
+    fn task(&mut self, offset: u32, bus: &mut Bus);
+
+    /// Tasks that this event starts by a shortcut.
+    fn shorts(&self, _event: u32) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// When it does something by itself next.
+    fn next(&self) -> Option<u64> {
+        None
+    }
+
+    /// It is that time.
+    fn due(&mut self, _bus: &mut Bus) {}
+
+    /// An event happens.
+    fn raise(&mut self, event: u32, bus: &mut Bus) {
+        self.registers_mut().put(event, 1);
+        bus.events.push_back(self.base() + event);
+        bus.attention = true;
+    }
+
+    /// Refuses what was done to one of its registers.
+    fn refuse(&self, offset: u32, bus: &mut Bus, what: What) {
+        bus.refuse(self.base() + offset, what);
+    }
+}

@@ -1,0 +1,161 @@
+//! CLOCK and POWER, which share their base address (product specification, 5.4 and 5.3).
+//!
+//! Clocks take their time to start; both sources of the high-frequency clock are exact. The supply is ideal.
+
+use super::bus::{Bus, Peripheral, Reset};
+use super::register::{
+    INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
+};
+use crate::time::{ms, us};
+
+const HFCLKSTART: u32 = 0x000;
+const HFCLKSTOP: u32 = 0x004;
+const LFCLKSTART: u32 = 0x008;
+const LFCLKSTOP: u32 = 0x00c;
+const HFCLKSTARTED: u32 = 0x100;
+const LFCLKSTARTED: u32 = 0x104;
+const HFCLKRUN: u32 = 0x408;
+const HFCLKSTAT: u32 = 0x40c;
+const LFCLKRUN: u32 = 0x414;
+const LFCLKSTAT: u32 = 0x418;
+const LFCLKSRCCOPY: u32 = 0x41c;
+const LFCLKSRC: u32 = 0x518;
+const RESETREAS: u32 = 0x400;
+const INTERRUPTS: u32 = 0x3 | 1 << 2 | 7 << 5;
+
+/// HFCLKSTAT and LFCLKSTAT: running (5.4.6).
+const RUNNING: u32 = 1 << 16;
+
+/// How long the crystal of the high-frequency clock takes (5.4.7).
+const HFXO: u64 = us(360);
+
+const TABLE: &[Register] = &[
+    task("TASKS_HFCLKSTART", HFCLKSTART),
+    task("TASKS_HFCLKSTOP", HFCLKSTOP),
+    task("TASKS_LFCLKSTART", LFCLKSTART),
+    task("TASKS_LFCLKSTOP", LFCLKSTOP),
+    event("EVENTS_HFCLKSTARTED", HFCLKSTARTED),
+    event("EVENTS_LFCLKSTARTED", LFCLKSTARTED),
+    event("EVENTS_POFWARN", 0x108),
+    set("INTENSET", 0x304, INTEN, INTERRUPTS),
+    clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
+    one_clears("RESETREAS", RESETREAS, 0xf | 0x1f << 16),
+    read_only("HFCLKRUN", HFCLKRUN),
+    read_only("HFCLKSTAT", HFCLKSTAT),
+    read_only("LFCLKRUN", LFCLKRUN),
+    read_only("LFCLKSTAT", LFCLKSTAT),
+    read_only("LFCLKSRCCOPY", LFCLKSRCCOPY),
+    read_write("GPREGRET", 0x51c, 0xff),
+    read_write("GPREGRET2", 0x520, 0xff),
+    read_write("LFCLKSRC", LFCLKSRC, 3 | 3 << 16),
+    // Of the access port, on the same address (4.8.1).
+    read_write("APPROTECT.DISABLE", 0x558, 0xff),
+    read_write("DCDCEN", 0x578, 1),
+    read_write("DCDCEN0", 0x580, 1),
+];
+
+/// Retained over every reset but the loss of power (5.3.6).
+const RETAINED: [u32; 3] = [RESETREAS, 0x51c, 0x520];
+
+/// CLOCK and POWER.
+#[derive(Debug)]
+pub struct ClockAndPower {
+    registers: Registers,
+    high: Option<u64>,
+    low: Option<u64>,
+}
+
+impl ClockAndPower {
+    /// After a reset; `before` is what ran until then.
+    pub fn new(why: Reset, before: Option<&Self>) -> Self {
+        let mut registers = Registers::new("CLOCK/POWER", TABLE);
+        if let Some(before) = before.filter(|_| why != Reset::Power) {
+            for offset in RETAINED {
+                registers.put(offset, before.registers.get(offset));
+            }
+        }
+        // RESETREAS (5.3.7.9): bits stay until they are cleared.
+        let bit = match why {
+            Reset::Power => 0,
+            Reset::Pin => 1,
+            Reset::Watchdog => 1 << 1,
+            Reset::Software => 1 << 2,
+        };
+        registers.put(RESETREAS, registers.get(RESETREAS) | bit);
+        Self {
+            registers,
+            high: None,
+            low: None,
+        }
+    }
+}
+
+/// How long the source of the low-frequency clock takes to start (5.4.8 to 5.4.10).
+const fn low_frequency_start(source: u32) -> u64 {
+    match source & 3 {
+        // RC oscillator.
+        0 => us(600),
+        // Crystal, with the time until it is stable.
+        1 => ms(250),
+        // From the high-frequency clock.
+        _ => us(100),
+    }
+}
+
+impl Peripheral for ClockAndPower {
+    fn base(&self) -> u32 {
+        0x4000_0000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn task(&mut self, offset: u32, bus: &mut Bus) {
+        match offset {
+            HFCLKSTART => {
+                self.registers.put(HFCLKRUN, 1);
+                self.high = Some(bus.now + HFXO);
+            }
+            HFCLKSTOP => {
+                self.high = None;
+                self.registers.put(HFCLKRUN, 0);
+                self.registers.put(HFCLKSTAT, 0);
+            }
+            LFCLKSTART => {
+                let source = self.registers.get(LFCLKSRC);
+                self.registers.put(LFCLKRUN, 1);
+                self.registers.put(LFCLKSRCCOPY, source);
+                self.low = Some(bus.now + low_frequency_start(source));
+            }
+            _ => {
+                self.low = None;
+                bus.low_frequency_runs = false;
+                self.registers.put(LFCLKRUN, 0);
+                self.registers.put(LFCLKSTAT, 0);
+            }
+        }
+    }
+
+    fn next(&self) -> Option<u64> {
+        [self.high, self.low].into_iter().flatten().min()
+    }
+
+    fn due(&mut self, bus: &mut Bus) {
+        let now = bus.now;
+        if self.high.take_if(|at| *at <= now).is_some() {
+            self.registers.put(HFCLKSTAT, RUNNING | 1);
+            self.raise(HFCLKSTARTED, bus);
+        }
+        if self.low.take_if(|at| *at <= now).is_some() {
+            let source = self.registers.get(LFCLKSRCCOPY) & 3;
+            self.registers.put(LFCLKSTAT, RUNNING | source);
+            bus.low_frequency_runs = true;
+            self.raise(LFCLKSTARTED, bus);
+        }
+    }
+}

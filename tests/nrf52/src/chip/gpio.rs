@@ -1,0 +1,145 @@
+//! GPIO, the pins of a port (product specification, 6.9): direction, level, pull and drive. Sensing is kept and does nothing.
+
+use super::bus::{Bus, Peripheral};
+use super::register::{Register, Registers, clear, one_clears, read_only, read_write, set};
+
+const OUT: u32 = 0x504;
+const IN: u32 = 0x510;
+const DIR: u32 = 0x514;
+const PIN_CNF: u32 = 0x700;
+/// From one port's registers to the next's.
+pub const PORT: u32 = 0x300;
+/// PIN_CNF after a reset: an input whose buffer is disconnected.
+const DISCONNECTED: u32 = 1 << 1;
+const PIN_CNF_MASK: u32 = 0xf | 7 << 8 | 3 << 16;
+
+const TABLE: &[Register] = &[
+    read_write("OUT", OUT, !0),
+    set("OUTSET", 0x508, OUT, !0),
+    clear("OUTCLR", 0x50c, OUT, !0),
+    read_only("IN", IN),
+    read_write("DIR", DIR, !0),
+    set("DIRSET", 0x518, DIR, !0),
+    clear("DIRCLR", 0x51c, DIR, !0),
+    one_clears("LATCH", 0x520, !0),
+    read_write("DETECTMODE", 0x524, 1),
+    read_write("PIN_CNF", PIN_CNF, PIN_CNF_MASK)
+        .times(32)
+        .reset(DISCONNECTED),
+];
+
+/// A port.
+#[derive(Debug)]
+pub struct Gpio {
+    registers: Registers,
+    base: u32,
+    /// Levels that something outside drives: a mask, and the levels.
+    outside: (u32, u32),
+    /// Levels on the pins, where something drives or pulls them.
+    levels: [Option<bool>; 32],
+}
+
+impl Gpio {
+    /// After a reset.
+    pub fn new(name: &'static str, number: u32) -> Self {
+        Self {
+            registers: Registers::new(name, TABLE),
+            base: 0x5000_0000 + number * PORT,
+            outside: (0, 0),
+            levels: [None; 32],
+        }
+    }
+
+    /// Drives a pin from outside, or lets it go.
+    pub fn drive(&mut self, pin: u32, level: Option<bool>) {
+        let bit = 1 << pin;
+        let (mask, levels) = self.outside;
+        self.outside = match level {
+            Some(true) => (mask | bit, levels | bit),
+            Some(false) => (mask | bit, levels & !bit),
+            None => (mask & !bit, levels & !bit),
+        };
+    }
+
+    /// What drives pins from outside, to be kept over a reset.
+    pub fn outside(&self) -> (u32, u32) {
+        self.outside
+    }
+
+    /// The same after a reset.
+    pub fn with_outside(self, outside: (u32, u32)) -> Self {
+        Self { outside, ..self }
+    }
+
+    /// The level of a pin; none where nothing drives nor pulls it: it floats.
+    pub fn level(&self, pin: u32) -> Option<bool> {
+        self.levels[pin as usize]
+    }
+
+    /// Sets every pin's level; `taken` says what a peripheral drives it to.
+    pub fn settle(&mut self, taken: impl Fn(u32) -> Option<bool>) {
+        for pin in 0..32 {
+            let is_output = self.registers.get(DIR) >> pin & 1 == 1;
+            let (driven, levels) = self.outside;
+            let pull = self.registers.get(PIN_CNF + 4 * pin) >> 2 & 3;
+            let level = if let Some(level) = taken(pin) {
+                Some(level)
+            } else if is_output {
+                Some(self.registers.get(OUT) >> pin & 1 == 1)
+            } else if driven >> pin & 1 == 1 {
+                Some(levels >> pin & 1 == 1)
+            } else {
+                match pull {
+                    1 => Some(false),
+                    3 => Some(true),
+                    _ => None,
+                }
+            };
+            self.levels[pin as usize] = level;
+        }
+    }
+}
+
+impl Peripheral for Gpio {
+    fn base(&self) -> u32 {
+        self.base
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn read(&mut self, offset: u32, _: &mut Bus) -> Option<u32> {
+        if offset != IN {
+            return None;
+        }
+        let reads = |pin: &u32| {
+            let is_connected = self.registers.get(PIN_CNF + 4 * pin) & DISCONNECTED == 0;
+            is_connected && self.levels[*pin as usize] == Some(true)
+        };
+        Some((0..32).filter(reads).map(|pin| 1 << pin).sum())
+    }
+
+    /// DIR and the lowest bit of PIN_CNF are one register (6.9.2).
+    fn stored(&mut self, offset: u32, _: &mut Bus) {
+        if offset == DIR {
+            for pin in 0..32 {
+                let configuration = self.registers.get(PIN_CNF + 4 * pin) & !1;
+                let direction = self.registers.get(DIR) >> pin & 1;
+                self.registers
+                    .put(PIN_CNF + 4 * pin, configuration | direction);
+            }
+        } else if let Some(distance) = offset.checked_sub(PIN_CNF) {
+            let pin = distance / 4;
+            let direction = self.registers.get(offset) & 1;
+            let others = self.registers.get(DIR) & !(1 << pin);
+            self.registers.put(DIR, others | direction << pin);
+        }
+    }
+
+    fn task(&mut self, _: u32, _: &mut Bus) {}
+}

@@ -1,0 +1,106 @@
+//! GPIOTE (product specification, 6.10): tasks that set pins. Events of pins are not modelled.
+
+use super::bus::{Bus, Peripheral};
+use super::register::{INTEN, Register, Registers, clear, event, read_write, set, task};
+use crate::refusal::What;
+
+const OUT: u32 = 0x000;
+const SET: u32 = 0x030;
+const CLR: u32 = 0x060;
+const CONFIG: u32 = 0x510;
+/// Channels.
+pub const CHANNELS: u32 = 8;
+const INTERRUPTS: u32 = 0xff | 1 << 31;
+
+const TABLE: &[Register] = &[
+    task("TASKS_OUT", OUT).times(CHANNELS),
+    task("TASKS_SET", SET).times(CHANNELS),
+    task("TASKS_CLR", CLR).times(CHANNELS),
+    event("EVENTS_IN", 0x100).times(CHANNELS),
+    event("EVENTS_PORT", 0x17c),
+    set("INTENSET", 0x304, INTEN, INTERRUPTS),
+    clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
+    read_write("CONFIG", CONFIG, 3 | 0x3f << 8 | 3 << 16 | 1 << 20).times(CHANNELS),
+];
+
+/// Modes of a channel (6.10.4).
+const DISABLED: u32 = 0;
+const TASK: u32 = 3;
+
+/// The tasks of pins.
+#[derive(Debug)]
+pub struct Gpiote {
+    registers: Registers,
+    levels: [bool; CHANNELS as usize],
+}
+
+impl Gpiote {
+    /// After a reset.
+    pub fn new() -> Self {
+        Self {
+            registers: Registers::new("GPIOTE", TABLE),
+            levels: [false; CHANNELS as usize],
+        }
+    }
+
+    /// What a channel drives a pin to; pins of the second port follow those of the first.
+    pub fn drives(&self, pin: u32) -> Option<bool> {
+        let mut channels = 0..CHANNELS;
+        let channel = channels.find(|channel| {
+            let config = self.registers.get(CONFIG + 4 * channel);
+            config & 3 == TASK && config >> 8 & 0x3f == pin
+        })?;
+        Some(self.levels[channel as usize])
+    }
+}
+
+impl Peripheral for Gpiote {
+    fn base(&self) -> u32 {
+        0x4000_6000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        let Some(channel) = offset.checked_sub(CONFIG).map(|distance| distance / 4) else {
+            return;
+        };
+        let value = self.registers.get(offset);
+        match value & 3 {
+            // The level to begin with is set when the channel is configured.
+            TASK => self.levels[channel as usize] = value >> 20 & 1 == 1,
+            DISABLED => {}
+            _ => {
+                let expected = "events of pins are not modelled";
+                self.refuse(offset, bus, What::Value { value, expected });
+            }
+        }
+    }
+
+    fn task(&mut self, offset: u32, bus: &mut Bus) {
+        let channel = (offset % SET) / 4;
+        let config = self.registers.get(CONFIG + 4 * channel);
+        if config & 3 != TASK {
+            let when = "while its channel is not in task mode";
+            return self.refuse(offset, bus, What::Untimely { when });
+        }
+        let level = &mut self.levels[channel as usize];
+        match offset - 4 * channel {
+            SET => *level = true,
+            CLR => *level = false,
+            // What CONFIG's polarity says.
+            _ => match config >> 16 & 3 {
+                1 => *level = true,
+                2 => *level = false,
+                3 => *level = !*level,
+                _ => {}
+            },
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! The chip around the core: peripherals, the interconnect between them, pins, and what a reset does.
+
+mod access;
+mod bus;
+mod clock_and_power;
+mod egu;
+mod ficr;
+mod gpio;
+mod gpiote;
+mod nvmc;
+mod outside;
+mod ownership;
+mod ppi;
+mod register;
+mod rng;
+mod rtc;
+mod temp;
+mod timer;
+mod uarte;
+mod uicr;
+mod watchdog;
+
+pub use bus::{Bus, Peripheral, Reset};
+pub use nvmc::{FlashTimes, PAGE};
+pub use uarte::Received;
+pub use uicr::APPROTECT;
+
+use crate::memory::Memory;
+use clock_and_power::ClockAndPower;
+use egu::Egu;
+use gpio::Gpio;
+use gpiote::Gpiote;
+use nvmc::Nvmc;
+use ppi::Ppi;
+use register::Registers;
+use rng::Rng;
+use rtc::Rtc;
+use temp::Temp;
+use timer::Timer;
+use uarte::Uarte;
+use watchdog::Watchdog;
+
+/// Where the ports of pins are.
+const GPIO: u32 = 0x5000_0000;
+/// What the factory wrote.
+const FICR: u32 = ficr::BASE;
+
+/// Which chip.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Model {
+    /// 1 MiB of flash, 256 KiB of RAM.
+    Nrf52840,
+    /// 512 KiB of flash, 64 KiB of RAM.
+    Nrf52832,
+}
+
+impl Model {
+    /// Bytes of flash.
+    pub const fn flash(self) -> u32 {
+        match self {
+            Self::Nrf52840 => 1024 * 1024,
+            Self::Nrf52832 => 512 * 1024,
+        }
+    }
+
+    /// Bytes of RAM.
+    pub const fn ram(self) -> u32 {
+        match self {
+            Self::Nrf52840 => 256 * 1024,
+            Self::Nrf52832 => 64 * 1024,
+        }
+    }
+
+    const fn ports(self) -> u32 {
+        match self {
+            Self::Nrf52840 => 2,
+            Self::Nrf52832 => 1,
+        }
+    }
+
+    const fn flash_times(self) -> FlashTimes {
+        match self {
+            Self::Nrf52840 => FlashTimes::NRF52840,
+            Self::Nrf52832 => FlashTimes::NRF52832,
+        }
+    }
+}
+
+/// The chip without its core.
+#[derive(Debug)]
+pub struct Chip {
+    /// Time, memory, and what peripherals ask of the core.
+    pub bus: Bus,
+    /// Which chip it is.
+    pub model: Model,
+    clock_and_power: ClockAndPower,
+    uarte: Uarte,
+    gpiote: Gpiote,
+    timers: [Timer; 5],
+    rtcs: [Rtc; 3],
+    temp: Temp,
+    rng: Rng,
+    watchdog: Watchdog,
+    egus: [Egu; 6],
+    /// The controller of flash.
+    pub nvmc: Nvmc,
+    ppi: Ppi,
+    ports: [Gpio; 2],
+    ficr: Registers,
+    uicr: Registers,
+    /// What of it the SoftDevice has taken; nothing while it is off.
+    pub softdevice_is_enabled: bool,
+    /// Changes of levels: when, which pin, to what.
+    pub changes: Vec<(u64, u32, Option<bool>)>,
+    /// When something happens by itself next.
+    next: u64,
+    /// Whether a level may have changed.
+    pins_are_stale: bool,
+}
+
+fn timers() -> [Timer; 5] {
+    [
+        Timer::new("TIMER0", 0x4000_8000, 4),
+        Timer::new("TIMER1", 0x4000_9000, 4),
+        Timer::new("TIMER2", 0x4000_a000, 4),
+        Timer::new("TIMER3", 0x4001_a000, 6),
+        Timer::new("TIMER4", 0x4001_b000, 6),
+    ]
+}
+
+fn rtcs() -> [Rtc; 3] {
+    [
+        Rtc::new("RTC0", 0x4000_b000),
+        Rtc::new("RTC1", 0x4001_1000),
+        Rtc::new("RTC2", 0x4002_4000),
+    ]
+}
+
+fn egus() -> [Egu; 6] {
+    [
+        Egu::new("EGU0", 0x4001_4000),
+        Egu::new("EGU1", 0x4001_5000),
+        Egu::new("EGU2", 0x4001_6000),
+        Egu::new("EGU3", 0x4001_7000),
+        Egu::new("EGU4", 0x4001_8000),
+        Egu::new("EGU5", 0x4001_9000),
+    ]
+}
+
+impl Chip {
+    /// A blank chip, at the moment that power comes.
+    pub fn new(model: Model, garbage: u64) -> Self {
+        let memory = Memory::new(model.flash(), model.ram(), garbage);
+        let (part, variant) = match model {
+            Model::Nrf52840 => (0x5_2840, *b"AAF0"),
+            Model::Nrf52832 => (0x5_2832, *b"AAG0"),
+        };
+        let (ram, flash) = (model.ram() / 1024, model.flash() / 1024);
+        let mut chip = Self {
+            bus: Bus::new(memory),
+            model,
+            clock_and_power: ClockAndPower::new(Reset::Power, None),
+            uarte: Uarte::new(model == Model::Nrf52832, None),
+            gpiote: Gpiote::new(),
+            timers: timers(),
+            rtcs: rtcs(),
+            temp: Temp::new(),
+            rng: Rng::new(),
+            watchdog: Watchdog::new(),
+            egus: egus(),
+            nvmc: Nvmc::new(model.flash_times(), model.flash()),
+            ppi: Ppi::new(),
+            ports: [Gpio::new("P0", 0), Gpio::new("P1", 1)],
+            ficr: ficr::of(part, variant, ram, flash),
+            uicr: uicr::blank(),
+            softdevice_is_enabled: false,
+            changes: Vec::new(),
+            next: 0,
+            pins_are_stale: true,
+        };
+        chip.settle();
+        chip
+    }
+
+    /// Resets everything but memory; what a reset spares is said at each part (5.3.6).
+    pub fn reset(&mut self, why: Reset) {
+        self.clock_and_power = ClockAndPower::new(why, Some(&self.clock_and_power));
+        let short = self.model == Model::Nrf52832;
+        let before = std::mem::replace(&mut self.uarte, Uarte::new(short, None));
+        self.uarte = Uarte::new(short, Some(before));
+        self.gpiote = Gpiote::new();
+        self.timers = timers();
+        self.rtcs = rtcs();
+        self.temp = Temp::new();
+        self.rng = Rng::new();
+        // A reset by software or by the pin leaves the watchdog running.
+        if matches!(why, Reset::Power | Reset::Watchdog) {
+            self.watchdog = Watchdog::new();
+        }
+        self.egus = egus();
+        self.nvmc = Nvmc::new(self.model.flash_times(), self.model.flash());
+        self.ppi = Ppi::new();
+        let [p0, p1] = [0, 1].map(|port: usize| self.ports[port].outside());
+        self.ports = [
+            Gpio::new("P0", 0).with_outside(p0),
+            Gpio::new("P1", 1).with_outside(p1),
+        ];
+        self.bus.events.clear();
+        self.bus.halt = 0;
+        self.bus.low_frequency_runs = false;
+        self.bus.attention = true;
+        self.softdevice_is_enabled = false;
+        self.pins_are_stale = true;
+        self.settle();
+    }
+
+    fn clocked(&mut self) -> ([&mut dyn Peripheral; 12], &mut Bus) {
+        let [t0, t1, t2, t3, t4] = &mut self.timers;
+        let [r0, r1, r2] = &mut self.rtcs;
+        let all: [&mut dyn Peripheral; 12] = [
+            &mut self.clock_and_power,
+            t0,
+            t1,
+            t2,
+            t3,
+            t4,
+            r0,
+            r1,
+            r2,
+            &mut self.rng,
+            &mut self.uarte,
+            &mut self.watchdog,
+        ];
+        (all, &mut self.bus)
+    }
+
+    fn peripheral(&mut self, address: u32) -> Option<(&mut dyn Peripheral, &mut Bus)> {
+        let bus = &mut self.bus;
+        let many = self.model == Model::Nrf52840;
+        let one: &mut dyn Peripheral = match address & !0xfff {
+            0x4000_0000 => &mut self.clock_and_power,
+            0x4000_2000 => &mut self.uarte,
+            0x4000_6000 => &mut self.gpiote,
+            0x4000_8000 => &mut self.timers[0],
+            0x4000_9000 => &mut self.timers[1],
+            0x4000_a000 => &mut self.timers[2],
+            0x4000_b000 => &mut self.rtcs[0],
+            0x4000_c000 => &mut self.temp,
+            0x4000_d000 => &mut self.rng,
+            0x4001_0000 => &mut self.watchdog,
+            0x4001_1000 => &mut self.rtcs[1],
+            0x4001_4000 => &mut self.egus[0],
+            0x4001_5000 => &mut self.egus[1],
+            0x4001_6000 => &mut self.egus[2],
+            0x4001_7000 => &mut self.egus[3],
+            0x4001_8000 => &mut self.egus[4],
+            0x4001_9000 => &mut self.egus[5],
+            0x4001_a000 => &mut self.timers[3],
+            0x4001_b000 => &mut self.timers[4],
+            0x4001_e000 => &mut self.nvmc,
+            0x4001_f000 => &mut self.ppi,
+            0x4002_4000 => &mut self.rtcs[2],
+            GPIO if many && address >= GPIO + gpio::PORT + 0x500 => &mut self.ports[1],
+            GPIO => &mut self.ports[0],
+            _ => return None,
+        };
+        Some((one, bus))
+    }
+}

@@ -1,0 +1,77 @@
+//! What is around the chip: levels of pins, the UART's line, a programmer.
+
+use super::{Chip, FICR, Received, uicr};
+use crate::time::HZ;
+
+/// Ticks of a byte that comes at 115200 baud.
+const BYTE: u64 = HZ * 10 / 115_200;
+
+impl Chip {
+    /// The level of a pin; none where nothing drives nor pulls it.
+    pub fn level(&self, pin: u32) -> Option<bool> {
+        self.ports[pin as usize / 32].level(pin % 32)
+    }
+
+    /// Drives a pin from outside, or lets it go.
+    pub fn drive(&mut self, pin: u32, level: Option<bool>) {
+        self.ports[pin as usize / 32].drive(pin % 32, level);
+        self.pins_are_stale = true;
+        self.settle();
+    }
+
+    /// Puts bytes on the UART's line, one after the other at the rate of 115200 baud, from this time on or after those
+    /// that are on it.
+    pub fn receive(&mut self, from: u64, bytes: impl IntoIterator<Item = (u8, bool)>) {
+        let mut at = self
+            .uarte
+            .line
+            .back()
+            .map_or(from, |last| last.at.max(from));
+        for (byte, is_broken) in bytes {
+            at += BYTE;
+            self.uarte.line.push_back(Received {
+                at,
+                byte,
+                is_broken,
+            });
+        }
+        self.settle();
+    }
+
+    /// What the UART has sent, and when the last bit of each byte was over.
+    pub fn sent(&self) -> &[(u64, u8)] {
+        &self.uarte.sent
+    }
+
+    /// Bytes that the UART had no place for.
+    pub fn overruns(&self) -> u64 {
+        self.uarte.overruns
+    }
+
+    /// Least milliseconds that the watchdog had left when it was fed.
+    pub fn closest_to_watchdog_ms(&self) -> Option<f64> {
+        self.watchdog.closest_ms()
+    }
+
+    /// A word of UICR.
+    pub fn uicr(&self, offset: u32) -> u32 {
+        self.uicr.get(offset)
+    }
+
+    /// Puts a word into UICR, as a programmer does.
+    pub fn program_uicr(&mut self, offset: u32, value: u32) {
+        self.uicr.put(offset, value);
+    }
+
+    /// The name of the register at an address.
+    pub fn name_of(&mut self, address: u32) -> String {
+        match address & !0xfff {
+            FICR => self.ficr.name_of(address - FICR),
+            uicr::BASE => self.uicr.name_of(address - uicr::BASE),
+            _ => match self.peripheral(address) {
+                Some((one, _)) => one.registers().name_of(address - one.base()),
+                None => format!("{address:#010x}"),
+            },
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What of the chip a SoftDevice takes while it is enabled (S140 and S132 specifications, "Hardware peripherals").
+
+/// Peripherals that are its own, or that its calls alone may access.
+const TAKEN: [u32; 13] = [
+    // CLOCK and POWER, RADIO.
+    0x4000_0000,
+    0x4000_1000,
+    // TIMER0, RTC0.
+    0x4000_8000,
+    0x4000_b000,
+    // TEMP, RNG, ECB, CCM and AAR.
+    0x4000_c000,
+    0x4000_d000,
+    0x4000_e000,
+    0x4000_f000,
+    // EGU1, EGU2, EGU4 and EGU5 with their software interrupts.
+    0x4001_5000,
+    0x4001_6000,
+    0x4001_8000,
+    0x4001_9000,
+    // NVMC.
+    0x4001_e000,
+];
+
+const PPI: u32 = 0x4001_f000;
+/// The interconnect's channels 17 to 31, and its groups 4 and 5.
+const FIRST_CHANNEL: u32 = 17;
+const FIRST_GROUP: u32 = 4;
+
+/// Whether an access is to something that it has taken; with what was written.
+pub fn is_softdevices(address: u32, written: Option<u32>) -> bool {
+    if address & !0xfff == PPI {
+        return written.is_some_and(|value| is_softdevices_channel(address - PPI, value));
+    }
+    TAKEN.contains(&(address & !0xfff))
+}
+
+fn is_softdevices_channel(offset: u32, value: u32) -> bool {
+    match offset {
+        0x000..0x030 => offset / 8 >= FIRST_GROUP,
+        0x500..0x50c => value >> FIRST_CHANNEL != 0,
+        0x510..0x5b0 => (offset - 0x510) / 8 >= FIRST_CHANNEL,
+        0x800..0x818 => (offset - 0x800) / 4 >= FIRST_GROUP || value >> FIRST_CHANNEL != 0,
+        0x910.. => (offset - 0x910) / 4 >= FIRST_CHANNEL,
+        _ => false,
+    }
+}

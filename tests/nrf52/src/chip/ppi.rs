@@ -1,0 +1,85 @@
+//! PPI, the programmable interconnect (product specification, 6.16): an event of one peripheral starts tasks of others.
+//! The fixed channels 20 to 31 belong to the radio, which is not modelled.
+
+use super::bus::{Bus, Peripheral};
+use super::register::{Register, Registers, clear, read_write, set, task};
+
+const CHEN: u32 = 0x500;
+const CH: u32 = 0x510;
+const CHG: u32 = 0x800;
+const FORK: u32 = 0x910;
+/// Channels with ends of one's own.
+const CHANNELS: u32 = 20;
+const GROUPS: u32 = 6;
+
+const TABLE: &[Register] = &[
+    task("TASKS_CHG.EN", 0x000).times(GROUPS).every(8),
+    task("TASKS_CHG.DIS", 0x004).times(GROUPS).every(8),
+    read_write("CHEN", CHEN, !0),
+    set("CHENSET", 0x504, CHEN, !0),
+    clear("CHENCLR", 0x508, CHEN, !0),
+    read_write("CH.EEP", CH, !0).times(CHANNELS).every(8),
+    read_write("CH.TEP", CH + 4, !0).times(CHANNELS).every(8),
+    read_write("CHG", CHG, !0).times(GROUPS),
+    read_write("FORK.TEP", FORK, !0).times(32),
+];
+
+/// The interconnect.
+#[derive(Debug)]
+pub struct Ppi {
+    registers: Registers,
+}
+
+impl Ppi {
+    /// After a reset.
+    pub fn new() -> Self {
+        Self {
+            registers: Registers::new("PPI", TABLE),
+        }
+    }
+
+    /// Addresses of the tasks that an event starts.
+    pub fn tasks(&self, event: u32) -> Vec<u32> {
+        let enabled = self.registers.get(CHEN);
+        (0..CHANNELS)
+            .filter(|channel| enabled >> channel & 1 == 1)
+            .filter(|channel| self.registers.get(CH + 8 * channel) == event)
+            .flat_map(|channel| [CH + 4 + 8 * channel, FORK + 4 * channel])
+            .map(|offset| self.registers.get(offset))
+            .filter(|task| *task != 0)
+            .collect()
+    }
+
+    /// Both ends of a register that names one: whether it is an event's, and the address.
+    pub fn end(&self, offset: u32) -> Option<(bool, u32)> {
+        let in_channels = (CH..CH + 8 * CHANNELS).contains(&offset);
+        let is_event = in_channels && (offset - CH).is_multiple_of(8);
+        let address = self.registers.get(offset);
+        (address != 0 && (in_channels || offset >= FORK)).then_some((is_event, address))
+    }
+}
+
+impl Peripheral for Ppi {
+    fn base(&self) -> u32 {
+        0x4001_f000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn task(&mut self, offset: u32, _: &mut Bus) {
+        let members = self.registers.get(CHG + offset / 8 * 4);
+        let enabled = self.registers.get(CHEN);
+        let enabled = if offset.is_multiple_of(8) {
+            enabled | members
+        } else {
+            enabled & !members
+        };
+        self.registers.put(CHEN, enabled);
+    }
+}

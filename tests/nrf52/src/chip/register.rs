@@ -1,0 +1,300 @@
+//! Registers of a peripheral: which there are, what may be written to them, and what they hold.
+//!
+//! Everything that a table does not list is refused: an access to a register that is not modelled, a bit that is
+//! reserved, a read of a task, a write to a status.
+
+use crate::refusal::What;
+
+/// Where every peripheral has the enabled interrupts, if it has any (product specification, 6.1.5).
+pub const INTEN: u32 = 0x300;
+
+/// What an access to a register does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// Writing 1 starts something (6.1.6). It cannot be read.
+    Task,
+    /// Holds 1 after something has happened. The program writes 0 alone.
+    Event,
+    /// Holds what was written.
+    ReadWrite,
+    /// Holds what the peripheral says.
+    ReadOnly,
+    /// Takes a value and does not give it back.
+    WriteOnly,
+    /// Sets bits of another register; reads as that.
+    Set(u32),
+    /// Clears bits of another register; reads as that.
+    Clear(u32),
+    /// Writing 1 clears a bit.
+    OneClears,
+}
+
+/// One register, or several side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Register {
+    /// Its name in the product specification.
+    pub name: &'static str,
+    /// Of the first one, from the peripheral's base address.
+    pub offset: u32,
+    /// How many there are.
+    pub count: u32,
+    /// From one to the next.
+    pub stride: u32,
+    /// What an access does.
+    pub kind: Kind,
+    /// Bits that are not reserved.
+    pub mask: u32,
+    /// What a reset leaves in it.
+    pub reset: u32,
+}
+
+impl Register {
+    const fn new(name: &'static str, offset: u32, kind: Kind, mask: u32) -> Self {
+        Self {
+            name,
+            offset,
+            count: 1,
+            stride: 4,
+            kind,
+            mask,
+            reset: 0,
+        }
+    }
+
+    /// So many of it.
+    pub const fn times(self, count: u32) -> Self {
+        Self { count, ..self }
+    }
+
+    /// The next one so many bytes away.
+    pub const fn every(self, stride: u32) -> Self {
+        Self { stride, ..self }
+    }
+
+    /// Its value after a reset.
+    pub const fn reset(self, reset: u32) -> Self {
+        Self { reset, ..self }
+    }
+
+    fn holds(&self, offset: u32) -> bool {
+        let Some(distance) = offset.checked_sub(self.offset) else {
+            return false;
+        };
+        distance.is_multiple_of(self.stride) && distance / self.stride < self.count
+    }
+}
+
+/// A task.
+pub const fn task(name: &'static str, offset: u32) -> Register {
+    Register::new(name, offset, Kind::Task, 1)
+}
+
+/// An event.
+pub const fn event(name: &'static str, offset: u32) -> Register {
+    Register::new(name, offset, Kind::Event, 0)
+}
+
+/// A register that holds what was written.
+pub const fn read_write(name: &'static str, offset: u32, mask: u32) -> Register {
+    Register::new(name, offset, Kind::ReadWrite, mask)
+}
+
+/// A register that the program reads alone.
+pub const fn read_only(name: &'static str, offset: u32) -> Register {
+    Register::new(name, offset, Kind::ReadOnly, 0)
+}
+
+/// A register that the program writes alone.
+pub const fn write_only(name: &'static str, offset: u32, mask: u32) -> Register {
+    Register::new(name, offset, Kind::WriteOnly, mask)
+}
+
+/// A register that sets bits of the one at `of`.
+pub const fn set(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
+    Register::new(name, offset, Kind::Set(of), mask)
+}
+
+/// A register that clears bits of the one at `of`.
+pub const fn clear(name: &'static str, offset: u32, of: u32, mask: u32) -> Register {
+    Register::new(name, offset, Kind::Clear(of), mask)
+}
+
+/// A register whose bits are cleared by ones.
+pub const fn one_clears(name: &'static str, offset: u32, mask: u32) -> Register {
+    Register::new(name, offset, Kind::OneClears, mask)
+}
+
+/// What a write came to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Written {
+    /// A task starts.
+    Task,
+    /// Nothing: a task was written 0.
+    Nothing,
+    /// The register at this offset holds something else, or was written the same again.
+    Stored(u32),
+}
+
+/// The registers of one peripheral.
+#[derive(Debug)]
+pub struct Registers {
+    /// The peripheral's name.
+    pub name: &'static str,
+    table: &'static [Register],
+    values: Vec<u32>,
+}
+
+impl Registers {
+    /// What a reset leaves.
+    pub fn new(name: &'static str, table: &'static [Register]) -> Self {
+        let mut registers = Self {
+            name,
+            table,
+            values: vec![0; 0x1000 / 4],
+        };
+        for register in table {
+            for number in 0..register.count {
+                registers.put(register.offset + number * register.stride, register.reset);
+            }
+        }
+        registers
+    }
+
+    /// The value at an offset.
+    pub fn get(&self, offset: u32) -> u32 {
+        self.values[offset as usize / 4]
+    }
+
+    /// Sets the value at an offset, as the peripheral itself does.
+    pub fn put(&mut self, offset: u32, value: u32) {
+        self.values[offset as usize / 4] = value;
+    }
+
+    fn find(&self, offset: u32) -> Option<&'static Register> {
+        self.table.iter().find(|one| one.holds(offset))
+    }
+
+    /// The name of the register at an offset.
+    pub fn name_of(&self, offset: u32) -> String {
+        match self.find(offset) {
+            Some(one) if one.count > 1 => {
+                let number = (offset - one.offset) / one.stride;
+                format!("{}.{}[{number}]", self.name, one.name)
+            }
+            Some(one) => format!("{}.{}", self.name, one.name),
+            None => format!("{}+{offset:#05x}", self.name),
+        }
+    }
+
+    /// Whether a register is of this kind.
+    pub fn is(&self, offset: u32, kind: Kind) -> bool {
+        self.find(offset).is_some_and(|one| one.kind == kind)
+    }
+
+    /// What the program reads.
+    pub fn read(&self, offset: u32) -> Result<u32, What> {
+        let register = self.find(offset).ok_or(What::NotModelled)?;
+        match register.kind {
+            Kind::Task | Kind::WriteOnly => Err(What::NotReadable),
+            Kind::Set(of) | Kind::Clear(of) => Ok(self.get(of)),
+            _ => Ok(self.get(offset)),
+        }
+    }
+
+    /// What the program writes.
+    pub fn write(&mut self, offset: u32, value: u32) -> Result<Written, What> {
+        let register = self.find(offset).ok_or(What::NotModelled)?;
+        let reserved = value & !register.mask;
+        if register.kind == Kind::ReadOnly {
+            return Err(What::NotWritable { value });
+        }
+        if register.kind == Kind::Event && value != 0 {
+            return Err(What::EventSet { value });
+        }
+        // Clearing a bit that is always clear is what `INTENCLR` is written all ones for.
+        if reserved != 0 && !matches!(register.kind, Kind::Clear(_)) {
+            return Err(What::Reserved { value, reserved });
+        }
+        match register.kind {
+            Kind::Task if value == 0 => return Ok(Written::Nothing),
+            Kind::Task => return Ok(Written::Task),
+            Kind::Set(of) => {
+                self.put(of, self.get(of) | value);
+                return Ok(Written::Stored(of));
+            }
+            Kind::Clear(of) => {
+                self.put(of, self.get(of) & !value);
+                return Ok(Written::Stored(of));
+            }
+            Kind::OneClears => self.put(offset, self.get(offset) & !value),
+            _ => self.put(offset, value),
+        }
+        Ok(Written::Stored(offset))
+    }
+
+    /// Whether an event that has happened has its interrupt enabled: bit n for the event at 0x100 + 4 n (6.1.5).
+    pub fn interrupts(&self) -> bool {
+        let mut enabled = self.get(INTEN);
+        while enabled != 0 {
+            let bit = enabled.trailing_zeros();
+            if self.get(0x100 + 4 * bit) != 0 {
+                return true;
+            }
+            enabled &= enabled - 1;
+        }
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &[Register] = &[
+        task("TASKS_START", 0x000),
+        event("EVENTS_DONE", 0x104),
+        set("INTENSET", 0x304, INTEN, 1 << 1),
+        clear("INTENCLR", 0x308, INTEN, 1 << 1),
+        read_only("STATUS", 0x400),
+        read_write("CC", 0x540, 0xff).times(4).every(8).reset(7),
+    ];
+
+    fn registers() -> Registers {
+        Registers::new("ANY0", TABLE)
+    }
+
+    #[test]
+    fn what_no_table_lists_is_refused() {
+        let mut any = registers();
+        assert_eq!(any.read(0x544), Err(What::NotModelled));
+        assert_eq!(any.write(0x560, 0), Err(What::NotModelled));
+        assert_eq!(any.read(0x000), Err(What::NotReadable));
+        assert_eq!(any.write(0x400, 1), Err(What::NotWritable { value: 1 }));
+        assert_eq!(any.write(0x104, 1), Err(What::EventSet { value: 1 }));
+        let refused = What::Reserved {
+            value: 0x1ff,
+            reserved: 0x100,
+        };
+        assert_eq!(any.write(0x540, 0x1ff), Err(refused));
+    }
+
+    #[test]
+    fn an_event_interrupts_once_it_is_enabled() {
+        let mut any = registers();
+        any.put(0x104, 1);
+        assert!(!any.interrupts());
+        assert_eq!(any.write(0x304, 2), Ok(Written::Stored(INTEN)));
+        assert_eq!(any.read(0x308), Ok(2));
+        assert!(any.interrupts());
+        assert_eq!(any.write(0x104, 0), Ok(Written::Stored(0x104)));
+        assert!(!any.interrupts());
+    }
+
+    #[test]
+    fn registers_side_by_side_have_numbers() {
+        let any = registers();
+        assert_eq!(any.get(0x558), 7);
+        assert_eq!(any.name_of(0x558), "ANY0.CC[3]");
+        assert_eq!(any.name_of(0x55c), "ANY0+0x55c");
+    }
+}

@@ -1,0 +1,75 @@
+//! RNG, random numbers (product specification, 6.21); here the same ones in every run.
+
+use super::bus::{Bus, Peripheral};
+use super::register::{INTEN, Register, Registers, clear, event, read_only, read_write, set, task};
+use crate::time::us;
+
+const START: u32 = 0x000;
+const VALRDY: u32 = 0x100;
+const SHORTS: u32 = 0x200;
+const VALUE: u32 = 0x508;
+/// A byte with bias correction (6.21.3).
+const BYTE: u64 = us(120);
+
+const TABLE: &[Register] = &[
+    task("TASKS_START", START),
+    task("TASKS_STOP", 0x004),
+    event("EVENTS_VALRDY", VALRDY),
+    read_write("SHORTS", SHORTS, 1),
+    set("INTENSET", 0x304, INTEN, 1),
+    clear("INTENCLR", 0x308, INTEN, 1),
+    read_write("CONFIG", 0x504, 1),
+    read_only("VALUE", VALUE),
+];
+
+/// The source of random numbers.
+#[derive(Debug)]
+pub struct Rng {
+    registers: Registers,
+    state: u32,
+    at: Option<u64>,
+}
+
+impl Rng {
+    /// After a reset.
+    pub fn new() -> Self {
+        Self {
+            registers: Registers::new("RNG", TABLE),
+            state: 0x2545_f491,
+            at: None,
+        }
+    }
+}
+
+impl Peripheral for Rng {
+    fn base(&self) -> u32 {
+        0x4000_d000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn task(&mut self, offset: u32, bus: &mut Bus) {
+        self.at = (offset == START).then_some(bus.now + BYTE);
+    }
+
+    fn next(&self) -> Option<u64> {
+        self.at
+    }
+
+    fn due(&mut self, bus: &mut Bus) {
+        self.state = self
+            .state
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
+        self.registers.put(VALUE, self.state >> 24);
+        let stops = self.registers.get(SHORTS) & 1 == 1;
+        self.at = (!stops).then_some(bus.now + BYTE);
+        self.raise(VALRDY, bus);
+    }
+}

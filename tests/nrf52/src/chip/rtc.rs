@@ -1,0 +1,198 @@
+//! RTC, the real-time counter (product specification, 6.22): 24 bits at the low-frequency clock, divided.
+
+use super::bus::{Bus, Peripheral};
+use super::register::{INTEN, Register, Registers, clear, event, read_only, read_write, set, task};
+use crate::refusal::What;
+use crate::time::{low_frequency, of_low_frequency};
+
+const START: u32 = 0x000;
+const STOP: u32 = 0x004;
+const CLEAR: u32 = 0x008;
+const TRIGOVRFLW: u32 = 0x00c;
+const TICK: u32 = 0x100;
+const OVRFLW: u32 = 0x104;
+const COMPARE: u32 = 0x140;
+const EVTEN: u32 = 0x340;
+const COUNTER: u32 = 0x504;
+const PRESCALER: u32 = 0x508;
+const CC: u32 = 0x540;
+const ENABLES: u32 = 0x3 | 0xf << 16;
+const MASK: u64 = 0xff_ffff;
+const CHANNELS: u32 = 4;
+
+const TABLE: &[Register] = &[
+    task("TASKS_START", START),
+    task("TASKS_STOP", STOP),
+    task("TASKS_CLEAR", CLEAR),
+    task("TASKS_TRIGOVRFLW", TRIGOVRFLW),
+    event("EVENTS_TICK", TICK),
+    event("EVENTS_OVRFLW", OVRFLW),
+    event("EVENTS_COMPARE", COMPARE).times(CHANNELS),
+    set("INTENSET", 0x304, INTEN, ENABLES),
+    clear("INTENCLR", 0x308, INTEN, ENABLES),
+    read_write("EVTEN", EVTEN, ENABLES),
+    set("EVTENSET", 0x344, EVTEN, ENABLES),
+    clear("EVTENCLR", 0x348, EVTEN, ENABLES),
+    read_only("COUNTER", COUNTER),
+    read_write("PRESCALER", PRESCALER, 0xfff),
+    read_write("CC", CC, 0xff_ffff).times(CHANNELS),
+];
+
+/// A real-time counter.
+#[derive(Debug)]
+pub struct Rtc {
+    registers: Registers,
+    base: u32,
+    runs: bool,
+    /// The period of the low-frequency clock in which the counter was `count`.
+    since: u64,
+    count: u64,
+    /// Periods whose events have happened.
+    seen: u64,
+    /// Until then a channel's value may come too late to be noticed (6.22.7).
+    blind_until: [u64; CHANNELS as usize],
+}
+
+impl Rtc {
+    /// After a reset.
+    pub fn new(name: &'static str, base: u32) -> Self {
+        Self {
+            registers: Registers::new(name, TABLE),
+            base,
+            runs: false,
+            since: 0,
+            count: 0,
+            seen: 0,
+            blind_until: [0; CHANNELS as usize],
+        }
+    }
+
+    fn divider(&self) -> u64 {
+        u64::from(self.registers.get(PRESCALER)) + 1
+    }
+
+    /// The counter in a period of the low-frequency clock.
+    fn value(&self, period: u64) -> u64 {
+        let counted = if self.runs {
+            (period - self.since) / self.divider()
+        } else {
+            0
+        };
+        (self.count + counted) & MASK
+    }
+
+    fn enabled(&self, bit: u32) -> bool {
+        (self.registers.get(INTEN) | self.registers.get(EVTEN)) >> bit & 1 == 1
+    }
+
+    /// The next period in which something happens that is enabled.
+    fn next_period(&self) -> Option<u64> {
+        if !self.runs {
+            return None;
+        }
+        let from = self.seen.max(self.since);
+        let counted = (from - self.since) / self.divider();
+        let value = self.value(from);
+        let ahead = |target: u64| match target.wrapping_sub(value) & MASK {
+            0 => MASK + 1,
+            ahead => ahead,
+        };
+        let compares = (0..CHANNELS)
+            .filter(|channel| self.enabled(16 + channel))
+            .map(|channel| ahead(self.registers.get(CC + 4 * channel).into()));
+        let overflow = self.enabled(1).then(|| ahead(0));
+        let tick = self.enabled(0).then_some(1);
+        let first = compares.chain(overflow).chain(tick).min()?;
+        Some(self.since + (counted + first) * self.divider())
+    }
+}
+
+impl Peripheral for Rtc {
+    fn base(&self) -> u32 {
+        self.base
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn read(&mut self, offset: u32, bus: &mut Bus) -> Option<u32> {
+        (offset == COUNTER).then(|| self.value(low_frequency(bus.now)) as u32)
+    }
+
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        let period = low_frequency(bus.now);
+        match offset {
+            PRESCALER if self.runs => {
+                let value = self.registers.get(PRESCALER);
+                let expected = "the counter has to be stopped";
+                self.refuse(offset, bus, What::Value { value, expected });
+            }
+            CC.. if (offset - CC) / 4 < CHANNELS => {
+                // A value that is one ahead may not match: two ahead does.
+                self.blind_until[(offset - CC) as usize / 4] = period + 2;
+            }
+            // What becomes enabled does not look back.
+            _ if self.runs => self.seen = self.seen.max(period),
+            _ => {}
+        }
+    }
+
+    fn task(&mut self, offset: u32, bus: &mut Bus) {
+        let period = low_frequency(bus.now);
+        match offset {
+            START if !bus.low_frequency_runs => {
+                let when = "while the low-frequency clock does not run";
+                self.refuse(offset, bus, What::Untimely { when });
+            }
+            START if self.runs => {}
+            START => {
+                self.runs = true;
+                (self.since, self.seen) = (period, period);
+            }
+            STOP => {
+                self.count = self.value(period);
+                self.runs = false;
+            }
+            CLEAR => {
+                self.count = 0;
+                (self.since, self.seen) = (period, period);
+            }
+            _ => {
+                self.count = 0xff_fff0;
+                (self.since, self.seen) = (period, period);
+            }
+        }
+    }
+
+    fn next(&self) -> Option<u64> {
+        self.next_period().map(of_low_frequency)
+    }
+
+    fn due(&mut self, bus: &mut Bus) {
+        while let Some(period) = self
+            .next_period()
+            .filter(|period| of_low_frequency(*period) <= bus.now)
+        {
+            let value = self.value(period);
+            self.seen = period;
+            for channel in 0..CHANNELS {
+                let matches = u64::from(self.registers.get(CC + 4 * channel)) == value;
+                let blind = period < self.blind_until[channel as usize];
+                if matches && !blind && self.enabled(16 + channel) {
+                    self.raise(COMPARE + 4 * channel, bus);
+                }
+            }
+            if value == 0 && self.enabled(1) {
+                self.raise(OVRFLW, bus);
+            }
+            if self.enabled(0) {
+                self.raise(TICK, bus);
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! UARTE (product specification, 6.34): both directions by DMA. Flow control, parity and stopping are not modelled.
+
+use std::collections::VecDeque;
+
+use super::bus::{Bus, Peripheral};
+use super::register::{
+    INTEN, Register, Registers, clear, event, one_clears, read_only, read_write, set, task,
+};
+use crate::refusal::What;
+use crate::time::HZ;
+
+const STARTRX: u32 = 0x000;
+const STARTTX: u32 = 0x008;
+const RXDRDY: u32 = 0x108;
+const ENDRX: u32 = 0x110;
+const TXDRDY: u32 = 0x11c;
+const ENDTX: u32 = 0x120;
+const ERROR: u32 = 0x124;
+const RXSTARTED: u32 = 0x14c;
+const TXSTARTED: u32 = 0x150;
+const SHORTS: u32 = 0x200;
+const ERRORSRC: u32 = 0x480;
+const ENABLE: u32 = 0x500;
+const PSEL: u32 = 0x508;
+const PSEL_TXD: u32 = 0x50c;
+const PSEL_RXD: u32 = 0x514;
+const BAUDRATE: u32 = 0x524;
+const RXD_PTR: u32 = 0x534;
+const RXD_AMOUNT: u32 = 0x53c;
+const TXD_PTR: u32 = 0x544;
+const TXD_AMOUNT: u32 = 0x54c;
+const CONFIG: u32 = 0x56c;
+/// Bits of events whose interrupt can be enabled.
+const INTERRUPTS: u32 = 0x7 | 1 << 4 | 7 << 7 | 1 << 17 | 3 << 19 | 1 << 22;
+
+const ENABLED: u32 = 8;
+const DISCONNECTED: u32 = 1 << 31;
+/// The value of BAUDRATE for 115200 baud, and the baud rate that comes of it (6.34.9.17).
+const BAUD_115200: u32 = 0x01d6_0000;
+const BAUD: u64 = 115_108;
+/// Start, eight bits, stop.
+const BITS: u64 = 10;
+/// Bytes that wait while no buffer is given (6.34.4 promises four after the receiver was told to stop).
+const FIFO: usize = 4;
+/// ERRORSRC: a byte came while the FIFO was full; a stop bit was missing.
+const OVERRUN: u32 = 1;
+const FRAMING: u32 = 1 << 2;
+
+macro_rules! table {
+    ($count:literal) => {
+        &[
+            task("TASKS_STARTRX", STARTRX),
+            task("TASKS_STARTTX", STARTTX),
+            event("EVENTS_CTS", 0x100),
+            event("EVENTS_NCTS", 0x104),
+            event("EVENTS_RXDRDY", RXDRDY),
+            event("EVENTS_ENDRX", ENDRX),
+            event("EVENTS_TXDRDY", TXDRDY),
+            event("EVENTS_ENDTX", ENDTX),
+            event("EVENTS_ERROR", ERROR),
+            event("EVENTS_RXTO", 0x144),
+            event("EVENTS_RXSTARTED", RXSTARTED),
+            event("EVENTS_TXSTARTED", TXSTARTED),
+            event("EVENTS_TXSTOPPED", 0x158),
+            read_write("SHORTS", SHORTS, 3 << 5),
+            read_write("INTEN", INTEN, INTERRUPTS),
+            set("INTENSET", 0x304, INTEN, INTERRUPTS),
+            clear("INTENCLR", 0x308, INTEN, INTERRUPTS),
+            one_clears("ERRORSRC", ERRORSRC, 0xf),
+            read_write("ENABLE", ENABLE, 0xf),
+            read_write("PSEL", PSEL, DISCONNECTED | 0x3f)
+                .times(4)
+                .reset(!0),
+            read_write("BAUDRATE", BAUDRATE, !0).reset(0x0400_0000),
+            read_write("RXD.PTR", RXD_PTR, !0),
+            read_write("RXD.MAXCNT", RXD_PTR + 4, $count),
+            read_only("RXD.AMOUNT", RXD_AMOUNT),
+            read_write("TXD.PTR", TXD_PTR, !0),
+            read_write("TXD.MAXCNT", TXD_PTR + 4, $count),
+            read_only("TXD.AMOUNT", TXD_AMOUNT),
+            read_write("CONFIG", CONFIG, 0x1f),
+        ]
+    };
+}
+
+/// Lengths have 16 bits on the nRF52840, 8 on the nRF52832.
+const LONG: &[Register] = table!(0xffff);
+const SHORT: &[Register] = table!(0xff);
+
+/// What comes on the line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Received {
+    /// When its last bit is over.
+    pub at: u64,
+    /// Its bits.
+    pub byte: u8,
+    /// Whether its stop bit is missing.
+    pub is_broken: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Buffer {
+    address: u32,
+    length: u32,
+    done: u32,
+}
+
+/// A UART with DMA.
+#[derive(Debug)]
+pub struct Uarte {
+    registers: Registers,
+    sending: Option<(Buffer, u64)>,
+    receiving: Option<Buffer>,
+    fifo: VecDeque<u8>,
+    /// What is still to come, by time.
+    pub line: VecDeque<Received>,
+    /// What was sent, and when the last bit was over.
+    pub sent: Vec<(u64, u8)>,
+    /// Bytes that came and found no place.
+    pub overruns: u64,
+}
+
+impl Uarte {
+    /// After a reset; what is on the line does not care.
+    pub fn new(short_lengths: bool, before: Option<Self>) -> Self {
+        let table = if short_lengths { SHORT } else { LONG };
+        let (line, sent, overruns) = before.map_or_else(Default::default, |before| {
+            (before.line, before.sent, before.overruns)
+        });
+        Self {
+            registers: Registers::new("UARTE0", table),
+            sending: None,
+            receiving: None,
+            fifo: VecDeque::new(),
+            line,
+            sent,
+            overruns,
+        }
+    }
+
+    /// Ticks of a byte that this UART sends.
+    const fn byte_ticks() -> u64 {
+        HZ * BITS / BAUD
+    }
+
+    fn is_enabled(&self) -> bool {
+        self.registers.get(ENABLE) == ENABLED
+    }
+
+    fn buffer(&self, pointer: u32, bus: &mut Bus) -> Buffer {
+        let (address, length) = (self.registers.get(pointer), self.registers.get(pointer + 4));
+        if !bus.memory.is_ram(address, length) {
+            self.refuse(pointer, bus, What::NoDma { address, length });
+        }
+        Buffer {
+            address,
+            length,
+            done: 0,
+        }
+    }
+
+    fn error(&mut self, source: u32, bus: &mut Bus) {
+        let sources = self.registers.get(ERRORSRC);
+        self.registers.put(ERRORSRC, sources | source);
+        self.raise(ERROR, bus);
+    }
+
+    fn take(&mut self, received: Received, bus: &mut Bus) {
+        if !self.is_enabled() || self.registers.get(PSEL_RXD) & DISCONNECTED != 0 {
+            return;
+        }
+        if received.is_broken {
+            self.error(FRAMING, bus);
+        }
+        if self.fifo.len() == FIFO {
+            self.overruns += 1;
+            return self.error(OVERRUN, bus);
+        }
+        self.fifo.push_back(received.byte);
+        self.drain(bus);
+    }
+
+    /// Moves bytes from the FIFO to RAM.
+    fn drain(&mut self, bus: &mut Bus) {
+        while let Some(mut buffer) = self.receiving
+            && let Some(byte) = self.fifo.pop_front()
+        {
+            bus.memory.write(buffer.address + buffer.done, &[byte]);
+            buffer.done += 1;
+            self.raise(RXDRDY, bus);
+            self.receiving = Some(buffer).filter(|buffer| buffer.done < buffer.length);
+            if self.receiving.is_none() {
+                self.registers.put(RXD_AMOUNT, buffer.done);
+                self.raise(ENDRX, bus);
+            }
+        }
+    }
+}
+
+impl Peripheral for Uarte {
+    fn base(&self) -> u32 {
+        0x4000_2000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        let value = self.registers.get(offset);
+        let expected = match offset {
+            ENABLE if value != 0 && value != ENABLED => "0 or 8",
+            BAUDRATE if value != BAUD_115200 => "0x01d60000, 115200 baud: no other is modelled",
+            CONFIG if value != 0 => "0: flow control, parity and two stop bits are not modelled",
+            // Only while it is disabled (6.34.1).
+            PSEL..=PSEL_RXD | BAUDRATE | CONFIG if self.is_enabled() => "it has to be disabled",
+            _ => return,
+        };
+        self.refuse(offset, bus, What::Value { value, expected });
+    }
+
+    fn task(&mut self, offset: u32, bus: &mut Bus) {
+        let is_send = offset == STARTTX;
+        let pin = if is_send { PSEL_TXD } else { PSEL_RXD };
+        let busy = if is_send {
+            self.sending.is_some()
+        } else {
+            self.receiving.is_some()
+        };
+        let when = if !self.is_enabled() {
+            "while it is disabled"
+        } else if self.registers.get(pin) & DISCONNECTED != 0 {
+            "without a pin"
+        } else if busy {
+            "while the transfer before is under way"
+        } else {
+            ""
+        };
+        if !when.is_empty() {
+            return self.refuse(offset, bus, What::Untimely { when });
+        }
+        if is_send {
+            let buffer = self.buffer(TXD_PTR, bus);
+            self.raise(TXSTARTED, bus);
+            if buffer.length == 0 {
+                self.raise(ENDTX, bus);
+            } else {
+                self.sending = Some((buffer, bus.now + Self::byte_ticks()));
+            }
+        } else {
+            let buffer = self.buffer(RXD_PTR, bus);
+            self.raise(RXSTARTED, bus);
+            self.receiving = Some(buffer);
+            self.drain(bus);
+        }
+    }
+
+    fn shorts(&self, event: u32) -> Vec<u32> {
+        let restarts = event == ENDRX && self.registers.get(SHORTS) >> 5 & 1 == 1;
+        restarts.then_some(STARTRX).into_iter().collect()
+    }
+
+    fn next(&self) -> Option<u64> {
+        let sends = self.sending.map(|(_, at)| at);
+        let receives = self.line.front().map(|received| received.at);
+        sends.into_iter().chain(receives).min()
+    }
+
+    fn due(&mut self, bus: &mut Bus) {
+        if let Some((mut buffer, at)) = self.sending.filter(|(_, at)| *at <= bus.now) {
+            let byte = bus.memory.read(buffer.address + buffer.done, 1);
+            self.sent.extend(byte.map(|byte| (at, byte[0])));
+            buffer.done += 1;
+            self.sending = None;
+            self.raise(TXDRDY, bus);
+            if buffer.done == buffer.length {
+                self.registers.put(TXD_AMOUNT, buffer.done);
+                self.raise(ENDTX, bus);
+            } else {
+                self.sending = Some((buffer, at + Self::byte_ticks()));
+            }
+        }
+        while let Some(received) = self.line.pop_front_if(|received| received.at <= bus.now) {
+            self.take(received, bus);
+        }
+    }
+}

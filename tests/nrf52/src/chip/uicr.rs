@@ -1,0 +1,28 @@
+//! UICR, configuration that outlives the program (product specification, 4.5). A part of flash: ones become zeros.
+
+use super::register::{Register, Registers, read_write};
+
+const TABLE: &[Register] = &[
+    read_write("NRFFW", 0x014, !0).times(15),
+    read_write("NRFHW", 0x050, !0).times(12),
+    read_write("CUSTOMER", 0x080, !0).times(32),
+    read_write("PSELRESET", 0x200, !0).times(2),
+    read_write("APPROTECT", 0x208, !0),
+    read_write("NFCPINS", 0x20c, !0),
+    read_write("DEBUGCTRL", 0x210, !0),
+    read_write("REGOUT0", 0x304, !0),
+];
+
+/// Where it is.
+pub const BASE: u32 = 0x1000_1000;
+/// Whether a debugger may access the chip.
+pub const APPROTECT: u32 = 0x208;
+
+/// A blank one.
+pub fn blank() -> Registers {
+    let mut registers = Registers::new("UICR", TABLE);
+    for offset in (0..0x400).step_by(4) {
+        registers.put(offset, !0);
+    }
+    registers
+}

@@ -1,0 +1,143 @@
+//! WDT, the watchdog (product specification, 6.36). Once it runs, nothing but its reset or a loss of power ends it.
+
+use super::bus::{Bus, Peripheral, Reset};
+use super::register::{
+    INTEN, Register, Registers, clear, event, read_only, read_write, set, task, write_only,
+};
+use crate::refusal::What;
+use crate::time::{low_frequency, of_low_frequency};
+
+const START: u32 = 0x000;
+const TIMEOUT: u32 = 0x100;
+const RUNSTATUS: u32 = 0x400;
+const REQSTATUS: u32 = 0x404;
+const CRV: u32 = 0x504;
+const RREN: u32 = 0x508;
+const CONFIG: u32 = 0x50c;
+const RR: u32 = 0x600;
+/// What a reload request is (6.36.4.9).
+const RELOAD: u32 = 0x6e52_4635;
+/// Periods of the low-frequency clock from the event to the reset.
+const WARNING: u64 = 2;
+
+const TABLE: &[Register] = &[
+    task("TASKS_START", START),
+    event("EVENTS_TIMEOUT", TIMEOUT),
+    set("INTENSET", 0x304, INTEN, 1),
+    clear("INTENCLR", 0x308, INTEN, 1),
+    read_only("RUNSTATUS", RUNSTATUS),
+    read_only("REQSTATUS", REQSTATUS).reset(1),
+    read_write("CRV", CRV, !0).reset(!0),
+    read_write("RREN", RREN, 0xff).reset(1),
+    read_write("CONFIG", CONFIG, 1 | 1 << 3).reset(1),
+    write_only("RR", RR, !0).times(8),
+];
+
+/// The watchdog.
+#[derive(Debug)]
+pub struct Watchdog {
+    registers: Registers,
+    /// The period of the low-frequency clock in which the counter is 0.
+    expires: Option<u64>,
+    has_warned: bool,
+    /// Least periods that were left when it was fed.
+    closest: Option<u64>,
+}
+
+impl Watchdog {
+    /// After a loss of power or its own reset.
+    pub fn new() -> Self {
+        Self {
+            registers: Registers::new("WDT", TABLE),
+            expires: None,
+            has_warned: false,
+            closest: None,
+        }
+    }
+
+    /// Milliseconds that were left at the latest feeding.
+    pub fn closest_ms(&self) -> Option<f64> {
+        self.closest.map(|periods| periods as f64 / 32.768)
+    }
+
+    fn reload(&mut self, now: u64) {
+        let period = low_frequency(now);
+        if let Some(expires) = self.expires {
+            let left = expires.saturating_sub(period);
+            self.closest = Some(self.closest.map_or(left, |closest| closest.min(left)));
+        }
+        // (CRV + 1) / 32768 seconds (6.36.1).
+        self.expires = Some(period + u64::from(self.registers.get(CRV)) + 1);
+    }
+}
+
+impl Peripheral for Watchdog {
+    fn base(&self) -> u32 {
+        0x4001_0000
+    }
+
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+
+    fn stored(&mut self, offset: u32, bus: &mut Bus) {
+        let value = self.registers.get(offset);
+        match offset {
+            CRV if value < 0xf => {
+                let expected = "at least 15";
+                self.refuse(offset, bus, What::Value { value, expected });
+            }
+            CRV | RREN | CONFIG if self.expires.is_some() => {
+                let expected = "the watchdog runs, and cannot be configured any more";
+                self.refuse(offset, bus, What::Value { value, expected });
+            }
+            RR.. => {
+                let number = (offset - RR) / 4;
+                let is_enabled = self.registers.get(RREN) >> number & 1 == 1;
+                if value != RELOAD {
+                    let expected = "only 0x6e524635 reloads";
+                    return self.refuse(offset, bus, What::Value { value, expected });
+                }
+                if self.expires.is_none() || !is_enabled {
+                    return;
+                }
+                // It reloads once every enabled register was written.
+                let waiting = self.registers.get(REQSTATUS) & !(1 << number);
+                self.registers.put(REQSTATUS, waiting);
+                if waiting == 0 {
+                    self.registers.put(REQSTATUS, self.registers.get(RREN));
+                    self.reload(bus.now);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn task(&mut self, _: u32, bus: &mut Bus) {
+        if self.expires.is_none() {
+            self.registers.put(RUNSTATUS, 1);
+            self.registers.put(REQSTATUS, self.registers.get(RREN));
+            self.reload(bus.now);
+        }
+    }
+
+    fn next(&self) -> Option<u64> {
+        let expires = self.expires?;
+        let warns = if self.has_warned { WARNING } else { 0 };
+        Some(of_low_frequency(expires + warns))
+    }
+
+    fn due(&mut self, bus: &mut Bus) {
+        if self.has_warned {
+            self.expires = None;
+            bus.reset(Reset::Watchdog);
+        } else {
+            self.has_warned = true;
+            self.raise(TIMEOUT, bus);
+        }
+    }
+}

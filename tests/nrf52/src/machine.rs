@@ -1,0 +1,313 @@
+//! The whole: core, chip, SoftDevice and armbands, in virtual time.
+
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use rsemu::core::space::AddressSpace;
+
+use crate::address_space::{Shared, address_space, lock};
+use crate::chip::{Chip, Model, Reset};
+use crate::core::Core;
+use crate::image::Image;
+use crate::refusal::{Refusal, What};
+use crate::softdevice::{EVENTS, SoftDevice, boot};
+use crate::time::HZ;
+
+/// The upper byte of a supervisor call's instruction.
+const CALL: u16 = 0xdf;
+
+/// Something that the program did, besides its work.
+#[derive(Clone, Debug)]
+pub enum Incident {
+    /// It started, for this reason.
+    Started(Reset),
+    /// A hard fault came, here.
+    HardFault(String),
+}
+
+/// A chip with a program.
+#[derive(Debug)]
+pub struct Machine {
+    core: Core,
+    space: Arc<AddressSpace>,
+    chip: Arc<Mutex<Chip>>,
+    shared: Arc<Shared>,
+    image: Image,
+    now: u64,
+    interrupts: u64,
+    /// The SoftDevice, where the image needs one.
+    pub softdevice: Option<SoftDevice>,
+    /// What happened, and when.
+    pub incidents: Vec<(u64, Incident)>,
+    /// Instructions that were run.
+    pub instructions: u64,
+    /// The lowest stack pointer that was seen.
+    pub lowest_stack: u32,
+    /// Where what is refused is kept, and the program goes on: to see all of it at once. Without it the first one ends the run.
+    pub survey: Option<Vec<Refusal>>,
+}
+
+impl Machine {
+    /// A chip with this image, as it was flashed, at the moment that power comes. RAM holds what `garbage` gives.
+    pub fn new(model: Model, image: Image, softdevice: Option<SoftDevice>, garbage: u64) -> Self {
+        let chip = Chip::new(model, garbage);
+        let memory = chip.bus.memory.clone();
+        for (address, bytes) in &image.segments {
+            memory.program(*address, bytes);
+        }
+        if softdevice.is_some() {
+            boot::install(&memory, image.start());
+        }
+        let chip = Arc::new(Mutex::new(chip));
+        let shared = Arc::new(Shared::default());
+        let space = address_space(&memory, &chip, &shared, softdevice.as_ref());
+        let space = Arc::new(space);
+        Self {
+            core: Core::new(Arc::clone(&space)),
+            space,
+            chip,
+            shared,
+            image,
+            now: 0,
+            interrupts: 0,
+            softdevice,
+            incidents: vec![(0, Incident::Started(Reset::Power))],
+            instructions: 0,
+            lowest_stack: u32::MAX,
+            survey: None,
+        }
+    }
+
+    /// The chip.
+    pub fn chip(&self) -> MutexGuard<'_, Chip> {
+        lock(&self.chip)
+    }
+
+    /// The core.
+    pub fn core(&mut self) -> &mut Core {
+        &mut self.core
+    }
+
+    /// The image.
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// Ticks since power came first.
+    pub fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// Runs for so many ticks.
+    ///
+    /// # Errors
+    /// When the program does what is refused.
+    pub fn run(&mut self, ticks: u64) -> Result<(), Refusal> {
+        self.run_until(self.now + ticks, |_| false)
+    }
+
+    /// Runs until a condition holds, which is looked at whenever something happens, or until a time.
+    ///
+    /// # Errors
+    /// When the program does what is refused.
+    pub fn run_until(&mut self, end: u64, done: impl Fn(&Self) -> bool) -> Result<(), Refusal> {
+        while self.now < end && !done(self) {
+            let next = self.next().min(end);
+            self.run_instructions(next)?;
+            self.shared.now.store(self.now, Ordering::Relaxed);
+            self.advance();
+            if self.chip().bus.attention {
+                self.attend()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs instructions until something else has to be done.
+    fn run_instructions(&mut self, until: u64) -> Result<(), Refusal> {
+        let mut count = 0_u32;
+        while self.now < until {
+            self.shared.now.store(self.now, Ordering::Relaxed);
+            self.now += self.core.step();
+            self.instructions += 1;
+            count += 1;
+            if self.shared.attention.load(Ordering::Relaxed) {
+                return self.attend();
+            }
+            if count.is_multiple_of(16) {
+                if self.core.sleeps() {
+                    self.now = self.now.max(until);
+                }
+                if count.is_multiple_of(256) {
+                    self.look()?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks for what only shows in the core.
+    fn look(&mut self) -> Result<(), Refusal> {
+        self.lowest_stack = self.lowest_stack.min(self.core.stack_pointer());
+        if self.core.is_locked_up() {
+            return Err(self.refusal(format!("{:#010x}", self.core.place()), What::LockedUp));
+        }
+        if self.core.asks_for_reset() {
+            self.reset(Reset::Software);
+        }
+        Ok(())
+    }
+
+    /// When something happens by itself next.
+    fn next(&self) -> u64 {
+        let chip = self.chip().next();
+        let softdevice = self.softdevice.as_ref().and_then(SoftDevice::next);
+        chip.min(softdevice.unwrap_or(u64::MAX)).max(self.now + 1)
+    }
+
+    fn advance(&mut self) {
+        let mut chip = lock(&self.chip);
+        chip.advance(self.now);
+        if let Some(softdevice) = &mut self.softdevice {
+            softdevice.advance(&mut chip);
+        }
+    }
+
+    /// Does what peripherals, calls and tests have asked for.
+    fn attend(&mut self) -> Result<(), Refusal> {
+        self.shared.attention.store(false, Ordering::Relaxed);
+        self.take_call()?;
+        if self.shared.hard_fault.swap(false, Ordering::Relaxed) {
+            self.note_hard_fault()?;
+        }
+        let mut chip = lock(&self.chip);
+        chip.advance(self.now);
+        chip.bus.attention = false;
+        let halt = std::mem::take(&mut chip.bus.halt);
+        if halt > 0 {
+            self.now += halt;
+            chip.advance(self.now);
+        }
+        let refused = chip.bus.refused.take();
+        let subject = refused.as_ref().map(|(address, _)| chip.name_of(*address));
+        let reset = chip.bus.reset.take();
+        let interrupts = chip.interrupts();
+        drop(chip);
+        if let Some(((_, what), subject)) = refused.zip(subject) {
+            self.refuse(subject, what)?;
+        }
+        if let Some(why) = reset {
+            self.reset(why);
+            return Ok(());
+        }
+        if interrupts != self.interrupts {
+            self.interrupts = interrupts;
+            self.core.set_interrupts(interrupts);
+        }
+        if let Some(softdevice) = &mut self.softdevice
+            && softdevice.take_interrupt()
+        {
+            self.core.pend(EVENTS);
+        }
+        Ok(())
+    }
+
+    /// Answers a supervisor call.
+    fn take_call(&mut self) -> Result<(), Refusal> {
+        let frame = self.shared.call.swap(0, Ordering::Relaxed) as u32;
+        if frame == 0 {
+            return Ok(());
+        }
+        let mut chip = lock(&self.chip);
+        chip.advance(self.now);
+        let memory = chip.bus.memory.clone();
+        let word = |number: u32| memory.word(frame + 4 * number).unwrap_or_default();
+        let arguments = [0, 1, 2, 3].map(word);
+        // The call is the instruction before the one that it returns to; its number is in the lower byte.
+        let number = memory.read(word(6) - 2, 1).map_or(0, |byte| byte[0]);
+        let Some(softdevice) = &mut self.softdevice else {
+            return Ok(());
+        };
+        let answer = softdevice.call(number, arguments, &mut chip, &mut self.core);
+        drop(chip);
+        match answer {
+            Ok(code) => {
+                memory.write(frame, &code.to_le_bytes());
+                Ok(())
+            }
+            Err(what) => {
+                memory.write(frame, &[0; 4]);
+                self.refuse(format!("SVC {number}"), what)
+            }
+        }
+    }
+
+    /// Notes a hard fault, with the place that its stacked registers say.
+    fn note_hard_fault(&mut self) -> Result<(), Refusal> {
+        let memory = self.chip().bus.memory.clone();
+        let stacked = memory.word(self.core.stack_pointer() + 24);
+        let stacked = stacked.unwrap_or_default();
+        let place = self.image.place(stacked);
+        // A supervisor call that may not be taken is a hard fault without a status of its own. rsemu says where it would
+        // return to, a core where it is.
+        let before = [stacked, stacked.wrapping_sub(2)];
+        let mut codes = before.into_iter().filter_map(|at| memory.half(at));
+        let call = codes.find(|code| code >> 8 == CALL).map(|code| code & 0xff);
+        if let Some(number) = call.filter(|_| self.core.fault_status() == 0) {
+            let what = if self.core.was_in_it_block() {
+                What::CallInItBlock
+            } else {
+                let why = "from a priority that may not call, or with interrupts disabled";
+                What::WrongCall {
+                    why: why.to_owned(),
+                }
+            };
+            return self.refuse(format!("SVC {number} in {place}"), what);
+        }
+        self.incidents.push((self.now, Incident::HardFault(place)));
+        Ok(())
+    }
+
+    /// Resets the chip.
+    pub fn reset(&mut self, why: Reset) {
+        let mut chip = lock(&self.chip);
+        chip.advance(self.now);
+        chip.reset(why);
+        if why == Reset::Power {
+            // Other garbage each time.
+            chip.bus.memory.lose_power(self.now);
+        }
+        drop(chip);
+        if let Some(softdevice) = &mut self.softdevice {
+            softdevice.reset(self.now);
+        }
+        self.core = Core::new(Arc::clone(&self.space));
+        self.interrupts = 0;
+        self.shared.call.store(0, Ordering::Relaxed);
+        self.incidents.push((self.now, Incident::Started(why)));
+    }
+
+    fn refuse(&mut self, subject: String, what: What) -> Result<(), Refusal> {
+        let refusal = self.refusal(subject, what);
+        match &mut self.survey {
+            None => Err(refusal),
+            Some(kept) => {
+                let is_known =
+                    |one: &Refusal| (&one.subject, &one.what) == (&refusal.subject, &refusal.what);
+                if !kept.iter().any(is_known) {
+                    kept.push(refusal);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn refusal(&self, subject: String, what: What) -> Refusal {
+        Refusal {
+            at_ms: self.now as f64 * 1000.0 / HZ as f64,
+            subject,
+            what,
+            place: self.image.place(self.core.place()),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What the emulated chip refuses: a real one would do something that the program does not mean.
+
+use std::fmt;
+
+/// What is wrong about an access, a task or a call.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum What {
+    /// The table of the peripheral does not list it.
+    #[error("is not modelled: add it to the peripheral's table, with what it does")]
+    NotModelled,
+    /// The place belongs to no peripheral of this chip.
+    #[error("belongs to no peripheral of this chip")]
+    NoPeripheral,
+    /// Peripherals take whole words alone (product specification, 6.1.3).
+    #[error("is accessed with {bytes} bytes: expected a word of 4")]
+    Width {
+        /// How many.
+        bytes: usize,
+    },
+    /// A task or a register that is written alone.
+    #[error("is read: it can only be written")]
+    NotReadable,
+    /// A status.
+    #[error("is written {value:#x}: it can only be read")]
+    NotWritable {
+        /// What was written.
+        value: u32,
+    },
+    /// An event that the program sets.
+    #[error("is written {value:#x}: a program writes 0 to an event, to clear it")]
+    EventSet {
+        /// What was written.
+        value: u32,
+    },
+    /// Reserved bits.
+    #[error("is written {value:#x}: the bits {reserved:#x} are reserved")]
+    Reserved {
+        /// What was written.
+        value: u32,
+        /// Those of its bits that are reserved.
+        reserved: u32,
+    },
+    /// A value that the register does not know.
+    #[error("is written {value:#x}: {expected}")]
+    Value {
+        /// What was written.
+        value: u32,
+        /// What may be.
+        expected: &'static str,
+    },
+    /// A task that makes no sense now.
+    #[error("is triggered {when}")]
+    Untimely {
+        /// When.
+        when: &'static str,
+    },
+    /// The interconnect leads to no task.
+    #[error("is the end of a channel of the interconnect, and is no task")]
+    NoTask,
+    /// The interconnect comes from no event.
+    #[error("is the start of a channel of the interconnect, and is no event")]
+    NoEvent,
+    /// DMA reaches RAM alone.
+    #[error("is given {address:#010x} and {length} bytes: DMA reaches RAM alone")]
+    NoDma {
+        /// Where.
+        address: u32,
+        /// How many bytes.
+        length: u32,
+    },
+    /// A part of the chip that the SoftDevice has taken.
+    #[error("belongs to the SoftDevice, which is enabled")]
+    SoftDevices,
+    /// A call with this number is not modelled.
+    #[error("is a supervisor call that is not modelled, with the arguments {arguments:x?}")]
+    UnknownCall {
+        /// Its arguments.
+        arguments: [u32; 4],
+    },
+    /// A call that the SoftDevice does not expect.
+    #[error("is a supervisor call {why}")]
+    WrongCall {
+        /// What is wrong.
+        why: String,
+    },
+    /// An interrupt with a priority of the SoftDevice's.
+    #[error(
+        "comes while interrupt {interrupt} has priority {priority}, which the SoftDevice reserves: expected 2, 3, 5, 6 or 7"
+    )]
+    Priority {
+        /// Its number.
+        interrupt: u16,
+        /// Its priority.
+        priority: u8,
+    },
+    /// A supervisor call in an IT block: the emulated core would lose its state.
+    #[error("is a supervisor call in an IT block, which the emulated core does not support")]
+    CallInItBlock,
+    /// Two faults, one in the other.
+    #[error("is where the core locked up")]
+    LockedUp,
+}
+
+/// Something that was refused, and where.
+#[derive(Clone, Debug, thiserror::Error)]
+pub struct Refusal {
+    /// Milliseconds since power came.
+    pub at_ms: f64,
+    /// What was accessed.
+    pub subject: String,
+    /// What is wrong about it.
+    pub what: What,
+    /// Where the program was.
+    pub place: String,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            at_ms,
+            subject,
+            what,
+            place,
+        } = self;
+        write!(f, "at {at_ms:.3} ms, in {place}: {subject} {what}")
+    }
+}

@@ -1,0 +1,76 @@
+//! What lies in flash below the program, where a chip has the master boot record and a SoftDevice: a few instructions that
+//! pass the reset and every exception on to the program, and supervisor calls and hard faults to the emulation.
+
+use crate::memory::Memory;
+
+/// Where the instructions write to: the emulation takes supervisor calls there.
+pub const GATE: u32 = 0x6000_0000;
+/// A word for the address of a supervisor call's stacked registers.
+pub const CALL: u32 = GATE;
+/// A word that is written when a hard fault begins.
+pub const HARD_FAULT: u32 = GATE + 4;
+/// Bytes of both.
+pub const GATE_BYTES: u64 = 8;
+
+/// A stack until the program has its own.
+const STACK: u32 = 0x2000_0400;
+const VECTORS: u32 = 64;
+
+/// Writes them into flash, for a program whose vector table begins at `program`.
+pub fn install(memory: &Memory, program: u32) {
+    let reset: [u16; 8] = [
+        0x4803, // ldr r0, program
+        0x6801, // ldr r1, [r0]
+        0xf381, 0x8808, // msr msp, r1
+        0x6841, // ldr r1, [r0, #4]
+        0x4708, // bx r1
+        0xbf00, 0xbf00,
+    ];
+    let forward: [u16; 6] = [
+        0xf3ef, 0x8005, // mrs r0, ipsr
+        0x4901, // ldr r1, program
+        0xf851, 0x0020, // ldr.w r0, [r1, r0, lsl #2]
+        0x4700, // bx r0
+    ];
+    let call: [u16; 10] = [
+        0xf01e, 0x0f04, // tst lr, #4
+        0xbf0c, // ite eq
+        0xf3ef, 0x8008, // mrseq r0, msp
+        0xf3ef, 0x8009, // mrsne r0, psp
+        0x4901, // ldr r1, call
+        0x6008, // str r0, [r1]
+        0x4770, // bx lr
+    ];
+    let hard_fault: [u16; 4] = [
+        0x4901, // ldr r1, hard fault
+        0x6009, // str r1, [r1]
+        0xe7cc, // b forward
+        0xbf00,
+    ];
+    let halves = |address: u32, instructions: &[u16]| {
+        let bytes: Vec<u8> = instructions
+            .iter()
+            .flat_map(|half| half.to_le_bytes())
+            .collect();
+        memory.program(address, &bytes);
+    };
+    let word = |address: u32, value: u32| memory.program(address, &value.to_le_bytes());
+    halves(0x200, &reset);
+    word(0x210, program);
+    halves(0x220, &forward);
+    word(0x22c, program);
+    halves(0x240, &call);
+    word(0x254, CALL);
+    halves(0x280, &hard_fault);
+    word(0x288, HARD_FAULT);
+    word(0, STACK);
+    word(4, 0x200 | 1);
+    for vector in 2..VECTORS {
+        let handler = match vector {
+            3 => 0x280,
+            11 => 0x240,
+            _ => 0x220,
+        };
+        word(4 * vector, handler | 1);
+    }
+}

@@ -1,0 +1,74 @@
+//! Numbers of the SoftDevice's supervisor calls, events and answers, as its headers have them (nrf_sdm.h, nrf_soc.h, ble.h,
+//! ble_gap.h, ble_gattc.h and nrf_error.h of S140 7.3.0; those of S132 7.3.0 are the same).
+
+/// Supervisor calls.
+pub mod call {
+    pub const SOFTDEVICE_ENABLE: u8 = 16;
+    pub const SOFTDEVICE_IS_ENABLED: u8 = 18;
+    pub const FLASH_PAGE_ERASE: u8 = 40;
+    pub const FLASH_WRITE: u8 = 41;
+    pub const EVT_GET: u8 = 75;
+    pub const BLE_ENABLE: u8 = 96;
+    pub const BLE_EVT_GET: u8 = 97;
+    pub const BLE_CFG_SET: u8 = 105;
+    pub const GAP_WHITELIST_SET: u8 = 110;
+    pub const GAP_CONN_PARAM_UPDATE: u8 = 117;
+    pub const GAP_DISCONNECT: u8 = 118;
+    pub const GAP_TX_POWER_SET: u8 = 119;
+    pub const GAP_SCAN_START: u8 = 138;
+    pub const GAP_SCAN_STOP: u8 = 139;
+    pub const GAP_CONNECT: u8 = 140;
+    pub const GAP_CONNECT_CANCEL: u8 = 141;
+    pub const GAP_PHY_UPDATE: u8 = 143;
+    pub const GAP_DATA_LENGTH_UPDATE: u8 = 144;
+    pub const GATTC_READ: u8 = 161;
+    pub const GATTC_WRITE: u8 = 163;
+}
+
+/// Answers.
+pub mod answer {
+    pub const SUCCESS: u32 = 0;
+    pub const NOT_ENABLED: u32 = 2;
+    pub const NO_MEM: u32 = 4;
+    pub const NOT_FOUND: u32 = 5;
+    pub const INVALID_PARAM: u32 = 7;
+    pub const INVALID_STATE: u32 = 8;
+    pub const INVALID_LENGTH: u32 = 9;
+    pub const DATA_SIZE: u32 = 12;
+    pub const FORBIDDEN: u32 = 15;
+    pub const INVALID_ADDR: u32 = 16;
+    pub const BUSY: u32 = 17;
+    pub const CONN_COUNT: u32 = 18;
+    pub const BLE_NOT_ENABLED: u32 = 0x3001;
+    pub const INVALID_CONN_HANDLE: u32 = 0x3002;
+    pub const INVALID_BLE_ADDR: u32 = 0x3202;
+    pub const WHITELIST_IN_USE: u32 = 0x3203;
+}
+
+/// Events of the link.
+pub mod event {
+    pub const CONNECTED: u16 = 16;
+    pub const DISCONNECTED: u16 = 17;
+    pub const CONN_PARAM_UPDATE: u16 = 18;
+    pub const TIMEOUT: u16 = 27;
+    pub const ADV_REPORT: u16 = 29;
+    pub const READ_RSP: u16 = 54;
+    pub const WRITE_RSP: u16 = 56;
+    pub const HVX: u16 = 57;
+    /// Events of the chip: the end of an operation of flash.
+    pub const FLASH_SUCCESS: u32 = 2;
+    pub const FLASH_ERROR: u32 = 3;
+}
+
+/// Why a connection ends (Bluetooth Core Specification, volume 1, part F, 1.3).
+pub mod reason {
+    pub const CONNECTION_TIMEOUT: u8 = 0x08;
+    pub const REMOTE_ENDED: u8 = 0x13;
+    pub const LOCAL_ENDED: u8 = 0x16;
+}
+
+/// Answers of the other side's attributes: 0x100 and the protocol's own number.
+pub mod attribute {
+    pub const READ_NOT_PERMITTED: u16 = 0x102;
+    pub const WRITE_NOT_PERMITTED: u16 = 0x103;
+}

@@ -1,0 +1,141 @@
+//! Flash calls (`nrf_soc.h`): one operation at a time, an event when it has ended. The core stands still meanwhile.
+
+use std::collections::VecDeque;
+
+use super::calls::{answer, event};
+use super::{SoftDevice, refused};
+use crate::chip::{Chip, PAGE, Reset};
+use crate::refusal::What;
+
+/// Words of the longest write.
+const MOST_WORDS: u32 = PAGE / 4;
+
+/// What an operation does.
+#[derive(Clone, Debug)]
+enum Change {
+    Erase { page: u32 },
+    Write { address: u32, bytes: Vec<u8> },
+}
+
+/// What a test does to an operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fate {
+    /// It succeeds.
+    Success,
+    /// No time is found beside the radio: the event of an error, and flash as it was.
+    TimeOut,
+    /// Power fails after so many percent of it.
+    PowerCut {
+        /// 0 to 100.
+        percent: u32,
+    },
+}
+
+/// Operations of flash.
+#[derive(Debug, Default)]
+pub struct Flash {
+    under_way: Option<(u64, Change, Fate)>,
+    /// What becomes of the next operations; those after them succeed.
+    pub fates: VecDeque<Fate>,
+    /// How many have begun.
+    pub begun: usize,
+}
+
+impl Flash {
+    /// After a reset.
+    pub fn reset(&mut self) {
+        self.under_way = None;
+    }
+
+    /// When the operation under way ends.
+    pub fn next(&self) -> Option<u64> {
+        self.under_way.as_ref().map(|(at, ..)| *at)
+    }
+}
+
+impl SoftDevice {
+    /// Erases a page.
+    pub(super) fn erase(&mut self, page: u32, chip: &mut Chip) -> u32 {
+        if self.flash.under_way.is_some() {
+            return answer::BUSY;
+        }
+        let address = u64::from(page) * u64::from(PAGE);
+        if address < self.kind.program().into() || address >= chip.model.flash().into() {
+            return answer::FORBIDDEN;
+        }
+        let ticks = chip.nvmc.times.erase;
+        self.begin(Change::Erase { page }, ticks, chip)
+    }
+
+    /// Writes words.
+    pub(super) fn write(
+        &mut self,
+        [address, source, words, _]: [u32; 4],
+        chip: &mut Chip,
+    ) -> Result<u32, What> {
+        if self.flash.under_way.is_some() {
+            return Ok(answer::BUSY);
+        }
+        if !address.is_multiple_of(4) || !source.is_multiple_of(4) {
+            return Ok(answer::INVALID_ADDR);
+        }
+        if words == 0 || words > MOST_WORDS {
+            return Ok(answer::INVALID_LENGTH);
+        }
+        if address < self.kind.program() {
+            return Ok(answer::FORBIDDEN);
+        }
+        // It is read while the operation is under way, when flash cannot be.
+        if !chip.bus.memory.is_ram(source, 4 * words) {
+            return Err(refused("with a source of words that is no RAM"));
+        }
+        let bytes = chip.bus.memory.read(source, 4 * words).unwrap_or_default();
+        let old = chip.bus.memory.read(address, 4 * words);
+        let Some(old) = old else {
+            return Ok(answer::INVALID_ADDR);
+        };
+        if old.iter().zip(&bytes).any(|(old, new)| old & new != *new) {
+            return Err(refused(
+                "to write ones where flash holds zeros: erase first",
+            ));
+        }
+        let ticks = chip.nvmc.times.write * u64::from(words);
+        Ok(self.begin(Change::Write { address, bytes }, ticks, chip))
+    }
+
+    fn begin(&mut self, change: Change, ticks: u64, chip: &mut Chip) -> u32 {
+        let fate = self.flash.fates.pop_front().unwrap_or(Fate::Success);
+        self.flash.begun += 1;
+        if fate != Fate::TimeOut {
+            chip.bus.halt(ticks);
+        }
+        self.flash.under_way = Some((chip.bus.now + ticks, change, fate));
+        answer::SUCCESS
+    }
+
+    /// Ends the operation that is due.
+    pub(super) fn finish_flash(&mut self, chip: &mut Chip) {
+        let due = |(at, ..): &mut (u64, Change, Fate)| *at <= chip.bus.now;
+        let Some((_, change, fate)) = self.flash.under_way.take_if(due) else {
+            return;
+        };
+        let part = |bytes: usize| match fate {
+            Fate::Success => bytes,
+            Fate::TimeOut => 0,
+            Fate::PowerCut { percent } => bytes * percent as usize / 100,
+        };
+        match change {
+            Change::Erase { page } => chip.bus.memory.erase(page * PAGE, part(PAGE as usize)),
+            Change::Write { address, bytes } => {
+                // Words are written one after the other.
+                let done = part(bytes.len()) / 4 * 4;
+                chip.bus.memory.clear_bits(address, &bytes[..done]);
+            }
+        }
+        match fate {
+            Fate::PowerCut { .. } => chip.bus.reset(Reset::Power),
+            Fate::TimeOut => self.push_chip_event(event::FLASH_ERROR),
+            Fate::Success => self.push_chip_event(event::FLASH_SUCCESS),
+        }
+    }
+}

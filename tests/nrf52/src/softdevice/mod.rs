@@ -1,0 +1,338 @@
+//! A SoftDevice as the program sees it: its documented supervisor calls and events, with armbands on the other side.
+//!
+//! None of Nordic's code runs here. What a call takes, answers and refuses is in the headers that come with the library's
+//! bindings; the SoftDevice's own time on the core, its needs of memory and the limits of its queues are not modelled.
+
+pub mod boot;
+mod calls;
+mod events;
+mod flash;
+mod gap;
+mod gattc;
+mod link;
+
+use std::collections::VecDeque;
+
+use virtual_armband::Armband;
+
+use crate::chip::Chip;
+use crate::core::Core;
+use crate::memory::Memory;
+use crate::refusal::What;
+use calls::{answer, call};
+pub use flash::Fate;
+use flash::Flash;
+use gap::{Attempt, Scan};
+use link::Link;
+
+/// Which SoftDevice.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// S140 7.x, for the nRF52840.
+    S140,
+    /// S132 7.x, for the nRF52832.
+    S132,
+}
+
+impl Kind {
+    /// Where the program begins: the end of its flash (release notes of S140 7.3.0 and S132 7.3.0).
+    pub const fn program(self) -> u32 {
+        match self {
+            Self::S140 => 0x2_7000,
+            Self::S132 => 0x2_6000,
+        }
+    }
+}
+
+/// Where the program's RAM begins, as `memory.x` has it for both.
+const RAM_END: u32 = 0x2000_4000;
+/// Where it could begin. The release notes say what a SoftDevice needs at least, 0x1668 bytes; what one connection of 15 ms
+/// and an ATT MTU of 23 add only a SoftDevice says, when it is enabled. This is a guess: half of what it is given.
+const RAM_NEED: u32 = 0x2000_3000;
+/// Priorities that it keeps for itself (S140 specification, "Interrupt model and processor availability").
+const RESERVED: [u8; 3] = [0, 1, 4];
+/// The priority of supervisor calls (same place).
+const CALL_PRIORITY: u8 = 4;
+/// Interrupts that it handles itself: CLOCK, RADIO, TIMER0, RTC0, TEMP, RNG, ECB, CCM, EGU5.
+const OWN: [u16; 9] = [0, 1, 8, 11, 12, 13, 14, 15, 25];
+/// The interrupt that tells the program of events, and the priority that it is given when the SoftDevice is enabled
+/// (nrf_sdh.c of Nordic's SDK: "Interrupt priority has already been set by the stack").
+pub const EVENTS: u16 = 22;
+const EVENTS_PRIORITY: u8 = 6;
+/// The first of the calls that need Bluetooth to be enabled (`BLE_SVC_BASE`).
+const FIRST_OF_BLUETOOTH: u8 = 0x60;
+/// Interrupts of the chip.
+const INTERRUPTS: u16 = 48;
+
+/// What is wrong about a call.
+fn refused(why: &str) -> What {
+    What::WrongCall {
+        why: why.to_owned(),
+    }
+}
+
+/// A SoftDevice.
+#[derive(Debug)]
+pub struct SoftDevice {
+    kind: Kind,
+    is_enabled: bool,
+    speaks_bluetooth: bool,
+    events: VecDeque<Vec<u8>>,
+    chip_events: VecDeque<u32>,
+    interrupts: bool,
+    whitelist: Vec<[u8; 7]>,
+    scan: Option<Scan>,
+    attempt: Option<Attempt>,
+    link: Option<Link>,
+    /// Operations of flash.
+    pub flash: Flash,
+    /// Armbands within reach.
+    pub armbands: Vec<Armband>,
+    /// From one connection event to the next, in ticks, whatever the program asks for.
+    pub interval: Option<u64>,
+    /// How long an armband that vanishes is waited for, in ticks, whatever the program asks for.
+    pub supervision: Option<u64>,
+    /// When each notification of the wearer's armband was received, and its number.
+    pub received: Vec<(u64, usize)>,
+    /// Most events that waited at a time.
+    pub most_waiting: usize,
+    /// Where the other side of the link stops answering: everything the SoftDevice does.
+    pub is_silent: bool,
+}
+
+impl SoftDevice {
+    /// Beside these armbands.
+    pub fn new(kind: Kind, armbands: Vec<Armband>) -> Self {
+        Self {
+            kind,
+            is_enabled: false,
+            speaks_bluetooth: false,
+            events: VecDeque::new(),
+            chip_events: VecDeque::new(),
+            interrupts: false,
+            whitelist: Vec::new(),
+            scan: None,
+            attempt: None,
+            link: None,
+            flash: Flash::default(),
+            armbands,
+            interval: None,
+            supervision: None,
+            received: Vec::new(),
+            most_waiting: 0,
+            is_silent: false,
+        }
+    }
+
+    /// Where the program's RAM begins.
+    pub const fn ram_end(&self) -> u32 {
+        RAM_END
+    }
+
+    /// The chip resets; a link is lost without a word.
+    pub fn reset(&mut self, now: u64) {
+        if let Some(link) = self.link.take() {
+            self.armbands[link.armband].disconnected(link::air_us(now));
+        }
+        self.is_enabled = false;
+        self.speaks_bluetooth = false;
+        self.events.clear();
+        self.chip_events.clear();
+        self.interrupts = false;
+        self.whitelist.clear();
+        self.scan = None;
+        self.attempt = None;
+        self.flash.reset();
+    }
+
+    fn push(&mut self, event: Vec<u8>) {
+        self.events.push_back(event);
+        self.most_waiting = self.most_waiting.max(self.events.len());
+        self.interrupts = true;
+    }
+
+    fn push_chip_event(&mut self, event: u32) {
+        self.chip_events.push_back(event);
+        self.interrupts = true;
+    }
+
+    /// Whether the program is to be told of events, once.
+    pub fn take_interrupt(&mut self) -> bool {
+        std::mem::take(&mut self.interrupts)
+    }
+
+    /// When something happens by itself next.
+    pub fn next(&self) -> Option<u64> {
+        let flash = self.flash.next();
+        let radio = if self.is_silent {
+            None
+        } else {
+            self.next_on_air()
+        };
+        flash.into_iter().chain(radio).min()
+    }
+
+    /// Does what is due.
+    pub fn advance(&mut self, chip: &mut Chip) {
+        self.finish_flash(chip);
+        if !self.is_silent {
+            self.advance_on_air(chip.bus.now, &chip.bus.memory);
+        }
+        chip.bus.attention |= self.interrupts;
+    }
+
+    /// Answers a supervisor call.
+    pub fn call(
+        &mut self,
+        number: u8,
+        arguments: [u32; 4],
+        chip: &mut Chip,
+        core: &mut Core,
+    ) -> Result<u32, What> {
+        if self.is_enabled {
+            check_priorities(core)?;
+        } else if !matches!(
+            number,
+            call::SOFTDEVICE_ENABLE | call::SOFTDEVICE_IS_ENABLED
+        ) {
+            return Ok(answer::NOT_ENABLED);
+        }
+        let now = chip.bus.now;
+        let memory = chip.bus.memory.clone();
+        let [first, second, third, fourth] = arguments;
+        Ok(match number {
+            call::SOFTDEVICE_ENABLE => return self.enable(first, second, chip, core),
+            call::SOFTDEVICE_IS_ENABLED => {
+                give(&memory, first, &[u8::from(self.is_enabled)])?;
+                answer::SUCCESS
+            }
+            call::FLASH_PAGE_ERASE => self.erase(first, chip),
+            call::FLASH_WRITE => return self.write(arguments, chip),
+            call::EVT_GET => match self.chip_events.pop_front() {
+                Some(event) => {
+                    give(&memory, first, &event.to_le_bytes())?;
+                    answer::SUCCESS
+                }
+                None => answer::NOT_FOUND,
+            },
+            call::BLE_CFG_SET if self.speaks_bluetooth => answer::INVALID_STATE,
+            call::BLE_CFG_SET => answer::SUCCESS,
+            call::BLE_ENABLE => return self.enable_bluetooth(first, &memory),
+            FIRST_OF_BLUETOOTH.. if !self.speaks_bluetooth => answer::BLE_NOT_ENABLED,
+            call::BLE_EVT_GET => return self.give_event(first, second, &memory),
+            call::GAP_WHITELIST_SET => return self.set_whitelist(first, second as u8, &memory),
+            // Transmission power is not modelled.
+            call::GAP_TX_POWER_SET => answer::SUCCESS,
+            call::GAP_SCAN_START => return self.start_scan(first, second, now, &memory),
+            call::GAP_SCAN_STOP => self.stop_scan(),
+            call::GAP_CONNECT => return self.connect([second, third, fourth], now, &memory),
+            call::GAP_CONNECT_CANCEL => self.cancel_connect(),
+            call::GAP_CONN_PARAM_UPDATE => {
+                return self.update_parameters(first as u16, second, now, &memory);
+            }
+            call::GAP_DISCONNECT => self.disconnect(first as u16, now),
+            // Neither changes what the armband, a device of Bluetooth 4.0, can do.
+            call::GAP_PHY_UPDATE | call::GAP_DATA_LENGTH_UPDATE => self.answer_of(first as u16),
+            call::GATTC_READ => self.read_attribute(first as u16, second as u16),
+            call::GATTC_WRITE => {
+                return self.write_attribute(first as u16, second, &memory);
+            }
+            _ => return Err(What::UnknownCall { arguments }),
+        })
+    }
+
+    fn enable(
+        &mut self,
+        clock: u32,
+        fault_handler: u32,
+        chip: &mut Chip,
+        core: &mut Core,
+    ) -> Result<u32, What> {
+        if self.is_enabled {
+            return Ok(answer::INVALID_STATE);
+        }
+        if fault_handler == 0 {
+            return Ok(answer::INVALID_ADDR);
+        }
+        check_priorities(core)?;
+        // Source, two intervals of calibration, accuracy (`nrf_clock_lf_cfg_t`).
+        let Some(clock) = chip.bus.memory.read(clock, 4) else {
+            return Err(refused("with a clock configuration that is no memory"));
+        };
+        let is_calibrated = clock[1] != 0;
+        match clock[0] {
+            0 if !is_calibrated => return Err(refused("for the RC clock without calibration")),
+            0 => {}
+            1 | 2 if is_calibrated => return Ok(answer::INVALID_PARAM),
+            1 | 2 => {}
+            _ => return Ok(0x1000),
+        }
+        core.set_call_priority(CALL_PRIORITY);
+        core.set_priority(EVENTS, EVENTS_PRIORITY);
+        self.is_enabled = true;
+        chip.softdevice_is_enabled = true;
+        Ok(answer::SUCCESS)
+    }
+
+    fn enable_bluetooth(&mut self, ram: u32, memory: &Memory) -> Result<u32, What> {
+        let Some(given) = memory.word(ram) else {
+            return Err(refused("with a start of RAM that is no memory"));
+        };
+        give(memory, ram, &RAM_NEED.to_le_bytes())?;
+        if given < RAM_NEED {
+            return Ok(answer::NO_MEM);
+        }
+        self.speaks_bluetooth = true;
+        Ok(answer::SUCCESS)
+    }
+
+    fn give_event(&mut self, into: u32, length: u32, memory: &Memory) -> Result<u32, What> {
+        if !into.is_multiple_of(4) {
+            return Ok(answer::INVALID_ADDR);
+        }
+        let Some(event) = self.events.front() else {
+            return Ok(answer::NOT_FOUND);
+        };
+        let given = memory.half(length).unwrap_or_default();
+        if usize::from(given) < event.len() {
+            return Ok(answer::DATA_SIZE);
+        }
+        give(memory, into, event)?;
+        give(memory, length, &(event.len() as u16).to_le_bytes())?;
+        self.events.pop_front();
+        Ok(answer::SUCCESS)
+    }
+}
+
+/// Refuses enabled interrupts that have a priority of the SoftDevice's, or are its own.
+fn check_priorities(core: &Core) -> Result<(), What> {
+    for interrupt in (0..INTERRUPTS).filter(|interrupt| !OWN.contains(interrupt)) {
+        if let Some(priority) = core
+            .priority(interrupt)
+            .filter(|one| RESERVED.contains(one))
+        {
+            return Err(What::Priority {
+                interrupt,
+                priority,
+            });
+        }
+    }
+    let own = OWN.into_iter().find(|own| core.priority(*own).is_some());
+    match own {
+        Some(own) => Err(refused(&format!(
+            "while interrupt {own}, its own, is enabled"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Writes what a call gives.
+fn give(memory: &Memory, address: u32, bytes: &[u8]) -> Result<(), What> {
+    if memory.write(address, bytes) {
+        Ok(())
+    } else {
+        Err(refused(&format!(
+            "that is to write to {address:#010x}, which is no RAM"
+        )))
+    }
+}
