@@ -29,9 +29,28 @@ const RECEIVE_BYTES: u16 = 27;
 const RECEIVE_COUNT: u8 = 20;
 const SEND_BYTES: u16 = 27;
 const SEND_COUNT: u8 = 3;
-/// Link, scanner and initiator need less than 3 KiB by the formulas of `sdc.h`; the controller
-/// refuses to start if it needs more than this.
+/// Memory that the controller is given; it refuses to start with less than it needs.
 const CONTROLLER_BYTES: usize = 3584;
+const _: () = assert!(
+    NEEDED_BYTES <= CONTROLLER_BYTES,
+    "the controller would not start"
+);
+
+/// Links as a central and as a peripheral. Of each the library has one unless it is told otherwise
+/// (`SDC_DEFAULT_CENTRAL_COUNT`, `SDC_DEFAULT_PERIPHERAL_COUNT`).
+const CENTRAL_COUNT: usize = 1;
+const PERIPHERAL_COUNT: usize = 1;
+/// What it needs at most, by the macros of `sdc.h`: `SDC_MEM_PER_CENTRAL_LINK`, `SDC_MEM_PER_PERIPHERAL_LINK`,
+/// `SDC_MEM_SCAN` and `SDC_MEM_FAL` with their defaults, `SDC_MEM_INITIATOR`. bindgen translates no macros with arguments.
+const NEEDED_BYTES: usize = {
+    // Those beyond the first one in each direction, each with 15 bytes of its own.
+    let buffers = (SEND_BYTES as usize + 15) * (SEND_COUNT as usize - 1)
+        + (RECEIVE_BYTES as usize + 15) * (RECEIVE_COUNT as usize - 1);
+    let central = CENTRAL_COUNT * (803 + buffers) + 21;
+    let peripheral = PERIPHERAL_COUNT * (923 + buffers + 17);
+    let (scan, accept_list, initiator) = (408 + 3 * 104, 4 + 8 * 8, 384);
+    central + peripheral + scan + accept_list + initiator
+};
 
 /// The peripherals that the library uses.
 pub struct RadioParts {
