@@ -38,16 +38,16 @@ const _: () = assert!(
 
 /// Links as a central and as a peripheral. Of each the library has one unless it is told otherwise
 /// (`SDC_DEFAULT_CENTRAL_COUNT`, `SDC_DEFAULT_PERIPHERAL_COUNT`).
-const CENTRAL_COUNT: usize = 1;
-const PERIPHERAL_COUNT: usize = 1;
+const CENTRAL_COUNT: u8 = 1;
+const PERIPHERAL_COUNT: u8 = 0;
 /// What it needs at most, by the macros of `sdc.h`: `SDC_MEM_PER_CENTRAL_LINK`, `SDC_MEM_PER_PERIPHERAL_LINK`,
 /// `SDC_MEM_SCAN` and `SDC_MEM_FAL` with their defaults, `SDC_MEM_INITIATOR`. bindgen translates no macros with arguments.
 const NEEDED_BYTES: usize = {
     // Those beyond the first one in each direction, each with 15 bytes of its own.
     let buffers = (SEND_BYTES as usize + 15) * (SEND_COUNT as usize - 1)
         + (RECEIVE_BYTES as usize + 15) * (RECEIVE_COUNT as usize - 1);
-    let central = CENTRAL_COUNT * (803 + buffers) + 21;
-    let peripheral = PERIPHERAL_COUNT * (923 + buffers + 17);
+    let central = CENTRAL_COUNT as usize * (803 + buffers) + 21;
+    let peripheral = PERIPHERAL_COUNT as usize * (923 + buffers + 17);
     let (scan, accept_list, initiator) = (408 + 3 * 104, 4 + 8 * 8, 384);
     central + peripheral + scan + accept_list + initiator
 };
@@ -112,7 +112,8 @@ fn build(
     Builder::new()?
         .support_scan()
         .support_central()
-        .central_count(1)?
+        .central_count(CENTRAL_COUNT)?
+        .peripheral_count(PERIPHERAL_COUNT)?
         .buffer_cfg(SEND_BYTES, RECEIVE_BYTES, SEND_COUNT, RECEIVE_COUNT)?
         .build(peripherals, random, mpsl, memory)
 }
