@@ -137,3 +137,31 @@ fn the_guard_of_the_stack_ends_a_program_that_grows_into_it() -> anyhow::Result<
     );
     Ok(())
 }
+
+#[test]
+fn a_fault_restarts_the_board_within_the_time_that_a_probe_needs() -> anyhow::Result<()> {
+    let test = "a_fault_restarts_the_board_within_the_time_that_a_probe_needs";
+    let Some(mut board) = board_with_valid_labels(test)? else {
+        return Ok(());
+    };
+    leave_interrupts(&mut board)?;
+    let from = board.machine.now();
+    // Erased flash is no instruction. A core that sleeps finds out when it wakes.
+    board.machine.core().jump(0xf_0000);
+    board.run_ms(1000)?;
+    let mut incidents = board.machine.incidents.iter();
+    let faulted = incidents.find_map(|(at, incident)| match incident {
+        Incident::HardFault(_) => Some(*at),
+        Incident::Started(_) => None,
+    });
+    let faulted = faulted.expect("a hard fault");
+    let fell = fell_after_ms(&board, from);
+    assert!(fell.is_some_and(|after| after <= 50), "{fell:?} ms");
+    let (at, why) = last_start(&board).expect("it has started");
+    assert_eq!(why, Reset::Software);
+    assert!(board.text().contains("software"), "{}", board.text());
+    // A loop's turn takes four cycles here, three on a chip.
+    let took = (at - faulted) / ms(1);
+    assert!((50..=70).contains(&took), "{took} ms");
+    Ok(())
+}
