@@ -54,6 +54,12 @@ pub enum KeepError {
         /// The file.
         path: PathBuf,
     },
+    /// The recording is written, and no command will read it.
+    #[error("the recording is written and cannot be used; the journal is kept: {reason}")]
+    Refused {
+        /// The file, and what the examiner found in it.
+        reason: String,
+    },
     /// What was written is not what is read.
     #[error("{} is not read as it was written; the journal is kept", path.display())]
     Unlike {
@@ -103,6 +109,10 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
             error,
         })?;
         let read = load(&path, &LoadOptions::default())?;
+        if let (true, Some(refused)) = (read.recordings.is_empty(), read.skipped.first()) {
+            let reason = refused.line();
+            return Err(KeepError::Refused { reason });
+        }
         let place = |at: usize| part.placements[at].apply(part.samples[at]);
         let samples: Vec<Sample> = piece.clone().map(place).collect();
         let same = read.recordings.first().is_some_and(|recording| {

@@ -32,7 +32,8 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     };
     let mut journal = Journal::create(path, header).unwrap();
     let mut session = Session::new(protocol);
-    let mut person = Follower::new("demo");
+    // Another person for each file: equal recordings count once.
+    let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
     let mut sent = Vec::new();
     let mut asked = Intent::Relax;
     session.handle(
@@ -283,8 +284,15 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         let gesture = trial % 8 == 0;
         let cue = Some(if gesture { Intent::Open } else { Intent::Relax });
         journal.entry(&said(Output::Cue { at, cue, trial }));
-        let level = if gesture { -127 } else { -100 };
-        let sample = |at: usize| [level - (at % 2) as i8; 8];
+        let level = if gesture { 117_u64 } else { 100 };
+        let sample = |of: usize| -> Sample {
+            std::array::from_fn(|channel| {
+                let number = (at.0 as u64 + of as u64) * 8 + channel as u64;
+                let mixed = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
+                let size = (level + mixed / 2 % 8) as i8;
+                if mixed % 2 == 0 { size } else { -size }
+            })
+        };
         let samples: Vec<Sample> = (0..together).map(sample).collect();
         journal.entry(&Entry::samples(at, &samples));
         let _ = journal.flush(Millis(at.0));
