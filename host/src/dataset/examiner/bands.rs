@@ -8,7 +8,7 @@ use super::signal::{Signal, mean};
 use crate::dataset::finding::Finding;
 
 /// Names of columns that say from which armband a row came.
-const DEVICES: [&str; 14] = [
+const DEVICES: [&str; 10] = [
     "device",
     "device_id",
     "deviceid",
@@ -17,13 +17,11 @@ const DEVICES: [&str; 14] = [
     "band",
     "myo",
     "myo_id",
-    "arm",
-    "side",
-    "hand",
     "mac",
     "address",
-    "source",
 ];
+/// Names of columns that may say it: they do if they change from row to row.
+const SIDES: [&str; 4] = ["arm", "side", "hand", "source"];
 /// Names of columns that are numbered but no EMG: of the armband's other sensors.
 const OTHERS: [&str; 12] = [
     "acc",
@@ -51,13 +49,14 @@ const UNRELATED: f64 = -0.11;
 /// Channels that have to say so.
 const FEWEST: usize = 3;
 
-/// The column that says from which armband a row came.
-pub(crate) fn device_column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
-    let is_device = |name: &S| {
-        let name = name.as_ref().trim().trim_matches('"').to_lowercase();
-        DEVICES.contains(&name.as_str())
-    };
-    names.iter().position(is_device)
+/// Whether a column says from which armband a row came, by its name.
+pub(crate) fn is_device(name: &str) -> bool {
+    let name = plain(name);
+    DEVICES.contains(&&*name) || SIDES.contains(&&*name)
+}
+
+fn plain(name: &str) -> String {
+    name.trim().trim_matches('"').to_lowercase()
 }
 
 /// Rows of each armband that a column of devices names.
@@ -65,6 +64,8 @@ pub(crate) fn device_column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
 pub(crate) struct Devices {
     name: String,
     rows: BTreeMap<String, usize>,
+    last: String,
+    changes: usize,
 }
 
 /// Devices whose names are kept: a column of other numbers has any number of values.
@@ -76,12 +77,18 @@ impl Devices {
         Self {
             name,
             rows: BTreeMap::new(),
+            last: String::new(),
+            changes: 0,
         }
     }
 
     /// Takes a row's text.
     pub fn push(&mut self, text: &str) {
         let text = text.trim().trim_matches('"');
+        if self.last != text {
+            text.clone_into(&mut self.last);
+            self.changes += 1;
+        }
         if let Some(rows) = self.rows.get_mut(text) {
             *rows += 1;
         } else if self.rows.len() < MOST_DEVICES {
@@ -91,7 +98,9 @@ impl Devices {
 
     /// Refuses rows of several armbands.
     pub fn judge(&self) -> Result<(), Finding> {
-        if self.rows.len() < 2 {
+        let rows: usize = self.rows.values().sum();
+        let in_turn = 10 * self.changes > rows;
+        if self.rows.len() < 2 || !in_turn && SIDES.contains(&&*plain(&self.name)) {
             return Ok(());
         }
         Err(Finding::Devices {

@@ -469,3 +469,33 @@ fn different_recordings_of_one_person_are_no_copies() {
     let library = read(&files);
     assert_eq!((library.recordings.len(), library.repeats.len()), (6, 0));
 }
+
+#[test]
+fn a_column_of_sides_is_one_of_armbands_only_if_it_changes_from_row_to_row() {
+    let text = counts(&emg(4000, 1));
+    let parts = with_column(&text, "hand", |row| {
+        if row < 2000 { "open" } else { "closed" }.into()
+    });
+    assert_eq!(kinds(&one(&parts)), Vec::<&str>::new());
+    let turns = with_column(&text, "side", |row| ["L", "R"][row % 2].into());
+    assert!(refusal(&turns).contains("in column \"side\": L, R"));
+}
+
+#[test]
+fn columns_of_times_without_a_name_are_a_clock_too() {
+    let numbered = |step: f64| -> String {
+        let samples = emg(3000, 1);
+        let row = |(at, sample): (usize, &Sample)| {
+            let counts = sample.map(|count| count.to_string()).join(",");
+            format!("{at},{:.3},{counts}\n", 100.0 + at as f64 * step)
+        };
+        samples.iter().enumerate().map(row).collect()
+    };
+    let read = |text: String| {
+        let folder = folder(&[("anna.csv", &text)]);
+        load(&folder.path().join("anna.csv"), &LoadOptions::default()).unwrap()
+    };
+    assert_eq!(kinds(&read(numbered(0.005))), Vec::<&str>::new());
+    let slow = read(numbered(0.01)).skipped[0].to_string();
+    assert!(slow.contains("found 100 by column \"number 2\""), "{slow}");
+}

@@ -49,7 +49,7 @@ pub(crate) fn read_csv(
         .position(TURN_COLUMN)
         .zip(columns.position(MIRRORED_COLUMN));
     let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
-    let (mut placed, mut beside) = (Vec::new(), Beside::find(&columns.names));
+    let (mut placed, mut beside) = (Vec::new(), Beside::find(columns));
     for (line, row) in table::rows(text).skip(columns.first_line - 1) {
         let at_line = |fault| Damage::at_line(line, fault);
         let fields = columns.separator.fields(row);
@@ -67,7 +67,7 @@ pub(crate) fn read_csv(
             *count = number(column)?;
         }
         samples.push(&counts, columns.channels[0] + 1, at_line);
-        beside.push(&fields);
+        beside.push(columns.separator, &fields);
         let placement = match placements {
             None => Alignment::NONE,
             Some((turn, mirrored)) => {
