@@ -62,9 +62,18 @@ pub fn reach(viewer: &mut Viewer, is_it: impl Fn(&Value) -> bool) -> (Value, u64
 /// The samples of a file by their numbers in the stream, and whether each never came and repeats the one before.
 pub type Numbered = BTreeMap<usize, (Sample, bool)>;
 
-/// The files of a person.
+/// The files of every person in a folder, each read by itself: a recording that is replayed over and over gives files of equal
+/// samples, which count once together.
 pub fn recorded(folder: &Path) -> Vec<Numbered> {
-    let library = load(folder, &LoadOptions::default()).unwrap();
+    let entries = |folder: &Path| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).unwrap().flatten();
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        paths.sort();
+        paths
+    };
+    let people = entries(folder).into_iter().filter(|path| path.is_dir());
+    let files = people.flat_map(|person| entries(&person));
+    let files = files.filter(|path| path.extension().is_some_and(|ending| ending == "csv"));
     let numbered = |recording: &Recording| {
         let text = std::fs::read_to_string(&recording.path).unwrap();
         let row = |(line, &sample): (&str, &Sample)| {
@@ -74,7 +83,8 @@ pub fn recorded(folder: &Path) -> Vec<Numbered> {
         let lines = text.lines().skip(1);
         lines.zip(&recording.samples).map(row).collect()
     };
-    library.recordings.iter().map(numbered).collect()
+    let read = |file: PathBuf| load(&file, &LoadOptions::default()).unwrap().recordings;
+    files.flat_map(read).map(|one| numbered(&one)).collect()
 }
 
 /// Every recorded sample is that of the source, or repeats the one before if a busy machine lost it on the line; none is
