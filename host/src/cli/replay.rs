@@ -10,7 +10,7 @@ use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::stream::alignment::Arm;
-use shared::units::{Millis, Sample, WINDOW};
+use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
 use crate::cli::arguments::{log_findings, mirrored};
 use crate::cli::read_model;
@@ -93,8 +93,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     out.flush()?;
     if labels == 0 {
         bail!(
-            "no label: the first needs {} samples, a window of {WINDOW} and the model's look-ahead; {} has {}",
-            first_label(&model),
+            "no label: the first needs {}, a window of {WINDOW} and the model's look-ahead; {} has {}",
+            first_label(&model)?,
             recording.full_name(),
             recording.samples.len()
         );
@@ -102,9 +102,27 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Samples up to the first label of a model.
-fn first_label(model: &Model<'_>) -> usize {
-    WINDOW + model.header.smoother.look_ahead
+/// How many samples the first label of a model needs, found by running the pipeline on silence.
+///
+/// # Errors
+/// When the model is refused.
+fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
+    let mut first = None;
+    let silence = vec![[0; CHANNELS]; 2 * WINDOW];
+    replay(model, &silence, None, None, |line| {
+        if line.starts_with("$LABEL") && first.is_none() {
+            // The fourth field is the number of the newest sample.
+            first = line
+                .split(',')
+                .nth(3)
+                .and_then(|newest| newest.parse().ok());
+        }
+        Ok(())
+    })?;
+    Ok(first.map_or_else(
+        || format!("more than {} samples", 2 * WINDOW),
+        |newest: usize| format!("{} samples", newest + 1),
+    ))
 }
 
 /// The UART lines of a model over samples.

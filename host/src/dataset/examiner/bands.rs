@@ -118,7 +118,7 @@ pub(crate) fn in_header<S: AsRef<str>>(names: &[S]) -> Result<(), Finding> {
         let prefix = name.trim_end_matches(|c: char| c.is_ascii_digit());
         let key = prefix.trim_end_matches(['_', '-', ' ', '.']).to_lowercase();
         let word = |other: &&str| key.split(['_', '-', ' ', '.']).any(|part| part == *other);
-        if prefix.len() < name.len() && !OTHERS.iter().any(|other| word(&other)) {
+        if prefix.len() < name.len() && !OTHERS.iter().any(word) {
             groups.entry(key).or_default().push(name);
         }
     }

@@ -55,7 +55,7 @@ impl Rows {
         };
         let (keep, clock) = kept(samples, repeats, clock, &mut findings)?;
         let rows = keep.iter().filter(|keep| **keep).count();
-        let mut pieces = vec![0..rows];
+        let mut pieces = Vec::from_iter(std::iter::once(0..rows));
         if let Some(clock) = &clock {
             let column = clock.name.clone();
             match clock.says() {

@@ -290,7 +290,7 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
                 let number = (at.0 as u64 + of as u64) * 8 + channel as u64;
                 let mixed = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
                 let size = (level + mixed / 2 % 8) as i8;
-                if mixed % 2 == 0 { size } else { -size }
+                if mixed.is_multiple_of(2) { size } else { -size }
             })
         };
         let samples: Vec<Sample> = (0..together).map(sample).collect();
