@@ -30,13 +30,13 @@ const CHECKPOINT: &str = ".checkpoint";
 /// Ending of the name of a file with a line of metrics an epoch.
 const METRICS: &str = ".jsonl";
 
-/// Endings of the names of what a run makes, and somebody may want to keep.
-const OF_A_RUN: [&str; 7] = [
+/// Endings of the names of what a run makes, and somebody may want to keep. A configuration alone is left by a run that was
+/// refused before its training, and is made again.
+const OF_A_RUN: [&str; 6] = [
     ".bpk",
     CHECKPOINT,
     ".intent",
     METRICS,
-    "config.json",
     "report.html",
     "results.json",
 ];
