@@ -125,7 +125,7 @@ impl ResolvedConfig {
     }
 
     /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of
-    /// these was found. A set that is not [trained on by default](DataSet::trained_by_default) is used where the preset
+    /// these was found. A set that is not [trained on by default](crate::dataset::DataSet::trained_by_default) is used where the preset
     /// names it, or somebody of it to hold out.
     ///
     /// # Errors

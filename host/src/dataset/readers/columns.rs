@@ -1,8 +1,7 @@
 //! Columns of a table of the user's own: by the names in its header, or eight alone.
 //!
-//! Nothing is guessed. Channels are eight numbered columns of one name (`emg_0` to `emg_7`, `EMG1` to `EMG8`,
-//! `channel 1` to `channel 8`); a label is in a column that is called so. Without a header a table is read if it has
-//! eight columns, or eight and others at its ends that rise from row to row, as times and numbers of rows do.
+//! Channels are eight numbered columns of one name (`emg_0` to `emg_7`, `EMG1` to `EMG8`); a label is in a column that is
+//! called so. Without a header a table needs eight columns, beside others at its ends that rise from row to row as times do.
 
 use std::collections::BTreeMap;
 

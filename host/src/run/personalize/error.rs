@@ -3,7 +3,6 @@
 use shared::model::file::ModelError;
 use thiserror::Error;
 
-use super::exchange::Exchange;
 use crate::evaluation::EvaluationError;
 use crate::execution::run_folder::RunError;
 use crate::run::StepError;
@@ -114,4 +113,30 @@ impl PersonalizeError {
     pub const fn keeps_the_old(&self) -> bool {
         matches!(self, Self::Exchanged(_))
     }
+}
+
+/// Two classes whose labels seem exchanged.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[error(
+    "{} and {} seem exchanged{}: with the two exchanged the model before has {exchanged:.2} balanced accuracy instead of {before:.2}. Exchange the two in the labels. If the labels are right, the armband sits turned half way round: turn it, or align it (docs/alignment.md), and record again",
+    .classes[0], .classes[1], within(.recordings)
+)]
+pub struct Exchange {
+    /// Names of the two.
+    pub classes: [&'static str; 2],
+    /// Whether each of the two is taken for the other more often than for itself; else one of them alone.
+    pub is_mutual: bool,
+    /// Names of the recordings in which they are; empty if they are exchanged in all of them together.
+    pub recordings: Vec<String>,
+    /// Balanced accuracy of the model on these recordings as they are labelled.
+    pub before: f64,
+    /// Its balanced accuracy with the two exchanged.
+    pub exchanged: f64,
+}
+
+fn within(recordings: &[String]) -> String {
+    if recordings.is_empty() {
+        return String::new();
+    }
+    format!(" in {}", recordings.join(", "))
 }

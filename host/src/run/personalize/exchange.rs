@@ -4,7 +4,7 @@ use std::slice;
 
 use shared::model::file::Model;
 
-use super::error::PersonalizeError;
+use super::error::{Exchange, PersonalizeError};
 use super::person::{Own, Person};
 use crate::evaluation::{Candidate, Trial, confusion};
 use crate::run::candidates::integer_candidate;
@@ -13,34 +13,8 @@ use crate::run::model_evaluation::look_ahead;
 /// Balanced accuracy that an exchange has to explain.
 const EXPLAINED: f64 = 0.1;
 
-/// Two classes whose labels seem exchanged.
-#[derive(Clone, PartialEq, Debug, thiserror::Error)]
-#[error(
-    "{} and {} seem exchanged{}: with the two exchanged the model before has {exchanged:.2} balanced accuracy instead of {before:.2}. Exchange the two in the labels. If the labels are right, the armband sits turned half way round: turn it, or align it (docs/alignment.md), and record again",
-    .classes[0], .classes[1], within(.recordings)
-)]
-pub struct Exchange {
-    /// Names of the two.
-    pub classes: [&'static str; 2],
-    /// Whether each of the two is taken for the other more often than for itself; else one of them alone.
-    pub is_mutual: bool,
-    /// Names of the recordings in which they are; empty if they are exchanged in all of them together.
-    pub recordings: Vec<String>,
-    /// Balanced accuracy of the model on these recordings as they are labelled.
-    pub before: f64,
-    /// Its balanced accuracy with the two exchanged.
-    pub exchanged: f64,
-}
-
-fn within(recordings: &[String]) -> String {
-    if recordings.is_empty() {
-        return String::new();
-    }
-    format!(" in {}", recordings.join(", "))
-}
-
 /// The two classes that a model takes for each other in a person's recordings, in all of them or in single ones; none if no
-/// exchange of two explains [`EXPLAINED`] of balanced accuracy.
+/// exchange of two explains a tenth of balanced accuracy.
 ///
 /// Labels are those that were published: compensation for their lag drops what no muscle follows, so rest that is labelled as a
 /// gesture.

@@ -14,8 +14,8 @@ mod tuning;
 use burn::tensor::Device;
 use shared::model::file::Model;
 
-pub use self::error::PersonalizeError;
-pub use self::exchange::{Exchange, exchange};
+pub use self::error::{Exchange, PersonalizeError};
+pub use self::exchange::exchange;
 pub use self::judgement::{judge, judge_constant};
 pub use self::part::Part;
 pub use self::person::Person;

@@ -1,12 +1,20 @@
 //! Structures of the events that the program takes (`ble_evt_t` of ble.h; ble_gap.h, ble_gattc.h).
 
 use super::calls::event;
+use crate::time::us;
 use shared::myo::{Address, AddressKind};
 
 /// Connection interval and what belongs to it: least, most, latency, time-out.
 pub type Parameters = [u16; 4];
+/// The handle of the only connection.
+pub const HANDLE: u16 = 0;
 /// What the connection's handle is where there is none.
 pub const NO_HANDLE: u16 = 0xffff;
+
+/// Microseconds of the air's clock.
+pub fn air_us(ticks: u64) -> u64 {
+    ticks / us(1)
+}
 
 fn header(id: u16, body: Vec<u8>) -> Vec<u8> {
     let length = 4 + body.len() as u16;

@@ -3,8 +3,8 @@
 use shared::myo::Address;
 
 use super::calls::answer;
-use super::events::{self, Parameters};
-use super::link::{HANDLE, Link, air_us, connection_parameters};
+use super::events::{self, HANDLE, Parameters, air_us};
+use super::link::{Link, connection_parameters};
 use super::{SoftDevice, refused};
 use crate::memory::Memory;
 use crate::refusal::What;

@@ -1,7 +1,7 @@
 //! The client of attributes (`ble_gattc.h`): one request at a time.
 
 use super::calls::{answer, attribute};
-use super::link::{HANDLE, air_us};
+use super::events::{HANDLE, air_us};
 use super::{SoftDevice, events, refused};
 use crate::memory::Memory;
 use crate::refusal::What;

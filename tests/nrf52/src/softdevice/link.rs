@@ -2,21 +2,14 @@
 
 use super::SoftDevice;
 use super::calls::{answer, reason};
-use super::events::{self, Parameters};
+use super::events::{self, HANDLE, Parameters, air_us};
 use super::gattc::Request;
 use crate::memory::Memory;
 use crate::refusal::What;
 use crate::time::{ms, us};
 
-/// The handle of the only connection.
-pub const HANDLE: u16 = 0;
 /// Connection events from a request for other parameters to their instant.
 const UPDATE_EVENTS: u64 = 6;
-
-/// Microseconds of the air's clock.
-pub fn air_us(ticks: u64) -> u64 {
-    ticks / us(1)
-}
 
 /// A link.
 #[derive(Debug)]

@@ -132,7 +132,7 @@ impl SoftDevice {
     /// The chip resets; a link is lost without a word.
     pub fn reset(&mut self, now: u64) {
         if let Some(link) = self.link.take() {
-            self.armbands[link.armband].disconnected(link::air_us(now));
+            self.armbands[link.armband].disconnected(events::air_us(now));
         }
         self.is_enabled = false;
         self.speaks_bluetooth = false;
