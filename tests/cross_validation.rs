@@ -22,6 +22,23 @@ fn research(arguments: &[&str]) -> bool {
     Cli::try_parse_from(line).unwrap().run() == ExitCode::SUCCESS
 }
 
+/// Whether a cross-validation over two folds succeeds.
+fn cross_validate([preset, data, out]: [&Path; 3], rest: &[&str]) -> bool {
+    let [preset, data, out] = [preset, data, out].map(|path| path.to_str().unwrap());
+    let line = [
+        "cross-validate",
+        "--preset",
+        preset,
+        "--data",
+        data,
+        "--out",
+        out,
+        "--folds",
+        "2",
+    ];
+    research(&[&line[..], rest].concat())
+}
+
 /// The small preset with settings of the baselines.
 fn preset_with_baselines(folder: &Path) -> PathBuf {
     let text = fs::read_to_string(small_preset(folder)).unwrap();
@@ -103,26 +120,10 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
         .replace("teacher_share = 0.5", "teacher_share = 0.0");
     fs::write(&other, text).unwrap();
     let out = folder.join("out");
-    let [data, one, other, path] = [&data, &one, &other, &out].map(|path| path.to_str().unwrap());
+    let other = other.to_str().unwrap();
     let command = |rest: &[&str]| {
-        let line = [
-            "cross-validate",
-            "--preset",
-            one,
-            "--preset",
-            other,
-            "--data",
-            data,
-            "--out",
-            path,
-            "--folds",
-            "2",
-            "--seeds",
-            "1,2",
-            "--baselines",
-            "lda",
-        ];
-        research(&[&line[..], rest].concat())
+        let compared = ["--preset", other, "--seeds", "1,2", "--baselines", "lda"];
+        cross_validate([&one, &data, &out], &[&compared[..], rest].concat())
     };
     assert!(!command(&["--fold", "3"]));
     assert!(command(&["--fold", "2"]));
@@ -251,22 +252,9 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     let folder = folder("cross-validation-test-people");
     let data = roshambo(&folder, &["01", "02", "03", "04", "06"]);
     let (preset, out) = (preset_with_baselines(&folder), folder.join("out"));
-    let [data, preset, path] = [&data, &preset, &out].map(|path| path.to_str().unwrap());
     let command = |more: &[&str]| {
-        let line = [
-            "cross-validate",
-            "--preset",
-            preset,
-            "--data",
-            data,
-            "--out",
-            path,
-            "--folds",
-            "2",
-            "--seeds",
-            "1",
-        ];
-        research(&[&line[..], more].concat())
+        let seeded = [&["--seeds", "1"], more].concat();
+        cross_validate([&preset, &data, &out], &seeded)
     };
     // Model, look-ahead, seed, fold, subject, people and classes of each row of people.csv.
     let rows = || -> Vec<Vec<String>> {
@@ -353,22 +341,8 @@ fn the_papers_tables_are_those_of_one_cross_validation_that_goes_on() {
     let text = text.replace(r#"data_sets = ["roshambo", "ss-stm"]"#, "data_sets = []");
     fs::write(&preset, text).unwrap();
     let out = folder.join("out");
-    let [data, preset, path] = [&data, &preset, &out].map(|path| path.to_str().unwrap());
-    let command = |rest: &[&str]| {
-        let line = [
-            "cross-validate",
-            "--paper",
-            "--preset",
-            preset,
-            "--data",
-            data,
-            "--out",
-            path,
-            "--folds",
-            "2",
-        ];
-        research(&[&line[..], rest].concat())
-    };
+    let command =
+        |rest: &[&str]| cross_validate([&preset, &data, &out], &[&["--paper"], rest].concat());
     assert!(!command(&["--seeds", "1,2"]), "one seed");
     assert!(command(&["--list"]) && !out.exists());
     // What starts from another teacher says which.

@@ -94,7 +94,7 @@ fn is_ours(first: &Block) -> bool {
     }
 }
 
-/// What the inference has to do in a step.
+/// Request to the inference in a step; none where it has nothing to do.
 const fn request(step: Step) -> Option<ModelRequest> {
     match step {
         Step::Suspend => Some(ModelRequest::Suspend),

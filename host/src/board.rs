@@ -59,7 +59,7 @@ pub enum BoardError {
     Unmatched {
         /// The port.
         path: PathBuf,
-        /// Its line.
+        /// Line of the command.
         command: String,
         /// The last line that came.
         answer: String,
@@ -116,7 +116,7 @@ pub struct Board {
     reader: LineReader,
     /// Why it has refused a model, in its own words.
     reason: Option<String>,
-    /// That an alignment ended as soon as it began, since the last command.
+    /// Report of an alignment that ended as soon as it began, since the last command.
     unavailable: Option<AlignmentReport>,
 }
 

@@ -62,8 +62,8 @@ impl Bench {
             .count()
     }
 
-    /// Starts the program, behind some words of a shell; also the address of its page.
-    fn start(&self, shell: &str) -> (Child, String) {
+    /// Starts the program, behind some words of a shell, and begins the session as a viewer once samples come.
+    fn start(&self, shell: &str) -> (Child, Viewer) {
         let line = format!(
             "--person anna --speed 16 --listen 127.0.0.1:0 --replay {} --out {} --protocol {}",
             self.played.display(),
@@ -84,8 +84,10 @@ impl Bench {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let url = address(&mut child);
-        (child, url)
+        let mut viewer = Viewer::connect(&address(&mut child));
+        viewer.find("samples", |_| true);
+        wish(&mut viewer, "begin");
+        (child, viewer)
     }
 }
 
@@ -106,10 +108,7 @@ fn last_sample(folder: &Path) -> usize {
 #[test]
 fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps_the_rest() {
     let bench = Bench::new();
-    let (mut child, url) = bench.start("");
-    let mut viewer = Viewer::connect(&url);
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
+    let (mut child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "close");
     let seen = viewer.find("samples", |_| true)["first"].as_u64().unwrap() as usize;
     // SIGKILL: nothing can be done any more.
@@ -131,10 +130,7 @@ fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps
 fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
     let bench = Bench::new();
     // A limit on the size of files stands for the disk: the journal cannot grow, and the signal is ignored.
-    let (mut child, url) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
-    let mut viewer = Viewer::connect(&url);
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
+    let (mut child, mut viewer) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
     let (told, _) = reach(&mut viewer, |message| message["trouble"] != "");
     let trouble = told["trouble"].as_str().unwrap();
     assert!(trouble.contains("what was recorded is kept"), "{trouble}");
@@ -172,10 +168,7 @@ fn a_full_disk_holds_the_session_and_with_room_again_nothing_is_missing() {
 #[test]
 fn ctrl_c_on_a_full_disk_fails_and_the_terminal_says_what_is_not_kept_and_where_the_rest_is() {
     let bench = Bench::new();
-    let (child, url) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
-    let mut viewer = Viewer::connect(&url);
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
+    let (child, mut viewer) = bench.start("trap '' XFSZ; ulimit -S -f 100;");
     reach(&mut viewer, |message| message["trouble"] != "");
     let (code, told) = interrupt(child);
     assert_eq!(code, Some(1), "{told}");
@@ -186,10 +179,7 @@ fn ctrl_c_on_a_full_disk_fails_and_the_terminal_says_what_is_not_kept_and_where_
 #[test]
 fn recordings_that_cannot_be_written_fail_the_program_after_they_were_told_on_the_page() {
     let bench = Bench::new();
-    let (child, url) = bench.start("");
-    let mut viewer = Viewer::connect(&url);
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
+    let (child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "open");
     let journal = std::fs::read_dir(bench.out().join("anna"))
         .unwrap()
@@ -213,10 +203,7 @@ fn recordings_that_cannot_be_written_fail_the_program_after_they_were_told_on_th
 #[test]
 fn a_folder_that_is_deleted_in_a_session_holds_it_and_nothing_is_missing_at_the_end() {
     let bench = Bench::new();
-    let (child, url) = bench.start("");
-    let mut viewer = Viewer::connect(&url);
-    viewer.find("samples", |_| true);
-    wish(&mut viewer, "begin");
+    let (child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "open");
     std::fs::remove_dir_all(bench.out().join("anna")).unwrap();
     let held = viewer.find("session", |message| message["phase"] == "held");

@@ -37,7 +37,7 @@ pub enum InferenceAnswer {
 /// From the installation to the inference. A channel of its own: flash is erased on the strength of its answer.
 pub static MODEL: Requests<ModelRequest, ()> = Requests::new();
 
-/// What the installation asks the inference for.
+/// Request of the installation to the inference.
 #[derive(Clone, Copy)]
 pub enum ModelRequest {
     /// Enter the safe state, and read the model's region no more.

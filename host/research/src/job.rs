@@ -31,7 +31,7 @@ pub(crate) enum JobError {
     NoStart {
         /// Run folder of that teacher.
         path: PathBuf,
-        /// Its name on the command line.
+        /// Name of that teacher on the command line.
         only: &'static str,
     },
     /// The folder holds a run with other settings.

@@ -121,7 +121,7 @@ pub fn install(
     }
 }
 
-/// What was done since a board had more blocks than ever before.
+/// Commands since the board last had more blocks than ever before.
 struct Effort {
     /// Blocks of the file.
     of: u32,

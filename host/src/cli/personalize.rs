@@ -59,7 +59,7 @@ pub(super) enum NotWritten {
     Worse {
         /// The old model file.
         model: PathBuf,
-        /// What is worse.
+        /// Reason why the new model is worse.
         why: Worse,
     },
 }

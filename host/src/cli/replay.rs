@@ -10,6 +10,7 @@ use clap::Args;
 use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::stream::alignment::Arm;
+use shared::uart_line::{Kind, Report};
 use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
 use crate::cli::arguments::{log_findings, mirrored};
@@ -110,18 +111,14 @@ fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
     let mut first = None;
     let silence = vec![[0; CHANNELS]; 2 * WINDOW];
     replay(model, &silence, None, None, |line| {
-        if line.starts_with("$LABEL") && first.is_none() {
-            // The fourth field is the number of the newest sample.
-            first = line
-                .split(',')
-                .nth(3)
-                .and_then(|newest| newest.parse().ok());
-        }
+        let report = Report::parse(line.as_bytes()).ok();
+        let label = report.filter(|report| report.kind == Kind::Label);
+        first = first.or(label.map(|label| label.emitted.0));
         Ok(())
     })?;
     Ok(first.map_or_else(
         || format!("more than {} samples", 2 * WINDOW),
-        |newest: usize| format!("{} samples", newest + 1),
+        |newest| format!("{} samples", newest + 1),
     ))
 }
 

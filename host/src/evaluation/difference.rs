@@ -55,9 +55,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::evaluation::metric::event::summary::EventSummary;
-    use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{Group, LookAhead, Truth};
+    use crate::evaluation::metric::summary::SubjectScore;
 
     /// A score with these balanced accuracies, by person.
     fn score(people: &[(usize, f64)]) -> Score {
@@ -73,17 +71,7 @@ mod tests {
             offsets: Vec::new(),
             offset: None,
         };
-        let summary = Summary::of_subjects(people.iter().map(subject).collect());
-        Score {
-            model: "m".to_owned(),
-            data_set: "x".to_owned(),
-            classes: 3,
-            people: Group::AllClasses,
-            look_ahead: LookAhead::None,
-            truth: Truth::LagCompensated,
-            reference: std::array::from_fn(|_| summary.clone()),
-            events: EventSummary::of_subjects(Vec::new()),
-        }
+        Score::of_people(people.iter().map(subject).collect(), Vec::new())
     }
 
     fn difference(model: &[(usize, f64)], other: &[(usize, f64)]) -> Option<Difference> {

@@ -302,6 +302,26 @@ mod tests {
     use super::*;
     use crate::dataset::DataSet;
 
+    impl Score {
+        /// Score of a three-class model `m` over people of data set `x` with all classes: a base for the tests of what reads scores.
+        pub(crate) fn of_people(
+            subjects: Vec<crate::evaluation::metric::summary::SubjectScore>,
+            events: Vec<SubjectEvents>,
+        ) -> Self {
+            let summary = Summary::of_subjects(subjects);
+            Self {
+                model: "m".to_owned(),
+                data_set: "x".to_owned(),
+                classes: 3,
+                people: Group::AllClasses,
+                look_ahead: LookAhead::None,
+                truth: Truth::LagCompensated,
+                reference: std::array::from_fn(|_| summary.clone()),
+                events: EventSummary::of_subjects(events),
+            }
+        }
+    }
+
     /// A recording of relax and close in turn, and a model that follows each change after so many patches.
     fn followed(changes_after: &[usize]) -> (Trial, Candidate) {
         let (run, classes) = (400, [0, 2]);

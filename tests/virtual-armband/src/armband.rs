@@ -160,8 +160,7 @@ impl Armband {
                 self.link.subscribed.push(of);
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_MODE, 3, emg, ..]) => {
-                let from_us = now_us + self.behaviour.quiet_ms * 1000;
-                self.link.streams_from_us = matches!(emg, 2 | 3).then_some(from_us);
+                self.link.streams_from_us = matches!(emg, 2 | 3).then_some(now_us);
             }
             (Some(Attribute::Value(Characteristic::Command)), [SET_SLEEP, 1, _]) => {}
             _ => return false,

@@ -11,8 +11,6 @@ pub struct Behaviour {
     pub interval_ms: f64,
     /// The EMG characteristic that a stream starts with.
     pub first_lane: u8,
-    /// Milliseconds from the command that starts a stream to its first sample.
-    pub quiet_ms: u64,
     /// What follows its last sample.
     pub end: End,
     /// What it does wrong.
@@ -25,7 +23,6 @@ impl Default for Behaviour {
             pace: 1.0,
             interval_ms: 0.0,
             first_lane: 0,
-            quiet_ms: 0,
             end: End::default(),
             steps: Vec::new(),
         }

@@ -40,7 +40,7 @@ const _: () = assert!(
 /// (`SDC_DEFAULT_CENTRAL_COUNT`, `SDC_DEFAULT_PERIPHERAL_COUNT`).
 const CENTRAL_COUNT: u8 = 1;
 const PERIPHERAL_COUNT: u8 = 0;
-/// What it needs at most, by the macros of `sdc.h`: `SDC_MEM_PER_CENTRAL_LINK`, `SDC_MEM_PER_PERIPHERAL_LINK`,
+/// Upper bound of the controller's memory, by the macros of `sdc.h`: `SDC_MEM_PER_CENTRAL_LINK`, `SDC_MEM_PER_PERIPHERAL_LINK`,
 /// `SDC_MEM_SCAN` and `SDC_MEM_FAL` with their defaults, `SDC_MEM_INITIATOR`. bindgen translates no macros with arguments.
 const NEEDED_BYTES: usize = {
     // Those beyond the first one in each direction, each with 15 bytes of its own.

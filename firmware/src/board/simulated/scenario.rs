@@ -51,7 +51,6 @@ impl Scenario {
             pace: self.pace,
             interval_ms: self.interval_ms,
             first_lane: self.first_lane,
-            quiet_ms: 0,
             end: self.end,
             steps: self.armband.clone(),
         }

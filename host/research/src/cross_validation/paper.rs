@@ -68,7 +68,7 @@ pub(crate) fn paper_tables(merged: &[Merged<'_>], window: usize) -> Vec<Table> {
     tables
 }
 
-/// What the tables are made of.
+/// Scores of the paper's tables.
 struct Page<'m, 'a> {
     merged: &'m [Merged<'a>],
 }

@@ -45,7 +45,7 @@ pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
     scores_table(DEVELOPMENT, merged)
 }
 
-/// The same of the test people.
+/// Scores of the test people, in rows as those of [`scores`].
 pub(crate) fn test_scores(merged: &[Merged<'_>]) -> Table {
     scores_table(TEST, merged)
 }

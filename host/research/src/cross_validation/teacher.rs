@@ -22,7 +22,7 @@ pub(crate) enum PaperTeacher {
     PreTrained,
     /// [`PaperTeacher::PreTrained`] of the same fold, fine-tuned on [`TARGET`].
     FineTuned,
-    /// The same with LoRA.
+    /// [`PaperTeacher::PreTrained`] of the same fold, fine-tuned with LoRA.
     Lora,
 }
 

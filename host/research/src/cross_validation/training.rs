@@ -1,4 +1,4 @@
-//! What a job trains, and the logits that come of it.
+//! Training of a job, and its logits over the trials.
 
 use myointent::evaluation::{Candidate, Trial, constant};
 use myointent::run::candidates::teacher_candidate;

@@ -174,11 +174,11 @@ fn log_start(context: &RunContext) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
+    use crate::evaluation::metric::event::summary::SubjectEvents;
     use crate::evaluation::metric::event::{EventRule, RecordingEvents};
     use crate::evaluation::metric::offset;
-    use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{ALL, CONSTANT, ENERGY, Group, LookAhead, Score, Truth};
+    use crate::evaluation::metric::summary::SubjectScore;
+    use crate::evaluation::{ALL, CONSTANT, ENERGY, LookAhead, Score};
     use shared::intent::Intent;
 
     fn score(model: &str, look_ahead: LookAhead, data_set: &str) -> Score {
@@ -194,19 +194,15 @@ mod tests {
             offsets: vec![32],
             offset: offset::summary(&[32]),
         };
-        let summary = Summary::of_subjects(vec![subject("1", 0.6), subject("2", 1.0)]);
+        let subjects = vec![subject("1", 0.6), subject("2", 1.0)];
         let (truth, emitted) = ([Some(Intent::Relax); 400], [Some(Intent::Relax); 400]);
         let events = RecordingEvents::new(&truth, &emitted, &[], &EventRule::default()).unwrap();
         let events = ["1", "2"].map(|subject| SubjectEvents::new(subject, [&events]));
         Score {
             model: model.to_owned(),
             data_set: data_set.to_owned(),
-            classes: 3,
-            people: Group::AllClasses,
             look_ahead,
-            truth: Truth::LagCompensated,
-            reference: std::array::from_fn(|_| summary.clone()),
-            events: EventSummary::of_subjects(events.to_vec()),
+            ..Score::of_people(subjects, events.to_vec())
         }
     }
 

@@ -83,11 +83,11 @@ const GAP: f64 = 0.05;
 pub(crate) struct Clock {
     /// The column's name.
     pub name: String,
-    /// Its values as they stand; a date and a time of day are seconds.
+    /// Values of the column as they stand; a date and a time of day are seconds.
     times: Vec<f64>,
 }
 
-/// What a clock says.
+/// Judgement of a clock.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Says {
     /// Rows a second, and gaps: the row behind each, and its seconds (negative: the times go back).
@@ -205,7 +205,7 @@ impl Clock {
         }
     }
 
-    /// What it says of the rows.
+    /// Judgement of the rows by this clock.
     pub fn says(&self) -> Says {
         let times = self.unwrapped();
         let Some(period) = period(&times).filter(|period| *period > 0.0) else {

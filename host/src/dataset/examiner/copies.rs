@@ -25,7 +25,7 @@ const COPY: f64 = 0.8;
 const ENOUGH: usize = 150;
 /// Rows in another recording from which an overlap is told.
 const OVERLAP: usize = 400;
-/// What a copy's path has in it, in lower case.
+/// Parts of a copy's path, in lower case.
 const MARKS: [&str; 8] = [
     "copy",
     "kopie",

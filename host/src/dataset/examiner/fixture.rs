@@ -48,7 +48,7 @@ pub(crate) fn csv(samples: &[Sample], value: impl Fn(i8) -> String) -> String {
     text
 }
 
-/// The same with a column in front.
+/// Table with another column in front.
 pub(crate) fn with_column(text: &str, name: &str, value: impl Fn(usize) -> String) -> String {
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();

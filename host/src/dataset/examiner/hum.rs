@@ -17,8 +17,9 @@ const WINDOW: usize = SAMPLE_RATE_HZ as usize;
 const MOST_WINDOWS: usize = 120;
 /// Share of a channel's power from which hum is reported; public recordings without it have at most 0.13.
 const SHARE: f64 = 0.15;
-/// The same for recordings of fewer seconds than this, where chance does more.
+/// Share from which hum is reported in a short recording, where chance does more.
 const SHORT_SHARE: f64 = 0.3;
+/// Seconds below which a recording is short.
 const SHORT: usize = 10;
 
 /// The mains hum of a recording, if there is any: at the frequency where most is.

@@ -22,7 +22,7 @@ const EVEN: f64 = 0.3;
 /// Repeats of rows.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Repeats {
-    /// As few as in a recording of the armband.
+    /// Few repeats, as in a recording of the armband.
     Few,
     /// Evenly spread: each sample comes so many times on average.
     Even(f64),

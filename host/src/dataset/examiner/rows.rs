@@ -16,7 +16,7 @@ use crate::dataset::recording::Recording;
 
 /// Share of the rate by which a clock may be off without a word: the armband's own is within 2 %.
 const QUIETLY_OFF: f64 = 0.03;
-/// The same with a warning; beyond, a recording is refused.
+/// Share of the rate by which a clock may be off with a warning; beyond, a recording is refused.
 const OFF: f64 = 0.1;
 /// Uneven repeats from which a recording is refused: a board fills in at most as many samples.
 const REPEATED: f64 = 0.15;
@@ -34,7 +34,7 @@ const CHANNELS: usize = 4;
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Rows {
     keep: Vec<bool>,
-    /// Of the rows that are kept.
+    /// Ranges of the rows that are kept.
     pieces: Vec<Range<usize>>,
     findings: Vec<Finding>,
 }

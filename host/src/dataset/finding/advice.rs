@@ -50,7 +50,7 @@ impl Finding {
         }
     }
 
-    /// What to do; empty where nothing is to be done.
+    /// Advice; empty where nothing is to be done.
     #[must_use]
     pub fn advice(&self) -> String {
         match self {

@@ -13,6 +13,7 @@ use super::labels::{from_number, from_text};
 use super::npy::{self, Values};
 use super::table;
 use crate::execution::bounded_read;
+use crate::execution::file_kind::FileKind;
 
 /// What the labels of a file are read as.
 ///
@@ -56,7 +57,7 @@ pub(crate) fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>,
 
 /// The same of its bytes.
 pub(crate) fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
-    if npy::looks_like(bytes) {
+    if FileKind::of(bytes) == FileKind::Npy {
         return not_empty(array(bytes)?);
     }
     let text = std::str::from_utf8(bytes)

@@ -58,21 +58,18 @@ enum Kind {
 /// # Errors
 /// When it cannot be read.
 pub(super) fn is_archive(path: &Path) -> io::Result<bool> {
-    Ok(kind(path)?.is_some())
+    Ok(kind(path)?.is_ok())
 }
 
-fn kind(path: &Path) -> io::Result<Option<Kind>> {
+/// Kind of an archive, or what the file is instead.
+fn kind(path: &Path) -> io::Result<Result<Kind, FileKind>> {
     let mut start = Vec::new();
     File::open(path)?.take(512).read_to_end(&mut start)?;
-    let is_zip = start.starts_with(b"PK\x03\x04") || start.starts_with(b"PK\x05\x06");
-    Ok(if is_zip {
-        Some(Kind::Zip)
-    } else if start.starts_with(&[0x1f, 0x8b]) {
-        Some(Kind::TarGz)
-    } else if start.get(257..262) == Some(b"ustar") {
-        Some(Kind::Tar)
-    } else {
-        None
+    Ok(match FileKind::of(&start) {
+        FileKind::Zip => Ok(Kind::Zip),
+        FileKind::Gzip => Ok(Kind::TarGz),
+        _ if start.get(257..262) == Some(b"ustar") => Ok(Kind::Tar),
+        other => Err(other),
     })
 }
 
@@ -99,16 +96,13 @@ pub(super) fn unpack(
         done: Unpacked::default(),
     };
     match kind {
-        Some(Kind::Zip) => target.zip(BufReader::new(file))?,
-        Some(Kind::Tar) => target.tar(BufReader::new(file))?,
-        Some(Kind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
-        None => {
-            let mut start = Vec::new();
-            let read = File::open(archive).and_then(|file| file.take(512).read_to_end(&mut start));
-            read.map_err(damaged)?;
+        Ok(Kind::Zip) => target.zip(BufReader::new(file))?,
+        Ok(Kind::Tar) => target.tar(BufReader::new(file))?,
+        Ok(Kind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
+        Err(found) => {
             return Err(ArchiveError::Kind {
                 archive: archive.to_owned(),
-                found: FileKind::of(&start),
+                found,
             });
         }
     }

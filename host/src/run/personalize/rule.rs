@@ -139,9 +139,8 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
-    use crate::evaluation::metric::summary::{SubjectScore, Summary};
-    use crate::evaluation::{Group, LookAhead, Truth};
+    use crate::evaluation::metric::event::summary::SubjectEvents;
+    use crate::evaluation::metric::summary::SubjectScore;
 
     /// What a person's score is of.
     #[derive(Clone)]
@@ -193,17 +192,7 @@ mod tests {
                 raised: raised.into_iter().collect::<BTreeMap<_, _>>(),
                 ..SubjectEvents::new("x/1", [])
             };
-            let summary = Summary::of_subjects(vec![subject]);
-            Score {
-                model: "m".to_owned(),
-                data_set: "x".to_owned(),
-                classes: 3,
-                people: Group::AllClasses,
-                look_ahead: LookAhead::None,
-                truth: Truth::LagCompensated,
-                reference: std::array::from_fn(|_| summary.clone()),
-                events: EventSummary::of_subjects(vec![events]),
-            }
+            Score::of_people(vec![subject], vec![events])
         }
     }
 

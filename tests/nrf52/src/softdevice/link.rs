@@ -93,8 +93,7 @@ impl SoftDevice {
     pub(super) fn interval_ticks(&self) -> u64 {
         let asked = self.link.as_ref().map(|link| link.parameters[1]);
         // Units of 1.25 ms.
-        let asked = us(1250) * u64::from(asked.unwrap_or(12));
-        self.interval.unwrap_or(asked)
+        us(1250) * u64::from(asked.unwrap_or(12))
     }
 
     /// A connection event: both sides send what they have.
@@ -130,8 +129,7 @@ impl SoftDevice {
             && let Some(link) = self.link.as_mut().filter(|link| link.ends.is_none())
         {
             // Units of 10 ms.
-            let asked = ms(10) * u64::from(link.parameters[3]);
-            let timeout = self.supervision.unwrap_or(asked);
+            let timeout = ms(10) * u64::from(link.parameters[3]);
             link.ends = Some(if armband.has_closed() {
                 (now, reason::REMOTE_ENDED)
             } else {

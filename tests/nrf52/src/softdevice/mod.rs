@@ -88,10 +88,6 @@ pub struct SoftDevice {
     pub flash: Flash,
     /// Armbands within reach.
     pub armbands: Vec<Armband>,
-    /// From one connection event to the next, in ticks, whatever the program asks for.
-    pub interval: Option<u64>,
-    /// How long an armband that vanishes is waited for, in ticks, whatever the program asks for.
-    pub supervision: Option<u64>,
     /// When each notification of the wearer's armband was received, and its number.
     pub received: Vec<(u64, usize)>,
     /// Most events that waited at a time.
@@ -116,8 +112,6 @@ impl SoftDevice {
             link: None,
             flash: Flash::default(),
             armbands,
-            interval: None,
-            supervision: None,
             received: Vec::new(),
             most_waiting: 0,
             is_silent: false,

@@ -51,7 +51,7 @@ pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<(Vec<Preset>, Bas
     Ok((presets, of_first))
 }
 
-/// What is compared beside the floors.
+/// Contenders beside the floors.
 pub(super) struct Compared<'a> {
     /// Presets of the students; the first one is also that of everything else.
     pub(super) presets: &'a [Preset],

@@ -1,4 +1,4 @@
-//! What a cross-validation prints and writes.
+//! Tables of a cross-validation, printed and written.
 
 use std::path::{Path, PathBuf};
 

@@ -14,7 +14,7 @@ const RELAX: Label = Some(Intent::Relax);
 /// T of the page.
 const T: i64 = 50;
 
-/// What the page defines.
+/// Numbers that the page defines.
 #[derive(Debug, Default)]
 pub(super) struct Expected {
     recalls: BTreeMap<&'static str, f64>,

@@ -105,11 +105,6 @@ pub(crate) fn partner(path: &Path, name: &str) -> Result<(PathBuf, Array), LoadE
     }
 }
 
-/// Whether these are the first bytes of an npy file.
-pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    bytes.starts_with(MAGIC)
-}
-
 /// Parses the bytes of an npy file.
 ///
 /// # Errors
