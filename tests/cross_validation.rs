@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent_research::cli::Cli;
+use recordings::synthetic::{self, SynthOptions};
 use serde_json::Value;
 use shared::intent::Intent;
 use small::{folder, myointent, recordings, small_preset};

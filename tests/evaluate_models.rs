@@ -7,11 +7,11 @@ mod small;
 use std::fs;
 use std::path::Path;
 
-use myointent::dataset::{LoadOptions, load};
 use myointent::run::model_evaluation::{
     ModelEvaluation, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
-use myointent::run::preset::LabelLag;
+use presets::LabelLag;
+use recordings::{LoadOptions, load};
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;
 use shared::model::file::Model;

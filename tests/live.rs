@@ -49,9 +49,9 @@ mod viewer;
 
 use std::path::Path;
 
-use myointent::dataset::Recording;
-use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::live::{self, Live, Options, Source};
+use recordings::Recording;
+use recordings::synthetic::{self, SynthOptions};
 
 /// The page of a source, on any free port of this machine.
 fn serve(source: Source) -> Live {

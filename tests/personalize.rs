@@ -10,11 +10,11 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use myointent::cli::Cli;
-use myointent::dataset::synthetic::{self, SynthOptions};
-use myointent::dataset::{LoadOptions, load};
 use myointent::evaluation::Measure;
 use myointent::run::personalize::{Person, judge};
 use myointent_tests::data;
+use recordings::synthetic::{self, SynthOptions};
+use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use shared::units::CHANNELS;
 use small::folder;

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use myointent::dataset::{Library, LoadOptions, Recording, load};
+use recordings::{Library, LoadOptions, Recording, load};
 use shared::intent::Intent;
 use shared::units::Sample;
 use tempfile::TempDir;

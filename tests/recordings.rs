@@ -5,15 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use myointent::dataset::alignment::{open_hand, openings, template};
-use myointent::dataset::labels::compensation::Compensation;
-use myointent::dataset::labels::lag::{self, LabelLag};
-use myointent::dataset::labels::set_lag::Lag;
-use myointent::dataset::splice::{SpliceOptions, splice};
-use myointent::dataset::split::circles::{self, Circles, is_test};
-use myointent::dataset::{
-    Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
-};
 use myointent::evaluation::metric::event::latency::Latency;
 use myointent::evaluation::{
     ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
@@ -22,6 +13,15 @@ use myointent::evaluation::{
 use myointent::inference::integer_logits;
 use myointent::inference::outputs;
 use myointent_tests::{data, skip};
+use recordings::alignment::{open_hand, openings, template};
+use recordings::labels::compensation::Compensation;
+use recordings::labels::lag::{self, LabelLag};
+use recordings::labels::set_lag::Lag;
+use recordings::splice::{SpliceOptions, splice};
+use recordings::split::circles::{self, Circles, is_test};
+use recordings::{
+    Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
+};
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::model::file::Model;
 use shared::stream::alignment::{Alignment, Outcome};

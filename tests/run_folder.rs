@@ -10,12 +10,12 @@ use std::process::{Command, ExitCode, Stdio};
 
 use burn::tensor::Device;
 use clap::Parser as _;
+use execution::run_folder::RunFolder;
 use myointent::cli::Cli;
-use myointent::dataset::{LoadOptions, load};
-use myointent::execution::run_folder::RunFolder;
 use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
-use myointent::run::preset::Preset;
+use presets::Preset;
+use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use small::{folder, myointent, recordings, small_preset};
 
@@ -86,7 +86,7 @@ impl Bench {
     }
 }
 
-type RunContextParts = (ResolvedConfig, myointent::dataset::Library);
+type RunContextParts = (ResolvedConfig, recordings::Library);
 
 /// Runs the program in this process.
 fn run(line: &[String]) -> ExitCode {

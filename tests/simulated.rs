@@ -14,7 +14,7 @@ mod power;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use myointent::dataset::synthetic::{self, SynthOptions};
+use recordings::synthetic::{self, SynthOptions};
 use shared::myo::Address;
 use shared::myo::binding::to_record;
 use shared::units::Sample;

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use myointent::cli::Cli;
-use myointent::dataset::synthetic::{self, SynthOptions};
+use recordings::synthetic::{self, SynthOptions};
 
 /// A preset that trains in seconds; its accuracy does not matter.
 pub fn small_preset(folder: &Path) -> PathBuf {
-    let text = myointent::run::preset::BUILT_IN[0].1;
+    let text = presets::BUILT_IN[0].1;
     let text = text
         .replace("name = \"quickstart\"", "name = \"small\"")
         .replace("spliced_seconds = 180.0", "spliced_seconds = 20.0")

@@ -7,17 +7,19 @@ use std::time::Duration;
 use burn::tensor::Device;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use myointent::dataset::corpus::{Corpus, Stream};
-use myointent::dataset::synthetic::{self, SynthOptions};
 use myointent::inference::integer_logits;
-use myointent::run::preset::{BUILT_IN, Preset};
-use myointent::student::distillation;
 use myointent::student::learner::{StudentLearner, Teaching};
+use myointent::student::model::Student;
 use myointent::teacher::learner::TeacherLearner;
+use myointent::teacher::model::Teacher;
 use myointent::training::learner::Learner;
 use myointent::training::optimizer::{gradients, optimizer};
+use presets::distillation;
+use presets::{BUILT_IN, Preset};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use recordings::corpus::{Corpus, Stream};
+use recordings::synthetic::{self, SynthOptions};
 use shared::intent::Vocabulary;
 use shared::model::dimensions::Dimensions;
 use shared::model::encoder::HostEncoder;
@@ -27,7 +29,7 @@ use shared::stream::preprocess::{Median, clean};
 use shared::stream::safe_state::Start;
 use shared::units::{Millis, Sample};
 
-fn recording() -> myointent::dataset::Recording {
+fn recording() -> recordings::Recording {
     let options = SynthOptions {
         subjects: 1,
         recordings: 1,
@@ -89,7 +91,7 @@ fn training(criterion: &mut Criterion) {
                 &mut group,
                 &title,
                 &learner,
-                preset.teacher.init(3, &device),
+                Teacher::new(&preset.teacher, 3, &device),
             );
             let learner = StudentLearner::new(
                 distillation::NAME,
@@ -108,7 +110,7 @@ fn training(criterion: &mut Criterion) {
                 &mut group,
                 &title,
                 &learner,
-                preset.student.init(3, false, &device),
+                Student::new(&preset.student, 3, false, &device),
             );
         }
     }

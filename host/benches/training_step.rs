@@ -6,15 +6,13 @@
 //! threads, for `student` those of the student's, for `window` those of one window's inference on one
 //! thread. For `student-case` it prints a student's parameters, in the order of the module, an input and the logits.
 
+use myointent::teacher::model::Teacher;
 use std::io::BufRead as _;
 use std::time::Instant;
 
 use anyhow::{Context as _, anyhow, bail};
 use burn::module::{Module, ModuleVisitor, Param};
 use burn::tensor::{Device, Tensor};
-use myointent::dataset::corpus::{Corpus, Stream};
-use myointent::dataset::synthetic::{self, SynthOptions};
-use myointent::run::preset::Preset;
 use myointent::student::learner::{StudentLearner, Teaching};
 use myointent::student::model::Student;
 use myointent::teacher::learner::TeacherLearner;
@@ -22,8 +20,11 @@ use myointent::teacher::model::TeacherInput;
 use myointent::training::learner::Learner as _;
 use myointent::training::optimizer::{gradients, optimizer};
 use myointent::training::tensor::read_back;
+use presets::Preset;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use recordings::corpus::{Corpus, Stream};
+use recordings::synthetic::{self, SynthOptions};
 use shared::intent::Vocabulary;
 use shared::units::{CHANNELS, PATCH};
 
@@ -69,7 +70,7 @@ fn main() -> anyhow::Result<()> {
     if item.len() != settings.batch {
         bail!("a batch of {} from the recording, not {batch}", item.len());
     }
-    let mut model = Some(preset.teacher.init(3, &device));
+    let mut model = Some(Teacher::new(&preset.teacher, 3, &device));
     let mut adam = optimizer(settings.weight_decay);
     let distillation = &preset.distillation;
     let span = preset.student.span;
@@ -83,7 +84,7 @@ fn main() -> anyhow::Result<()> {
         &device,
     );
     let excerpts = student_learner.epoch(&mut rng).remove(0);
-    let mut student = preset.student.init(3, false, &device);
+    let mut student = Student::new(&preset.student, 3, false, &device);
     let mut student_adam = optimizer(distillation.weight_decay);
     let emg = vec![0.5; shape.window * CHANNELS];
 

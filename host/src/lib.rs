@@ -4,15 +4,13 @@
 
 pub mod board;
 pub mod cli;
-pub mod dataset;
 pub mod evaluation;
-pub mod execution;
 pub mod inference;
 pub mod live;
 pub mod record;
 pub mod report;
 pub mod run;
-pub mod statistics;
 pub mod student;
 pub mod teacher;
 pub mod training;
+pub mod weights;

@@ -10,5 +10,7 @@ use myointent::cli::Cli;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
+    // Set by build.rs.
+    execution::revision::declare(option_env!("MYOINTENT_REVISION"));
     Cli::parse().run()
 }

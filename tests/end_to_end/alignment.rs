@@ -4,8 +4,8 @@
 //! on the device: when the button is looked at depends on the emulator's clock.
 
 use myointent::cli::replay::one_recording;
-use myointent::dataset::{Recording, runs};
 use myointent_tests::emulator::{Bench, Input, Run, Scenario, bench, expected_lines};
+use recordings::{Recording, runs};
 use serde_json::json;
 use shared::intent::{Intent, Vocabulary};
 use shared::model::dimensions::Dimensions;

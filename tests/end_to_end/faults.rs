@@ -1,8 +1,8 @@
 //! Injected faults: the board enters the safe state and restarts.
 
-use myointent::dataset::synthetic::Follower;
 use myointent_tests::emulator::{Fault, Run, Scenario, bench};
 use myointent_tests::output::Pins;
+use recordings::synthetic::Follower;
 use serde_json::json;
 use shared::intent::Intent;
 use shared::stream::safe_state::Cause;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use myointent::dataset::npy::{self, Values};
+use recordings::npy::{self, Values};
 use serde_json::Value;
 
 /// An element type of the reference's npy files.

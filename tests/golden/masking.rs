@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use myointent::teacher::masking::{Masks, TRANSITION_BUFFER, Task, poisson_spans};
 use myointent_tests::golden;
+use presets::masking::{Masks, TRANSITION_BUFFER, Task, poisson_spans};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use burn::module::Module as _;
 use burn::tensor::{Device, Tensor, TensorData};
-use myointent::run::preset::Preset;
 use myointent::teacher::checkpoint::{load, save};
 use myointent::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
 use myointent::training::tensor::read_back;
 use myointent_tests::golden;
+use presets::Preset;
 use safetensors::SafeTensors;
 use shared::units::{CHANNELS, WINDOW};
 
@@ -64,7 +64,7 @@ fn paper() -> TeacherConfig {
 pub fn reference(golden: &Path, file: &str, device: &Device) -> Teacher {
     load(
         &golden.join("model").join(file),
-        paper().init(CLASSES, device),
+        Teacher::new(&paper(), CLASSES, device),
     )
     .unwrap()
 }
@@ -207,7 +207,7 @@ fn the_preset_paper_has_the_references_parameters() {
         return;
     };
     let index = json(&golden.join("model/index.json"));
-    let teacher = paper().init(CLASSES, &Device::default());
+    let teacher = Teacher::new(&paper(), CLASSES, &Device::default());
     assert_eq!(
         teacher.num_params() as u64,
         index["trainable_parameters"].as_u64().unwrap()

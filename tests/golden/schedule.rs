@@ -1,16 +1,16 @@
 //! The learning rate that the reference really used: golden/lr_schedule.json.
 
 use burn::tensor::Device;
-use myointent::dataset::corpus::{Corpus, Stream};
-use myointent::run::preset::Preset;
 use myointent::teacher::learner::TeacherLearner;
-use myointent::teacher::masking::Task;
 use myointent::teacher::window::WindowShape;
 use myointent::training::learner::Learner as _;
-use myointent::training::schedule::{LearningRate, LrSchedule};
 use myointent_tests::golden;
+use presets::Preset;
+use presets::masking::Task;
+use presets::schedule::{LearningRate, LrSchedule};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use recordings::corpus::{Corpus, Stream};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::WINDOW;
 

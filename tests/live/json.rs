@@ -5,8 +5,8 @@ use std::process::{Child, ChildStdout, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use myointent::cli::replay;
-use myointent::dataset::synthetic::{self, SynthOptions};
-use myointent::dataset::{LoadOptions, load};
+use recordings::synthetic::{self, SynthOptions};
+use recordings::{LoadOptions, load};
 use serde_json::Value;
 use shared::uart_line::{Kind, Report};
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use myointent::dataset::{LoadOptions, load};
 use myointent::live::Source;
+use recordings::{LoadOptions, load};
 use serde_json::json;
 
 use super::browser::Browser;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use myointent::cli::arguments::BackendArguments;
-use myointent::dataset::{LoadOptions, Recording, load};
 use myointent::live::{self, Live, Options, RecordOptions, Source};
 use myointent::record::protocol::Protocol;
+use recordings::{LoadOptions, Recording, load};
 use serde_json::Value;
 use shared::units::Sample;
 

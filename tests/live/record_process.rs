@@ -5,8 +5,8 @@ use std::process::{Child, Command, ExitCode, Stdio};
 
 use clap::Parser as _;
 use myointent::cli::Cli;
-use myointent::dataset::synthetic::{self, SynthOptions};
-use myointent::dataset::{LoadOptions, load};
+use recordings::synthetic::{self, SynthOptions};
+use recordings::{LoadOptions, load};
 use shared::units::Sample;
 
 use super::interrupt::address;

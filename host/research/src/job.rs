@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use myointent::execution::run_folder::{RunError, RunFolder};
+use execution::run_folder::{RunError, RunFolder};
 use myointent::run::StepError;
 use myointent::run::config::{CONFIG, ResolvedConfig};
 use myointent::run::resolve::ConfigError;

@@ -12,16 +12,16 @@ use shared::uart_line::flag;
 
 pub use backend::{Backend, BackendArguments, BackendError};
 
-use crate::dataset::finding::grouped;
-use crate::dataset::readers::excerpt::printable;
-use crate::dataset::{Library, LoadError, LoadOptions, load, synthetic};
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
-use crate::execution::run_folder::RunFolder;
 use crate::report::labels::labels;
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
-use crate::run::preset::Preset;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::RunFolder;
+use presets::Preset;
+use recordings::finding::grouped;
+pub use recordings::readers::excerpt::printable;
+use recordings::{Library, LoadError, LoadOptions, load, synthetic};
 
 /// What an alignment is told of the arm.
 pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {

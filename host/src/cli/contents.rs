@@ -7,13 +7,13 @@ use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::dataset::Library;
-use crate::dataset::finding::Group;
-use crate::dataset::library::inspection::{Files, Inspection, SetInspection};
-use crate::dataset::readers::excerpt::printable;
 use crate::record::told::Told;
 use crate::record::{Recorded, recorded};
 use crate::report::Table;
+use recordings::Library;
+use recordings::finding::Group;
+pub use recordings::library::inspection::{Files, Inspection, SetInspection};
+pub use recordings::readers::excerpt::printable;
 
 /// How many files with the same finding are listed; `--json` has all.
 const SHOWN: usize = 4;

@@ -10,8 +10,8 @@ use shared::intent::Vocabulary;
 use super::arguments::{refused, some_recording};
 use super::contents::{Recordings, tables};
 use super::fetch;
-use crate::dataset::synthetic::{self, SynthOptions};
-use crate::dataset::{DataSet, LoadOptions, load};
+use recordings::synthetic::{self, SynthOptions};
+use recordings::{DataSet, LoadOptions, load};
 
 /// What `myointent data` does.
 #[derive(Subcommand, Debug)]

@@ -10,16 +10,16 @@ use serde::{Deserialize as _, Serialize};
 
 use crate::cli::arguments::{every_recording, warn_of_test_people};
 use crate::cli::output::{PAGE, first_line, refuse_unlike};
-use crate::dataset::finding::{Group, grouped};
-use crate::dataset::labels::lag::LabelLag;
-use crate::dataset::losses::MOST_PERCENT;
-use crate::execution::progress;
-use crate::execution::run_folder::write_whole;
 use crate::report::labels::labels;
 use crate::report::model_report::{self, people_rows, tables};
 use crate::run::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
+use execution::progress;
+use execution::run_folder::write_whole;
+use recordings::finding::{Group, grouped};
+use recordings::labels::lag::LabelLag;
+use recordings::losses::MOST_PERCENT;
 
 /// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]

@@ -7,14 +7,14 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::contents::{Recordings, tables};
-use crate::dataset::readers::excerpt::printable;
-use crate::dataset::source::{
+use crate::report::Table;
+use execution::progress;
+pub use recordings::readers::excerpt::printable;
+use recordings::source::{
     Address, Download, Plan, Received, SOURCES, Servers, Source, download, free, plan,
     put_in_place, source,
 };
-use crate::dataset::{LoadOptions, load};
-use crate::execution::progress;
-use crate::report::Table;
+use recordings::{LoadOptions, load};
 
 /// Arguments of `data fetch`.
 #[derive(Args, Debug)]

@@ -9,7 +9,7 @@ use shared::model::file::Model;
 
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use crate::execution::run_folder::write_whole;
+use execution::run_folder::write_whole;
 
 /// Arguments of `gate`.
 #[derive(Debug, Args)]

@@ -7,9 +7,9 @@ use std::process::{Command, ExitCode};
 use clap::Parser as _;
 
 use super::Cli;
-use crate::dataset::synthetic::{self, SynthOptions};
-use crate::execution::run_folder::kill;
-use crate::run::preset::BUILT_IN;
+use execution::run_folder::kill;
+use presets::BUILT_IN;
+use recordings::synthetic::{self, SynthOptions};
 
 /// As small as a run can be: three people, two epochs of teacher and student.
 fn preset(folder: &Path) -> PathBuf {

@@ -10,9 +10,9 @@ use shared::myo::Address;
 
 use super::read_model;
 use super::replay::one_recording;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
 use crate::live::{self, Options, Source, is_local};
+use execution::interrupt::Interrupt;
+use execution::progress;
 
 /// The port of the page, where it is free.
 const PORT: u16 = 8377;
@@ -68,7 +68,7 @@ pub(super) struct SourceArguments {
 
 /// An armband, or any.
 #[derive(Clone, Copy, Debug)]
-struct Followed(Option<Address>);
+pub struct Followed(Option<Address>);
 
 fn armband(text: &str) -> Result<Followed, String> {
     if text == "any" {

@@ -31,13 +31,13 @@ use clap::{Parser, Subcommand};
 
 use self::personalize::{KEPT, NotWritten};
 use self::steps::{distill, evaluate, export, quantize, quickstart, train};
-use crate::dataset::readers::excerpt::printable;
-use crate::execution::run_folder::RunError;
-use crate::execution::{bounded_read, progress};
 use crate::run::StepError;
 use crate::run::personalize::PersonalizeError;
-use crate::run::preset::PresetError;
 use crate::run::resolve::ConfigError;
+use ::presets::PresetError;
+use execution::run_folder::RunError;
+use execution::{bounded_read, progress};
+pub use recordings::readers::excerpt::printable;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]

@@ -9,11 +9,11 @@ use thiserror::Error;
 use crate::cli::arguments::{BackendArguments, every_recording};
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
-use crate::execution::run_folder::write_whole;
 use crate::report::personalization::table;
 use crate::run::personalize::{TuningSettings, Worse, personalize};
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::write_whole;
 
 /// Arguments of `personalize`.
 #[derive(Debug, Args)]

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use clap::Args;
 
-use crate::execution::bounded_read;
-use crate::run::preset::{BUILT_IN, Preset};
+use execution::bounded_read;
+use presets::{BUILT_IN, Preset};
 
 /// Arguments of `presets`.
 #[derive(Debug, Args)]

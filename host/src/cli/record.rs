@@ -10,10 +10,10 @@ use clap::Args;
 use super::live::{SourceArguments, listen, serve};
 use super::read_model;
 use crate::cli::arguments::BackendArguments;
-use crate::execution::progress;
 use crate::live::{Options, RecordOptions};
 use crate::record::protocol::{self, BUILT_IN, Course, Protocol};
 use crate::record::{self, Kept};
+use execution::progress;
 
 /// Arguments of `record`.
 #[derive(Debug, Args)]

@@ -15,8 +15,8 @@ use shared::units::{CHANNELS, Millis, Sample, WINDOW};
 
 use crate::cli::arguments::{log_findings, mirrored};
 use crate::cli::read_model;
-use crate::dataset::{LoadOptions, Recording, load};
 use crate::inference::stream::{feed, pipeline};
+use recordings::{LoadOptions, Recording, load};
 
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
@@ -208,7 +208,7 @@ pub fn one_recording(path: &std::path::Path, name: Option<&str>) -> anyhow::Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::library::inspection::Inspection;
+    use recordings::library::inspection::Inspection;
     use shared::intent::Vocabulary;
     use shared::model::dimensions::Dimensions;
     use shared::model::file::random::random_model;

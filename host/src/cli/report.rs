@@ -11,10 +11,6 @@ use super::arguments::{
 };
 use super::evaluate_models::{PeopleArguments, warn};
 use super::output::{PAGE, refuse_unlike};
-use crate::dataset::Library;
-use crate::dataset::split::circles::is_test;
-use crate::execution::progress;
-use crate::execution::run_folder::RunFolder;
 use crate::report::MOST_ENTRIES;
 use crate::report::several::{Reported, ReportedModel, ReportedRun, tables, write};
 use crate::run::StepError;
@@ -22,6 +18,10 @@ use crate::run::context::RunContext;
 use crate::run::evaluate::kept;
 use crate::run::model_evaluation::{NamedModel, Selection, evaluate_models};
 use crate::run::quantize::MODEL;
+use execution::progress;
+use execution::run_folder::RunFolder;
+use recordings::Library;
+use recordings::split::circles::is_test;
 
 /// Arguments of `report`.
 #[derive(Debug, Args)]

@@ -8,8 +8,6 @@ use anyhow::Context;
 use shared::intent::Intent;
 use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
-use crate::dataset::labels::vocabulary;
-use crate::dataset::readers::label_file::{self, Purpose};
 use crate::evaluation::metric::confusion::Confusion;
 use crate::evaluation::metric::event::activation::Rate;
 use crate::evaluation::metric::event::gesture::Gesture;
@@ -21,6 +19,8 @@ use crate::evaluation::metric::predicted_length;
 use crate::evaluation::metric::summary::RecordingScore;
 use crate::evaluation::metric::transition::{Change, Rule, TransitionStatus};
 use crate::report::Table;
+use recordings::labels::vocabulary;
+pub use recordings::readers::label_file::{self, Purpose};
 
 /// Arguments of `myointent score`.
 #[derive(clap::Args, Debug)]

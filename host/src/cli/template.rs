@@ -8,8 +8,8 @@ use clap::Args;
 use crate::cli::arguments::every_recording;
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use crate::execution::run_folder::write_whole;
 use crate::run::template::model_with_template;
+use execution::run_folder::write_whole;
 
 /// Arguments of `template`.
 #[derive(Debug, Args)]

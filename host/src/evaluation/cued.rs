@@ -10,7 +10,7 @@ use shared::intent::Intent;
 
 use super::metric::event::{EventRule, RecordingEvents};
 use super::trial::Trial;
-use crate::dataset::DataSet;
+use recordings::DataSet;
 
 /// Numbers of gestures, counted as [`gesture`](super::metric::event::gesture) counts them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]

@@ -5,14 +5,14 @@
 
 use super::measure::Measure;
 use super::score::Score;
-use crate::statistics::{Interval, MeanSd};
+use recordings::statistics::{Interval, MeanSd};
 
 /// A difference of two models in one measure, over the people for whom both have a value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Difference {
     /// Mean and deviation of the differences.
     pub mean: MeanSd,
-    /// 95 % interval of their mean; none for fewer than [`FEWEST`](crate::statistics::FEWEST) people.
+    /// 95 % interval of their mean; none for fewer than [`FEWEST`](recordings::statistics::FEWEST) people.
     pub interval: Option<Interval>,
     /// Number of people.
     pub people: usize,

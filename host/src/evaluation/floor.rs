@@ -165,7 +165,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::dataset::DataSet;
+    use recordings::DataSet;
 
     fn trial(subject: &str, patches: &[(u8, Option<Intent>)]) -> Trial {
         let samples = |value: u8| std::iter::repeat_n([value; CHANNELS], PATCH);

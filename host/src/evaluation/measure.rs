@@ -2,7 +2,7 @@
 
 use super::metric::summary::Summary;
 use super::score::Score;
-use crate::statistics::{Interval, MeanSd};
+use recordings::statistics::{Interval, MeanSd};
 
 /// A measure with one value for each person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -92,7 +92,7 @@ impl Measure {
         MeanSd::of(&self.numbers(score))
     }
 
-    /// 95 % interval of the mean, over people; none with fewer than [`FEWEST`](crate::statistics::FEWEST).
+    /// 95 % interval of the mean, over people; none with fewer than [`FEWEST`](recordings::statistics::FEWEST).
     #[must_use]
     pub fn interval(self, score: &Score) -> Option<Interval> {
         Interval::of_mean(&self.numbers(score))

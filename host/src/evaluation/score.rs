@@ -300,7 +300,7 @@ pub(crate) fn confusion(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::DataSet;
+    use recordings::DataSet;
 
     impl Score {
         /// Score of a three-class model `m` over people of data set `x` with all classes: a base for the tests of what reads scores.

@@ -4,7 +4,7 @@ use shared::intent::Intent;
 use shared::stream::preprocess::{Preprocessing, clean};
 use shared::units::{CleanSample, Sample};
 
-use crate::dataset::{DataSet, Movement};
+use recordings::{DataSet, Movement};
 
 /// One recording that models are evaluated on.
 #[derive(Clone, Debug)]

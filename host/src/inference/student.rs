@@ -4,10 +4,10 @@ use burn::tensor::{Device, Tensor};
 use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW_PATCHES};
 
-use crate::dataset::lead_in::padded;
 use crate::student::model::Student;
-use crate::training::augmentation::Variation;
 use crate::training::tensor::read_back;
+use presets::augmentation::Variation;
+use recordings::lead_in::padded;
 
 /// Logits of a float student at every whole patch of a stream.
 ///

@@ -4,11 +4,11 @@ use burn::tensor::Device;
 use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, CleanSample, LOOK_BACK, PATCH, WINDOW};
 
-use crate::dataset::lead_in::padded;
 use crate::teacher::model::{Teacher, TeacherInput};
 use crate::teacher::window::WindowShape;
-use crate::training::augmentation::Variation;
 use crate::training::tensor::read_back;
+use presets::augmentation::Variation;
+use recordings::lead_in::padded;
 
 /// Logits of a teacher at every whole patch of a stream.
 ///

@@ -12,8 +12,8 @@ use shared::units::{Sample, SampleIndex};
 
 use super::journal::Entry;
 use super::session::{Bad, Continuity, Continuous};
-use crate::dataset::labels::cued::{Hold, follow};
-use crate::dataset::labels::motion::motions;
+use recordings::labels::cued::{Hold, follow};
+use recordings::labels::motion::motions;
 
 /// Samples of rest on either side of where a long part is cut.
 const REST_AROUND: usize = 100;

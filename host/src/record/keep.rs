@@ -10,8 +10,8 @@ use super::assembly::assemble;
 use super::journal::{ENDING, JournalError, open};
 use super::layout::csv;
 use super::quality::{Quality, judge};
-use crate::dataset::{LoadError, LoadOptions, load};
-use crate::execution::run_folder::{RunError, write_whole};
+use execution::run_folder::{RunError, write_whole};
+use recordings::{LoadError, LoadOptions, load};
 
 /// Ending of a journal that the disk has damaged.
 const DAMAGED: &str = "journal.damaged";

@@ -11,7 +11,7 @@ use shared::intent::Intent;
 use shared::units::CHANNELS;
 
 use super::assembly::{Part, Take};
-use crate::dataset::readers::formats::react_emg::{
+pub use recordings::readers::formats::react_emg::{
     MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
 

@@ -14,7 +14,7 @@ use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 pub use self::error::{ProtocolError, ProtocolFault};
-use crate::execution::bounded_read;
+use execution::bounded_read;
 
 /// The built-in protocols, by name.
 pub const BUILT_IN: [(&str, &str); 5] = [

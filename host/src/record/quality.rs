@@ -6,11 +6,11 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
 use super::assembly::{Part, Take};
-use crate::dataset::Severity;
-use crate::dataset::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
-use crate::dataset::labels::cued::Follow;
-use crate::dataset::runs;
-use crate::statistics::median;
+use recordings::Severity;
+pub use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
+pub use recordings::labels::cued::Follow;
+use recordings::runs;
+use recordings::statistics::median;
 
 /// How often `personalize` needs each gesture: it holds back a third, and needs two there.
 const FEWEST: usize = 6;

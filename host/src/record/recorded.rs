@@ -8,10 +8,10 @@ use shared::units::{CHANNELS, Sample};
 
 use super::assembly::{Part, Take};
 use super::quality::{Quality, judge};
-use crate::dataset::labels::cued::follow;
-use crate::dataset::labels::motion::motions;
-use crate::dataset::readers::formats::react_emg::RECORDER_COLUMNS;
-use crate::dataset::{DataSet, Library, Recording};
+use recordings::labels::cued::follow;
+use recordings::labels::motion::motions;
+pub use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
+use recordings::{DataSet, Library, Recording};
 
 /// A person's guided recordings.
 #[derive(Clone, PartialEq, Debug)]

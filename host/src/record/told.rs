@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::quality::Finding;
-use crate::dataset::Severity;
+use recordings::Severity;
 
 /// A finding in words.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]

@@ -2,7 +2,7 @@
 
 use crate::evaluation::Difference;
 use crate::evaluation::metric::event::latency::{Latency, LatencySummary};
-use crate::statistics::{Interval, MeanSd};
+use recordings::statistics::{Interval, MeanSd};
 
 /// In place of a missing number.
 const NONE: &str = "-";

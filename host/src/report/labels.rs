@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::Fact;
-use crate::dataset::DataSet;
-use crate::dataset::labels::set_lag::Lag;
 use crate::evaluation::Cued;
+use recordings::DataSet;
+use recordings::labels::set_lag::Lag;
 
 /// A line for each data set: what, and how.
 #[must_use]

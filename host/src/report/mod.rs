@@ -37,7 +37,7 @@ pub use self::table::Table;
 use self::timeline::Timeline;
 use crate::evaluation::EvaluationError;
 use crate::evaluation::metric::confusion::Confusion;
-use crate::execution::run_folder::{RunError, write_whole};
+use execution::run_folder::{RunError, write_whole};
 
 /// Name and value of something that a page states.
 type Fact = (String, String);

@@ -11,7 +11,7 @@ use super::{
     cell::{self, Cell},
 };
 use crate::evaluation::{Group, Measure, Score};
-use crate::statistics::{Interval, MeanSd};
+use recordings::statistics::{Interval, MeanSd};
 
 /// Measures that are drawn: shares of 1, of which more is better.
 const DRAWN: [(Measure, &str); 3] = [

@@ -10,11 +10,11 @@ use super::scores::tables;
 use super::timeline::timeline_svg;
 use super::{Fact, ReportData, ReportError};
 use crate::evaluation::{CONSTANT, Candidate, ENERGY, LookAhead, Score, Trial, Truth};
-use crate::execution::run_folder::{RunError, RunFolder, write_whole};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
 use crate::run::evaluate::{Evaluation, INTEGER, Results};
 use crate::training::metrics::EpochMetrics;
+use execution::run_folder::{RunError, RunFolder, write_whole};
 
 /// Name of the report in a run folder.
 pub const REPORT: &str = "report.html";

@@ -281,8 +281,8 @@ mod tests {
     use shared::model::LookBackLogits;
 
     use super::*;
-    use crate::dataset::DataSet;
     use crate::evaluation::{Candidate, EnergyDetector, Trial, constant, score_all};
+    use recordings::DataSet;
 
     /// One recording of a person: 2 s of each class in turn.
     fn trial(who: &str, classes: &[usize]) -> Trial {

@@ -9,10 +9,10 @@ use super::seen::marked;
 use super::side_by_side::side_by_side;
 use super::{ReportData, ReportError, Table, model_report, run_report};
 use crate::evaluation::Score;
-use crate::execution::run_folder::RunFolder;
 use crate::run::config::ResolvedConfig;
 use crate::run::evaluate::{Evaluation, Results};
 use crate::run::model_evaluation::{ModelEvaluation, NamedModel};
+use execution::run_folder::RunFolder;
 
 /// A run or a model file that was evaluated.
 pub enum Reported {

@@ -5,12 +5,13 @@ use serde::{Deserialize, Serialize};
 use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
-use super::preset::Aggregation;
 use super::trials;
 use crate::evaluation::{LookAhead, Truth, score};
-use crate::execution::fingerprint::Fingerprint;
-use crate::student::distillation;
 use crate::teacher;
+use crate::weights::Weights as _;
+use execution::fingerprint::Fingerprint;
+use presets::Aggregation;
+use presets::distillation;
 
 /// Name of the file that keeps the chosen mode in a run folder.
 const AGGREGATION: &str = "aggregation.json";
@@ -37,8 +38,8 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
     let weights = if context.has(distillation::NAME) {
         let lineage = config.student_lineage(distillation::NAME, folder)?;
         folder.weights_fingerprint(distillation::NAME, lineage)?
-    } else if context.has(teacher::training::NAME) {
-        folder.weights_fingerprint(teacher::training::NAME, config.teacher_lineage())?
+    } else if context.has(presets::teacher_training::NAME) {
+        folder.weights_fingerprint(presets::teacher_training::NAME, config.teacher_lineage())?
     } else {
         return Ok(LookAhead::AllRows);
     };

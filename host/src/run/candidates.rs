@@ -8,10 +8,10 @@ use shared::units::CleanSample;
 use super::context::RunContext;
 use super::error::StepError;
 use crate::evaluation::{Candidate, Trial};
-use crate::execution::parallel;
-use crate::execution::run_folder::RunError;
 use crate::inference::{integer_logits, student_logits, teacher_logits};
 use crate::student::model::Student;
+use execution::parallel;
+use execution::run_folder::RunError;
 
 /// The teacher's logits over all trials; `name` is that in tables.
 ///

@@ -9,13 +9,13 @@ use shared::stream::alignment::Template;
 use shared::stream::preprocess::Median;
 use shared::units::Sample;
 
-use super::preset::Preset;
-use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::labels::set_lag::Lag;
-use crate::dataset::split::Split;
-use crate::dataset::{DataSet, Recording};
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::run_folder::{RunError, RunFolder, write_whole};
+use execution::fingerprint::Fingerprint;
+use execution::run_folder::{RunError, RunFolder, write_whole};
+use presets::Preset;
+use recordings::labels::compensation::Compensation;
+use recordings::labels::set_lag::Lag;
+use recordings::split::Split;
+use recordings::{DataSet, Recording};
 
 /// Name of the resolved configuration in a run folder.
 pub const CONFIG: &str = "config.json";

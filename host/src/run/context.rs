@@ -8,14 +8,15 @@ use burn::tensor::Device;
 
 use super::config::ResolvedConfig;
 use super::lineage;
-use crate::dataset::Library;
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::run_folder::{RunError, RunFolder};
 use crate::student::model::Student;
 use crate::teacher;
 use crate::teacher::model::Teacher;
 use crate::training::fit::{CHECKPOINT_EVERY, Training};
+use crate::weights::Weights as _;
+use execution::fingerprint::Fingerprint;
+use execution::interrupt::Interrupt;
+use execution::run_folder::{RunError, RunFolder};
+use recordings::Library;
 
 /// A run: its folder, its configuration, its recordings and the device that it computes on.
 pub struct RunContext {
@@ -147,9 +148,9 @@ pub(crate) fn load_teacher(
     let preset = &config.preset;
     folder
         .load_model(
-            teacher::training::NAME,
+            presets::teacher_training::NAME,
             config.teacher_lineage(),
-            preset.teacher.init(preset.classes, device),
+            Teacher::new(&preset.teacher, preset.classes, device),
         )
         .map(|model| model.valid())
 }
@@ -170,7 +171,7 @@ pub(crate) fn load_student(
         .load_model(
             name,
             made_from,
-            preset.student.init(preset.classes, preset.other(), device),
+            Student::new(&preset.student, preset.classes, preset.other(), device),
         )
         .map(|model| model.valid())
 }

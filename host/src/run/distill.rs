@@ -7,13 +7,13 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::preflight::refuse_impossible;
 use super::soft_targets::soft_targets;
-use crate::dataset::corpus::Corpus;
-use crate::student::distillation::{self, MEMBERS};
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
 use crate::teacher;
 use crate::training::fit::fit;
+use presets::distillation::{self, MEMBERS};
+use recordings::corpus::Corpus;
 
 /// Trains the student, and before it the ensemble that it learns from, if there is one.
 ///
@@ -41,8 +41,8 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let config = context.config.distillation(name);
     refuse_impossible(&context.config.preset, &context.inference_device())?;
     if config.needs_teacher() {
-        if !context.has(teacher::training::NAME) {
-            let path = context.folder.weights_path(teacher::training::NAME);
+        if !context.has(presets::teacher_training::NAME) {
+            let path = context.folder.weights_path(presets::teacher_training::NAME);
             return Err(StepError::NoTeacher { path });
         }
         // A teacher of another run is refused before the streams are made.
@@ -84,9 +84,12 @@ fn student(
     let seed = context.config.student_seed(name);
     let made_from = context.config.student_lineage(name, &context.folder)?;
     context.device.seed(seed);
-    let model = preset
-        .student
-        .init(preset.classes, preset.other(), &context.device);
+    let model = Student::new(
+        &preset.student,
+        preset.classes,
+        preset.other(),
+        &context.device,
+    );
     let learner = StudentLearner::new(
         name,
         preset.student.span,

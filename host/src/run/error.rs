@@ -6,10 +6,10 @@ use shared::model::file::ModelError;
 use shared::stream::smoother::SettingsError;
 use thiserror::Error;
 
-use crate::dataset::split::SplitError;
 use crate::evaluation::EvaluationError;
-use crate::execution::run_folder::RunError;
 use crate::teacher::checkpoint::CheckpointError;
+use execution::run_folder::RunError;
+use recordings::split::SplitError;
 
 /// Why a step of a run cannot be done.
 #[derive(Debug, Error)]

@@ -12,15 +12,15 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
 use super::trials;
-use crate::dataset::{DataSet, Library};
 use crate::evaluation::{
     Candidate, Cued, EnergyDetector, Group, LookAhead, Measure, Score, Trial, Truth, constant,
     cued, score_all,
 };
-use crate::execution::progress;
-use crate::execution::run_folder::RunError;
-use crate::student::distillation;
 use crate::teacher;
+use execution::progress;
+use execution::run_folder::RunError;
+use presets::distillation;
+use recordings::{DataSet, Library};
 
 /// The teacher's name in tables.
 pub const TEACHER: &str = "teacher";
@@ -182,7 +182,7 @@ fn candidates(
     more: MoreCandidates<'_>,
 ) -> Result<Vec<Candidate>, StepError> {
     let mut candidates = Vec::new();
-    if context.has(teacher::training::NAME) {
+    if context.has(presets::teacher_training::NAME) {
         candidates.extend(if_own(teacher_candidate(context, TEACHER, trials))?);
     }
     candidates.extend(more(trials)?);

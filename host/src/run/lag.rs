@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::dataset::labels::lag::LabelLag;
-use crate::dataset::labels::set_lag::Lag;
-use crate::dataset::{DataSet, Recording, by_data_set};
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::Lag;
+use recordings::{DataSet, Recording, by_data_set};
 
 /// How the labels of each data set are compensated for their lag; a constant is estimated on training people.
 pub(super) fn lags(

@@ -11,18 +11,19 @@ use serde::Serialize;
 use shared::intent::Intent;
 
 use super::config::{CONFIG, Fold, ResolvedConfig};
-use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::split::Split;
-use crate::dataset::{DataSet, Library, Recording};
-use crate::execution::bounded_read;
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::run_folder::{RunError, RunFolder};
-use crate::run::preset::{DataSelection, Smoothing};
-use crate::student::distillation::{self, Distillation};
 use crate::student::model::StudentConfig;
 use crate::teacher;
 use crate::teacher::model::TeacherConfig;
-use crate::teacher::training::TeacherTraining;
+use crate::weights::Weights as _;
+use execution::bounded_read;
+use execution::fingerprint::Fingerprint;
+use execution::run_folder::{RunError, RunFolder};
+use presets::distillation::{self, Distillation};
+use presets::teacher_training::TeacherTraining;
+use presets::{DataSelection, Smoothing};
+use recordings::labels::compensation::Compensation;
+use recordings::split::Split;
+use recordings::{DataSet, Library, Recording};
 
 /// What decides the streams that models are trained and evaluated on.
 #[derive(Serialize)]
@@ -132,7 +133,7 @@ impl ResolvedConfig {
     /// # Errors
     /// When they are missing or not this run's.
     pub(super) fn teaching_weights(&self, run: &RunFolder) -> Result<Fingerprint, RunError> {
-        run.weights_fingerprint(teacher::training::NAME, self.teacher_lineage())
+        run.weights_fingerprint(presets::teacher_training::NAME, self.teacher_lineage())
     }
 
     /// What the teacher is made from.
@@ -235,7 +236,8 @@ pub(crate) fn start_weights(start: &Path) -> Result<Fingerprint, RunError> {
     if start.is_dir() {
         let folder = RunFolder::existing(start)?;
         let origin = ResolvedConfig::load(&folder)?;
-        return folder.weights_fingerprint(teacher::training::NAME, origin.teacher_lineage());
+        return folder
+            .weights_fingerprint(presets::teacher_training::NAME, origin.teacher_lineage());
     }
     let bytes = bounded_read::read(start, bounded_read::CHECKPOINT)
         .map_err(|source| RunError::io(start, source))?;

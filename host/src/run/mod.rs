@@ -12,7 +12,6 @@ pub(crate) mod lineage;
 pub mod model_evaluation;
 pub mod personalize;
 mod preflight;
-pub mod preset;
 pub mod quantize;
 pub mod resolve;
 mod soft_targets;

@@ -24,14 +24,14 @@ use super::candidates::integer_candidate;
 use super::error::StepError;
 use super::lag::lags;
 use super::trials::trial;
-use crate::dataset::labels::lag::LabelLag;
-use crate::dataset::labels::set_lag::Lag;
-use crate::dataset::losses::bridge_lost_notifications;
-use crate::dataset::split::circles;
-use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::{
     Candidate, Cued, EnergyDetector, LookAhead, Score, Trial, Truth, constant, cued, score,
 };
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::Lag;
+use recordings::losses::bridge_lost_notifications;
+use recordings::split::circles;
+use recordings::{DataSet, Library, Recording};
 
 /// Whom to evaluate on, and how they wear the armband.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

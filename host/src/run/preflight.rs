@@ -1,5 +1,6 @@
 //! What must be possible before hours of training.
 
+use crate::student::model::Student;
 use burn::tensor::Device;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::{Model, ProvenanceParts, SmootherDefaults};
@@ -7,8 +8,8 @@ use shared::stream::smoother::AggregationMode;
 use shared::units::{HOLD, LOOK_AHEAD};
 
 use super::error::StepError;
-use super::preset::Preset;
 use crate::student::quantization;
+use presets::Preset;
 
 /// Refuses a student that cannot become a model file, or that no board can run: one with random weights is written,
 /// read and loaded, by the code that will do so with the trained one.
@@ -16,7 +17,7 @@ use crate::student::quantization;
 /// # Errors
 /// [`StepError::Student`], [`StepError::Board`].
 pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), StepError> {
-    let student = preset.student.init(preset.classes, preset.other(), device);
+    let student = Student::new(&preset.student, preset.classes, preset.other(), device);
     let smoother = SmootherDefaults {
         aggregation: AggregationMode::AllRowsFrom,
         look_ahead: LOOK_AHEAD,

@@ -11,12 +11,12 @@ use super::aggregation::aggregation;
 use super::context::RunContext;
 use super::error::StepError;
 use crate::evaluation::LookAhead;
-use crate::execution::bounded_read;
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::run_folder::write_whole;
-use crate::student::distillation;
 use crate::student::model::Student;
 use crate::student::quantization;
+use execution::bounded_read;
+use execution::fingerprint::Fingerprint;
+use execution::run_folder::write_whole;
+use presets::distillation;
 
 /// Name of the model file in a run folder.
 pub const MODEL: &str = "student.intent";

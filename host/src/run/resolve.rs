@@ -11,14 +11,14 @@ use thiserror::Error;
 use super::config::{Fold, ResolvedConfig};
 use super::lag::lags;
 use super::lineage;
-use super::preset::Preset;
 use super::template;
-use crate::dataset::folds::{self, Protocol};
-use crate::dataset::split::{self, Assignment, Role, Split, SplitError, circles};
-use crate::dataset::{Library, Recording};
-use crate::execution::revision::revision;
-use crate::execution::run_folder::{RunError, RunFolder};
 use crate::teacher::checkpoint::{self, CheckpointError};
+use execution::revision::revision;
+use execution::run_folder::{RunError, RunFolder};
+use presets::Preset;
+use recordings::folds::{self, Protocol};
+use recordings::split::{self, Assignment, Role, Split, SplitError, circles};
+use recordings::{Library, Recording};
 
 /// A fold of a cross-validation, before the number of folds is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,7 +125,7 @@ impl ResolvedConfig {
     }
 
     /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of
-    /// these was found. A set that is not [trained on by default](crate::dataset::DataSet::trained_by_default) is used where the preset
+    /// these was found. A set that is not [trained on by default](recordings::DataSet::trained_by_default) is used where the preset
     /// names it, or somebody of it to hold out.
     ///
     /// # Errors

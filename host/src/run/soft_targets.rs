@@ -5,10 +5,10 @@ use shared::units::{CleanSample, PATCH};
 
 use super::context::RunContext;
 use super::error::StepError;
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::parallel;
-use crate::execution::run_folder::{Artefact, RunError};
 use crate::inference::teacher_logits;
+use execution::fingerprint::Fingerprint;
+use execution::parallel;
+use execution::run_folder::{Artefact, RunError};
 
 const FILE: &str = "soft-targets.bin";
 const LOGITS: &str = "logits";

@@ -6,11 +6,11 @@ use shared::intent::Intent;
 use shared::units::SAMPLE_RATE_HZ;
 
 use super::config::ResolvedConfig;
-use crate::dataset::corpus::{Corpus, Stream};
-use crate::dataset::folds;
-use crate::dataset::splice::{self, SpliceOptions};
-use crate::dataset::split::Role;
-use crate::dataset::{Library, Recording, by_data_set};
+use recordings::corpus::{Corpus, Stream};
+use recordings::folds;
+use recordings::splice::{self, SpliceOptions};
+use recordings::split::Role;
+use recordings::{Library, Recording, by_data_set};
 
 impl ResolvedConfig {
     /// The streams of the training subjects.

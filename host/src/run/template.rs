@@ -9,11 +9,11 @@ use shared::units::{CHANNELS, Sample};
 use super::config::ResolvedConfig;
 use super::error::StepError;
 use super::lag::lags;
-use crate::dataset::alignment::{FEWEST_PEOPLE, open_hand, template};
-use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::labels::lag::LabelLag;
-use crate::dataset::split::{Role, circles};
-use crate::dataset::{Library, Recording};
+use recordings::alignment::{FEWEST_PEOPLE, open_hand, template};
+use recordings::labels::compensation::Compensation;
+use recordings::labels::lag::LabelLag;
+use recordings::split::{Role, circles};
+use recordings::{Library, Recording};
 
 /// The numbers of the template of a run's training people; none if too few of them open the hand.
 pub(super) fn of_training_people(

@@ -6,10 +6,11 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::lineage;
 use super::preflight::refuse_impossible;
-use crate::execution::progress;
 use crate::teacher;
 use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
+use crate::weights::Weights as _;
+use execution::progress;
 
 /// Trains the teacher.
 ///
@@ -32,7 +33,7 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
     ));
     let made_from = context.config.teacher_lineage();
     context.device.seed(preset.seed);
-    let mut model = preset.teacher.init(preset.classes, &context.device);
+    let mut model = Teacher::new(&preset.teacher, preset.classes, &context.device);
     if let Some(start) = &context.config.start {
         if lineage::start_weights(start).ok() != context.config.start_weights {
             let start = start.clone();
@@ -43,7 +44,7 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
     if preset.teacher_training.epochs == 0 {
         context
             .folder
-            .save_model(teacher::training::NAME, made_from, &model)?;
+            .save_model(presets::teacher_training::NAME, made_from, &model)?;
         return Ok(());
     }
     let learner = TeacherLearner::new(
@@ -62,7 +63,11 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
 fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
         let (folder, origin) = RunContext::find(start)?;
-        return Ok(folder.load_model(teacher::training::NAME, origin.teacher_lineage(), model)?);
+        return Ok(folder.load_model(
+            presets::teacher_training::NAME,
+            origin.teacher_lineage(),
+            model,
+        )?);
     }
     Ok(teacher::checkpoint::load(start, model)?)
 }

@@ -5,10 +5,10 @@ use shared::stream::preprocess::{Median, clean};
 use shared::units::Sample;
 
 use super::config::ResolvedConfig;
-use crate::dataset::labels::compensation::Compensation;
-use crate::dataset::split::Role;
-use crate::dataset::{Library, Recording, by_data_set};
 use crate::evaluation::Trial;
+use recordings::labels::compensation::Compensation;
+use recordings::split::Role;
+use recordings::{Library, Recording, by_data_set};
 
 /// Held-out recordings as published.
 pub(super) fn published(config: &ResolvedConfig, library: &Library) -> Vec<Trial> {

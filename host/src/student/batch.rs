@@ -119,10 +119,10 @@ mod tests {
     use shared::model::LookBackLogits;
 
     use super::*;
-    use crate::dataset::corpus::{Corpus, Stream};
     use crate::student::sequence::sequences;
-    use crate::training::augmentation::Variation;
     use crate::training::tensor::read_back;
+    use presets::augmentation::Variation;
+    use recordings::corpus::{Corpus, Stream};
 
     const SHAPE: BatchShape = BatchShape {
         patches: 70,

@@ -18,7 +18,12 @@ pub(crate) fn dequantize(parts: &ModelParts, device: &Device) -> (Student, Stude
         companding: parts.companding,
         board: true,
     };
-    let mut student = config.init(dimensions.vocabulary.classes(), dimensions.other, device);
+    let mut student = Student::new(
+        &config,
+        dimensions.vocabulary.classes(),
+        dimensions.other,
+        device,
+    );
     set_linear(&mut student.embed, &parts.embed, device);
     for (layer, own) in student.layers.iter_mut().zip(&parts.layers) {
         set_norm(&mut layer.norm1, &own.norm1, device);

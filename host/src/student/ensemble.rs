@@ -42,8 +42,8 @@ mod tests {
     use burn::tensor::{Device, Distribution};
 
     use super::*;
-    use crate::run::preset::Preset;
     use crate::training::tensor::read_back;
+    use presets::Preset;
 
     #[test]
     fn the_ensemble_is_the_mean_of_its_members_probabilities() {
@@ -52,7 +52,7 @@ mod tests {
         let members: Vec<Student> = (0..3)
             .map(|seed| {
                 device.seed(seed);
-                config.init(3, true, &device).valid()
+                Student::new(&config, 3, true, &device).valid()
             })
             .collect();
         let emg = Tensor::<3>::random([2, 40, 80], Distribution::Uniform(0.0, 1.0), &device);

@@ -7,15 +7,15 @@ use shared::model::LookBackLogits;
 use shared::units::LOOK_BACK;
 
 use super::batch::{Batch, BatchShape};
-use super::distillation::Distillation;
 use super::ensemble::Ensemble;
 use super::model::Student;
 use super::sequence::{Excerpt, Sequence, sequences};
-use crate::dataset::corpus::Corpus;
-use crate::training::augmentation::Variation;
 use crate::training::learner::{Learner, SHARDS, WeightedMetric};
 use crate::training::loss::cross_entropy;
 use crate::training::tensor::read_back;
+use presets::augmentation::Variation;
+use presets::distillation::Distillation;
+use recordings::corpus::Corpus;
 
 /// Who sets a student's soft targets.
 pub enum Teaching<'a> {

@@ -1,9 +1,7 @@
 //! The student: the float twin of the device's encoder, its training by distillation, its quantization.
 
 mod batch;
-pub(crate) mod config;
 pub(crate) mod dequantization;
-pub mod distillation;
 pub mod ensemble;
 mod forward;
 #[cfg(feature = "flex")]

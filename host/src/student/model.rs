@@ -7,7 +7,7 @@ use burn::tensor::{Device, Tensor};
 use shared::model::dimensions::Companding;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-pub use super::config::StudentConfig;
+pub use presets::student::StudentConfig;
 
 /// Added to a variance before its root is taken.
 pub(super) const NORM_EPSILON: f64 = 1e-5;
@@ -17,38 +17,6 @@ pub(super) const GELU_SCALE: f32 = 1.702;
 
 /// Attention heads of every model file.
 pub(super) const HEADS: usize = 4;
-
-impl StudentConfig {
-    /// A model with random weights for `classes` intents and, with `other`, movement that is none of them.
-    #[must_use]
-    pub fn init(&self, classes: usize, other: bool, device: &Device) -> Student {
-        let d = self.d_model;
-        let norm = || {
-            LayerNormConfig::new(d)
-                .with_epsilon(NORM_EPSILON)
-                .init(device)
-        };
-        let layer = || StudentLayer {
-            norm1: norm(),
-            qkv: LinearConfig::new(d, 3 * d).init(device),
-            relative_bias: Initializer::Zeros.init([self.heads, self.span], device),
-            out: LinearConfig::new(d, d).init(device),
-            norm2: norm(),
-            ff1: LinearConfig::new(d, 2 * d).init(device),
-            ff2: LinearConfig::new(2 * d, d).init(device),
-            heads: self.heads,
-            span: self.span,
-        };
-        Student {
-            embed: LinearConfig::new(CHANNELS * PATCH, d).init(device),
-            layers: (0..self.layers).map(|_| layer()).collect(),
-            final_norm: norm(),
-            head: LinearConfig::new(d, LOOK_BACK * (classes + usize::from(other))).init(device),
-            other,
-            square_root: self.companding == Companding::SquareRoot,
-        }
-    }
-}
 
 /// The streaming encoder with its look-back head.
 #[derive(Module, Debug)]
@@ -64,6 +32,38 @@ pub struct Student {
     /// Whether the last logit of a row is movement outside the vocabulary.
     pub(crate) other: bool,
     pub(super) square_root: bool,
+}
+
+impl Student {
+    /// A model with random weights for `classes` intents and, with `other`, movement that is none of them.
+    #[must_use]
+    pub fn new(config: &StudentConfig, classes: usize, other: bool, device: &Device) -> Self {
+        let d = config.d_model;
+        let norm = || {
+            LayerNormConfig::new(d)
+                .with_epsilon(NORM_EPSILON)
+                .init(device)
+        };
+        let layer = || StudentLayer {
+            norm1: norm(),
+            qkv: LinearConfig::new(d, 3 * d).init(device),
+            relative_bias: Initializer::Zeros.init([config.heads, config.span], device),
+            out: LinearConfig::new(d, d).init(device),
+            norm2: norm(),
+            ff1: LinearConfig::new(d, 2 * d).init(device),
+            ff2: LinearConfig::new(2 * d, d).init(device),
+            heads: config.heads,
+            span: config.span,
+        };
+        Self {
+            embed: LinearConfig::new(CHANNELS * PATCH, d).init(device),
+            layers: (0..config.layers).map(|_| layer()).collect(),
+            final_norm: norm(),
+            head: LinearConfig::new(d, LOOK_BACK * (classes + usize::from(other))).init(device),
+            other,
+            square_root: config.companding == Companding::SquareRoot,
+        }
+    }
 }
 
 /// One pre-norm layer with local causal attention.

@@ -6,10 +6,10 @@ use shared::intent::Intent;
 use shared::model::LookBackLogits;
 use shared::units::{CHANNELS, PATCH, WINDOW_PATCHES};
 
-use super::distillation::Distillation;
-use crate::dataset::corpus::{Corpus, patch_labels};
-use crate::dataset::lead_in::padded;
-use crate::training::augmentation::Variation;
+use presets::augmentation::Variation;
+use presets::distillation::Distillation;
+use recordings::corpus::{Corpus, patch_labels};
+use recordings::lead_in::padded;
 
 /// A stream cut into patches, with a lead-in of one window in front.
 pub(super) struct Sequence {

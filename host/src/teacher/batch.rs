@@ -4,11 +4,11 @@ use burn::tensor::{Device, Int, Tensor, TensorData};
 use rand::RngExt;
 use shared::units::CHANNELS;
 
-use super::masking::Masks;
 use super::model::TeacherInput;
 use super::window::{Example, WindowShape, last_before_change};
-use crate::dataset::corpus::Corpus;
-use crate::training::augmentation::{Augmentation, Variation};
+use presets::augmentation::{Augmentation, Variation};
+use presets::masking::Masks;
+use recordings::corpus::Corpus;
 
 /// A batch of examples: the model's input and the targets of its outputs.
 #[derive(Debug)]
@@ -120,10 +120,10 @@ mod tests {
     use shared::intent::{Intent, Vocabulary};
 
     use super::*;
-    use crate::dataset::corpus::Stream;
-    use crate::teacher::masking::Task;
     use crate::teacher::window::examples;
     use crate::training::tensor::read_back;
+    use presets::masking::Task;
+    use recordings::corpus::Stream;
 
     #[test]
     fn windows_without_labels_are_trained_on_without_labels_alone() {

@@ -18,8 +18,8 @@ use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 
 use super::model::Teacher;
-use crate::execution::bounded_read;
-use crate::execution::run_folder::{RunError, write_whole};
+use execution::bounded_read;
+use execution::run_folder::{RunError, write_whole};
 
 mod error;
 

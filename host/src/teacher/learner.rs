@@ -7,16 +7,18 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::batch::Batch;
+use super::lora::adapt;
 use super::model::{Teacher, TeacherInput, TeacherOutput};
-use super::training::{ADAPTED, NAME, TeacherTraining};
 use super::window::{Example, WindowShape, examples};
-use crate::dataset::corpus::Corpus;
-use crate::execution::run_folder::RunError;
-use crate::training::augmentation::Variation;
 use crate::training::fit::{Training, fit};
 use crate::training::learner::{Learner, SHARDS, WeightedMetric};
 use crate::training::loss::cross_entropy;
 use crate::training::tensor::{best_class, read_back};
+use crate::weights::Weights as _;
+use execution::run_folder::RunError;
+use presets::augmentation::Variation;
+use presets::teacher_training::{ADAPTED, NAME, TeacherTraining};
+use recordings::corpus::Corpus;
 
 /// What a teacher is trained on and validated with.
 pub struct TeacherLearner<'a> {
@@ -67,7 +69,7 @@ impl<'a> TeacherLearner<'a> {
         let Some(lora) = self.config.lora else {
             return fit(self, model, config, training);
         };
-        let adapted = fit(self, lora.adapt(model), config, training)?;
+        let adapted = fit(self, adapt(lora, model), config, training)?;
         let merged = adapted.valid().materialize();
         training.run.save_model(NAME, training.made_from, &merged)?;
         Ok(merged)

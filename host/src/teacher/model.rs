@@ -11,63 +11,9 @@ use shared::model::dimensions::Companding;
 use shared::units::CHANNELS;
 
 use super::attention::attend;
-pub use super::config::TeacherConfig;
 use super::feed_forward::activate;
-use super::window::WindowShape;
 use crate::training::dropout::Dropout;
-
-impl TeacherConfig {
-    /// Samples of a window, and how they are grouped into tokens.
-    #[must_use]
-    pub const fn window_shape(&self) -> WindowShape {
-        WindowShape {
-            window: self.window,
-            patch: self.patch,
-        }
-    }
-
-    /// A model with random weights for `classes` intents, and MASK as one class more.
-    #[must_use]
-    pub fn init(&self, classes: usize, device: &Device) -> Teacher {
-        let d = self.d_model;
-        let small = Initializer::Normal {
-            mean: 0.0,
-            std: 0.02,
-        };
-        Teacher {
-            emg_embedding: LinearConfig::new(CHANNELS * self.patch, d).init(device),
-            emg_norm: LayerNormConfig::new(d).init(device),
-            emg_mask: small.init([d], device),
-            emg_modality: small.init([d], device),
-            intent_modality: small.init([d], device),
-            position: Param::from_tensor(sinusoids(self.window_shape().tokens(), d, device)),
-            intent_embedding: Initializer::Normal {
-                mean: 0.0,
-                std: 1.0,
-            }
-            .init([classes + 1, d], device),
-            layers: (0..self.layers).map(|_| self.layer(device)).collect(),
-            emg_head: LinearConfig::new(d, CHANNELS * self.patch).init(device),
-            intent_head: LinearConfig::new(d, (classes + 1) * self.patch).init(device),
-            square_root: self.companding == Companding::SquareRoot,
-        }
-    }
-
-    fn layer(&self, device: &Device) -> TeacherLayer {
-        let d = self.d_model;
-        TeacherLayer {
-            norm1: LayerNormConfig::new(d).init(device),
-            qkv: LinearConfig::new(d, 3 * d).init(device),
-            out: LinearConfig::new(d, d).init(device),
-            norm2: LayerNormConfig::new(d).init(device),
-            linear1: LinearConfig::new(d, self.feed_forward).init(device),
-            linear2: LinearConfig::new(self.feed_forward, d).init(device),
-            dropout: self.dropout,
-            attention_dropout: self.attention_dropout,
-            heads: self.heads,
-        }
-    }
-}
+pub use presets::teacher::{TeacherConfig, WindowShape};
 
 /// Initial values of the learned positional encoding: sinusoids of many wavelengths. With random values, a short
 /// training does not learn which EMG token belongs to which intent token.
@@ -115,6 +61,54 @@ pub(super) struct TeacherLayer {
     dropout: f64,
     attention_dropout: f64,
     heads: usize,
+}
+
+impl Teacher {
+    /// A model with random weights for `classes` intents, and MASK as one class more.
+    #[must_use]
+    pub fn new(config: &TeacherConfig, classes: usize, device: &Device) -> Self {
+        let d = config.d_model;
+        let small = Initializer::Normal {
+            mean: 0.0,
+            std: 0.02,
+        };
+        Self {
+            emg_embedding: LinearConfig::new(CHANNELS * config.patch, d).init(device),
+            emg_norm: LayerNormConfig::new(d).init(device),
+            emg_mask: small.init([d], device),
+            emg_modality: small.init([d], device),
+            intent_modality: small.init([d], device),
+            position: Param::from_tensor(sinusoids(config.window_shape().tokens(), d, device)),
+            intent_embedding: Initializer::Normal {
+                mean: 0.0,
+                std: 1.0,
+            }
+            .init([classes + 1, d], device),
+            layers: (0..config.layers)
+                .map(|_| TeacherLayer::new(config, device))
+                .collect(),
+            emg_head: LinearConfig::new(d, CHANNELS * config.patch).init(device),
+            intent_head: LinearConfig::new(d, (classes + 1) * config.patch).init(device),
+            square_root: config.companding == Companding::SquareRoot,
+        }
+    }
+}
+
+impl TeacherLayer {
+    fn new(config: &TeacherConfig, device: &Device) -> Self {
+        let d = config.d_model;
+        Self {
+            norm1: LayerNormConfig::new(d).init(device),
+            qkv: LinearConfig::new(d, 3 * d).init(device),
+            out: LinearConfig::new(d, d).init(device),
+            norm2: LayerNormConfig::new(d).init(device),
+            linear1: LinearConfig::new(d, config.feed_forward).init(device),
+            linear2: LinearConfig::new(config.feed_forward, d).init(device),
+            dropout: config.dropout,
+            attention_dropout: config.attention_dropout,
+            heads: config.heads,
+        }
+    }
 }
 
 /// A teacher's input: a batch of `b` windows in tokens of `patch` samples.

@@ -2,25 +2,9 @@
 
 use shared::intent::Intent;
 
-use super::masking::Task;
-use crate::dataset::corpus::Corpus;
-
-/// Samples of a window, and how they are grouped into tokens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WindowShape {
-    /// Samples of a window, a multiple of the patch; 600 in the paper.
-    pub window: usize,
-    /// Samples of a token; 1 in the paper.
-    pub patch: usize,
-}
-
-impl WindowShape {
-    /// Tokens of one modality.
-    #[must_use]
-    pub const fn tokens(self) -> usize {
-        self.window / self.patch
-    }
-}
+use presets::masking::Task;
+pub use presets::teacher::WindowShape;
+use recordings::corpus::Corpus;
 
 /// Position of a window in a corpus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,10 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::epoch::{Start, Taken};
 use super::metrics::{EpochMetrics, KeptMeans, RunningMeans};
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::run_folder::{
-    Artefact, RunError, RunFolder, load_model_bytes, model_bytes, write_whole,
-};
+use crate::weights::{load_model_bytes, model_bytes};
+use execution::fingerprint::Fingerprint;
+use execution::run_folder::{Artefact, RunError, RunFolder, write_whole};
 
 const MODEL: &str = "model";
 const OPTIMIZER: &str = "optimizer";

@@ -6,10 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use super::learner::{Learner, WeightedMetric};
 use super::metrics::RunningMeans;
 use super::optimizer::gradients;
-use super::schedule::LearningRate;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
-use crate::execution::run_folder::RunError;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::RunError;
+use presets::schedule::LearningRate;
 
 /// One epoch of a training.
 pub(super) struct Epoch<'a> {

@@ -7,17 +7,18 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::checkpoint::{Checkpoint, Progress, Snapshot, Store, Within};
-pub use super::config::TrainConfig;
 use super::ema::Ema;
 use super::epoch::{Epoch, Taken, Trained, finite};
 use super::learner::{Learner, WeightedMetric};
 use super::metrics::{EpochMetrics, RunningMeans, recorded};
 use super::optimizer::optimizer;
-use super::schedule::LearningRate;
-use crate::execution::fingerprint::Fingerprint;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
-use crate::execution::run_folder::{RunError, RunFolder, load_model_bytes, model_bytes};
+use crate::weights::{Weights as _, load_model_bytes, model_bytes};
+use execution::fingerprint::Fingerprint;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::{RunError, RunFolder};
+use presets::schedule::LearningRate;
+pub use presets::training::TrainConfig;
 
 /// How much of a long epoch an interruption may lose.
 pub const CHECKPOINT_EVERY: Duration = Duration::from_mins(5);

@@ -1,9 +1,7 @@
 //! What the training of teacher, student and baselines shares: the loop, the learning-rate schedule,
 //! weight averaging, the loss, dropout, augmentation.
 
-pub mod augmentation;
 mod checkpoint;
-pub(crate) mod config;
 pub mod dropout;
 mod ema;
 mod epoch;
@@ -14,6 +12,5 @@ pub mod learner;
 pub mod loss;
 pub(crate) mod metrics;
 pub mod optimizer;
-pub mod schedule;
 pub mod tensor;
 pub(crate) mod tune;

@@ -7,9 +7,9 @@ use super::epoch::{Epoch, Start};
 use super::fit::TrainConfig;
 use super::learner::Learner;
 use super::optimizer::optimizer;
-use super::schedule::LearningRate;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::run_folder::RunError;
+use execution::interrupt::Interrupt;
+use execution::run_folder::RunError;
+use presets::schedule::LearningRate;
 
 /// The model after the steps of one epoch; none if the user interrupts. `report` is told how many steps are taken.
 ///

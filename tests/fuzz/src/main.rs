@@ -9,52 +9,13 @@
 //! | [`input`] | reads an input's bytes as numbers and choices |
 //! | [`radio`] | a session with an armband, and what must hold of its actions |
 //! | [`seeds`] | the first inputs, made by the project's own writers: `MYOINTENT_FUZZ_SEEDS=DIR` writes them |
-//! | `dataset`, `execution`, `statistics` | sources of the host's readers, without what trains networks |
-//! | `run`, `student`, `teacher`, `training` | sources of the host's presets, likewise |
 #![no_main]
 #![forbid(unsafe_code)]
 
-mod dataset;
-mod execution;
 mod input;
-#[path = "../../../host/src/run/preset/promises.rs"]
-mod promises;
 mod radio;
-#[allow(
-    dead_code,
-    unused_imports,
-    missing_docs,
-    reason = "the sources of another crate"
-)]
-#[path = "../../../host/src/run"]
-mod run {
-    pub mod preset;
-}
 mod seeds;
-#[allow(dead_code, reason = "readers need one function of it")]
-#[path = "../../../host/src/statistics.rs"]
-mod statistics;
-#[allow(dead_code, missing_docs, reason = "the sources of another crate")]
-#[path = "../../../host/src/student"]
-mod student {
-    pub mod config;
-    pub mod distillation;
-}
 mod targets;
-#[allow(dead_code, missing_docs, reason = "the sources of another crate")]
-#[path = "../../../host/src/teacher"]
-mod teacher {
-    pub mod config;
-    pub mod masking;
-    pub mod training;
-}
-#[allow(dead_code, missing_docs, reason = "the sources of another crate")]
-#[path = "../../../host/src/training"]
-mod training {
-    pub mod augmentation;
-    pub mod config;
-    pub mod schedule;
-}
 
 use std::sync::LazyLock;
 

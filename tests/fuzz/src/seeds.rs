@@ -20,10 +20,10 @@ use shared::uart_line::gate::GateCommand;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::SampleIndex;
 
-use crate::dataset::mat_fixture::{compressed, doubles, file, variable};
-use crate::dataset::readers::npy::encode;
+pub use recordings::readers::mat::fixture::{compressed, doubles, file, variable};
+use recordings::readers::npy::encode;
 use crate::radio::{CONTROL, address, advertisement};
-use crate::run::preset::BUILT_IN;
+use presets::BUILT_IN;
 use crate::targets::recording::{PAIRS, PATHS};
 
 /// Rows of a recording.

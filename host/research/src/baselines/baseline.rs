@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
-use myointent::execution::run_folder::weights_file;
+use execution::run_folder::weights_file;
 
 /// One of the paper's baselines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]

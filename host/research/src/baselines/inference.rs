@@ -10,15 +10,16 @@ use super::features::FeatureExtraction;
 use super::lda::Lda;
 use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, Network, TraHgrConfig};
 use super::windows::PaddedStream;
+use execution::fingerprint::Fingerprint;
+use execution::parallel;
+use execution::run_folder::{RunError, RunFolder};
 use myointent::evaluation::Candidate;
 use myointent::evaluation::Trial;
-use myointent::execution::fingerprint::Fingerprint;
-use myointent::execution::parallel;
-use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::context::RunContext;
 use myointent::run::evaluate::if_own;
 use myointent::training::dropout::Dropout;
 use myointent::training::tensor::read_back;
+use myointent::weights::Weights as _;
 
 /// Windows that are predicted at once.
 const BATCH: usize = 256;

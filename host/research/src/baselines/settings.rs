@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use myointent::execution::bounded_read;
-use myointent::run::preset::{BUILT_IN, Preset, PresetError};
+use execution::bounded_read;
+use presets::{BUILT_IN, Preset, PresetError};
 
 /// Names and texts of the research presets: preset `cpu` with settings for the baselines; the paper's teacher at what two
 /// cores can do.

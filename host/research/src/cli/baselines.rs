@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::RunFolder;
 use myointent::cli::arguments::{BackendArguments, DataArguments, open_run};
-use myointent::execution::interrupt::Interrupt;
-use myointent::execution::progress;
-use myointent::execution::run_folder::RunFolder;
 use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
-use myointent::run::preset::Preset;
+use presets::Preset;
 
 use crate::baselines::Baseline;
 use crate::baselines::settings::find_preset;

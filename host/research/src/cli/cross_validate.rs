@@ -9,9 +9,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
+use execution::interrupt::Interrupt;
+use execution::progress;
 use myointent::cli::arguments::{BackendArguments, DataArguments, warn_of_test_people};
-use myointent::execution::interrupt::Interrupt;
-use myointent::execution::progress;
 use myointent::run::resolve::{ConfigError, test_people};
 
 use self::contenders::{Compared, contenders, presets};

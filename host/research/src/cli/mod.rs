@@ -9,8 +9,8 @@ mod shell;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use execution::progress;
 use myointent::cli::is_broken_pipe;
-use myointent::execution::progress;
 
 use crate::baselines::settings::SettingsError;
 use crate::baselines::training::TrainingError;
@@ -99,7 +99,7 @@ fn is_interrupt(error: &anyhow::Error) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use myointent::execution::run_folder::RunError;
+    use execution::run_folder::RunError;
     use myointent::run::StepError;
 
     use super::*;

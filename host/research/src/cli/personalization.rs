@@ -6,13 +6,13 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
+use execution::interrupt::Interrupt;
+use execution::run_folder::{RunFolder, write_whole};
 use myointent::cli::arguments::BackendArguments;
-use myointent::dataset::split::circles::is_test;
-use myointent::dataset::{Library, LoadOptions, load};
-use myointent::execution::interrupt::Interrupt;
-use myointent::execution::run_folder::{RunFolder, write_whole};
 use myointent::run::personalize::TuningSettings;
 use myointent::run::quantize::MODEL;
+use recordings::split::circles::is_test;
+use recordings::{Library, LoadOptions, load};
 use shared::model::file::Model;
 
 use crate::personalization::{Measured, Measurement, curve, people, rule};

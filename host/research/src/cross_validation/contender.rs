@@ -3,7 +3,7 @@
 use clap::ValueEnum as _;
 
 use myointent::evaluation::{CONSTANT, ENERGY};
-use myointent::run::preset::Preset;
+use presets::Preset;
 
 use super::teacher::PaperTeacher;
 use crate::baselines::Baseline;

@@ -7,22 +7,22 @@ use std::sync::Arc;
 use burn::tensor::Device;
 use shared::model::LookBackLogits;
 
-use myointent::dataset::Library;
-use myointent::dataset::folds::Protocol;
-use myointent::dataset::split::Role;
-use myointent::dataset::split::circles::is_test;
+use execution::fingerprint::Fingerprint;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::{RunFolder, weights_file};
 use myointent::evaluation::{ALL, Candidate, LookAhead, Trial, Truth, score};
-use myointent::execution::fingerprint::Fingerprint;
-use myointent::execution::interrupt::Interrupt;
-use myointent::execution::progress;
-use myointent::execution::run_folder::{RunFolder, weights_file};
 use myointent::run::StepError;
 use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use myointent::run::model_evaluation::trials_of;
-use myointent::run::preset::EntryMargins;
 use myointent::run::resolve::{FoldChoice, fold_people, test_people};
 use myointent::teacher;
+use presets::EntryMargins;
+use recordings::Library;
+use recordings::folds::Protocol;
+use recordings::split::Role;
+use recordings::split::circles::is_test;
 
 use super::contender::{Contender, Kind};
 use super::gate::Gate;
@@ -172,7 +172,10 @@ impl CrossValidation<'_> {
                 contender,
                 fold: job.fold,
             });
-            if !path.join(weights_file(teacher::training::NAME)).exists() {
+            if !path
+                .join(weights_file(presets::teacher_training::NAME))
+                .exists()
+            {
                 let only = start.name();
                 return Err(JobError::NoStart { path, only });
             }

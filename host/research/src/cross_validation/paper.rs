@@ -4,7 +4,7 @@ use myointent::evaluation::metric::offset;
 use myointent::evaluation::{Group, LookAhead, Measure};
 use myointent::report::Table;
 use myointent::report::cell;
-use myointent::statistics::MeanSd;
+use recordings::statistics::MeanSd;
 
 use super::merged::{Merged, Section};
 use super::teacher::{PaperTeacher, TARGET};

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use myointent::evaluation::{Difference, Group, LookAhead, Measure};
 use myointent::report::Table;
 use myointent::report::cell;
-use myointent::statistics::{Interval, MeanSd};
+use recordings::statistics::{Interval, MeanSd};
 
 use super::merged::{Merged, Section};
 
@@ -232,8 +232,8 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use myointent::dataset::DataSet;
     use myointent::evaluation::{CONSTANT, Trial, Truth, constant, score};
+    use recordings::DataSet;
     use shared::intent::{Intent, Vocabulary};
 
     use super::*;

@@ -1,8 +1,8 @@
 //! The teachers of the paper's tables: that of a preset, with other windows, and with other recordings to learn from.
 
-use myointent::dataset::{DataSet, Library};
 use myointent::run::config::ResolvedConfig;
-use myointent::run::preset::Preset;
+use presets::Preset;
+use recordings::{DataSet, Library};
 
 /// The data set that pre-training on all others is judged by.
 pub(crate) const TARGET: DataSet = DataSet::Roshambo;

@@ -4,16 +4,16 @@ use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
 use shared::model::file::Model;
 
-use myointent::dataset::Library;
+use execution::fingerprint::Fingerprint;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::{RunError, RunFolder};
 use myointent::evaluation::{Measure, Score};
-use myointent::execution::fingerprint::Fingerprint;
-use myointent::execution::interrupt::Interrupt;
-use myointent::execution::progress;
-use myointent::execution::run_folder::{RunError, RunFolder};
 use myointent::run::personalize::{
     ABOVE_CONSTANT, Part, Person, PersonalizeError, TuningSettings, exchange, judge,
     judge_constant, tune, worse,
 };
+use recordings::Library;
 
 /// Measures that are kept, in this order.
 pub(crate) const MEASURES: [Measure; 5] = [

@@ -20,7 +20,7 @@ use self::words::{Bound, Counted, Identified, Placed, why};
 use crate::board::{self, Board, BoardError, ModelFile};
 use crate::cli::arguments::mirrored;
 use crate::cli::read_model;
-use crate::execution::progress;
+use execution::progress;
 
 /// An alignment or a pairing takes 30 s at most.
 const PATIENCE: Duration = Duration::from_secs(35);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::bail;
 
-use crate::dataset::npy;
+use recordings::npy;
 
 /// How a matrix is written.
 #[derive(Clone, Copy)]
@@ -30,7 +30,7 @@ impl Format {
 }
 
 /// Numbers row by row, with the names of their columns.
-pub(super) struct Matrix {
+pub struct Matrix {
     /// At least one name, without commas.
     pub columns: Vec<String>,
     /// A multiple of the columns.
@@ -62,7 +62,7 @@ impl Matrix {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::npy::Values;
+    use recordings::npy::Values;
 
     #[test]
     fn both_formats_hold_every_value() {

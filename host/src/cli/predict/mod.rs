@@ -17,16 +17,16 @@ use super::arguments::BackendArguments;
 use super::replay::one_recording;
 use crate::cli::output::{first_line, refuse_unlike};
 use crate::cli::read_model;
-use crate::dataset::npy::{self, Values};
 use crate::evaluation::smooth;
-use crate::execution::run_folder::{RunFolder, write_whole};
 use crate::inference::{input, integer_logits, student_logits, teacher_logits};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::{RunContext, load_student, load_teacher};
-use crate::student::distillation;
 use crate::teacher::model::TeacherInput;
-use crate::training::augmentation::Variation;
 use crate::training::tensor::read_back;
+use execution::run_folder::{RunFolder, write_whole};
+use presets::augmentation::Variation;
+use presets::distillation;
+use recordings::npy::{self, Values};
 
 /// A checkpoint of a run folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

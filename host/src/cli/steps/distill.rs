@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::arguments::{BackendArguments, open_run};
 use crate::run::context::RunContext;
 use crate::run::distill;
-use crate::student::distillation;
+use presets::distillation;
 
 /// Arguments of `distill`.
 #[derive(Debug, Args)]

@@ -8,12 +8,12 @@ use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, open_run, warn_of_test_people};
 use crate::cli::evaluate_models;
-use crate::dataset::split::circles::is_test;
 use crate::report::labels::labels;
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
 use crate::run::quantize::ModelFile;
+use recordings::split::circles::is_test;
 
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]

@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
-use crate::execution::run_folder::RunFolder;
 use crate::report::run_report::{self, REPORT};
 use crate::report::scores::{summary, tables};
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
 use crate::run::distill::distill;
 use crate::run::evaluate::{INTEGER, Results, evaluate, no_more};
-use crate::run::preset::Preset;
 use crate::run::quantize::{MODEL, ModelFile, quantize};
 use crate::run::train::train;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::RunFolder;
+use presets::Preset;
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]

@@ -6,17 +6,17 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
-use crate::dataset::Library;
-use crate::dataset::folds::Protocol;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
-use crate::execution::run_folder::RunFolder;
 use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
-use crate::run::preset::Preset;
 use crate::run::resolve::FoldChoice;
 use crate::run::train;
 use crate::teacher;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::RunFolder;
+use presets::Preset;
+use recordings::Library;
+use recordings::folds::Protocol;
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]
@@ -81,7 +81,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ));
     log_labels(&context.config);
     train::train(&context)?;
-    let weights = context.folder.weights_path(teacher::training::NAME);
+    let weights = context.folder.weights_path(presets::teacher_training::NAME);
     writeln!(std::io::stdout(), "{}", weights.display())?;
     Ok(())
 }

@@ -6,7 +6,7 @@
 
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::statistics::{MeanSd, median};
+use recordings::statistics::{MeanSd, median};
 
 /// Offsets of many transitions together, in ms.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]

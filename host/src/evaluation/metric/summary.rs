@@ -13,7 +13,7 @@ use super::offset::{self, OffsetSummary};
 use super::raw_accuracy::raw_accuracy;
 use super::transition::{Rule, TransitionScore};
 use super::{MetricError, transition};
-use crate::statistics::MeanSd;
+use recordings::statistics::MeanSd;
 
 /// The scores of one recording.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]

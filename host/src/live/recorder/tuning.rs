@@ -5,13 +5,13 @@ use std::sync::mpsc;
 
 use super::Running;
 use super::told::{free, install};
-use crate::dataset::{LoadOptions, load};
 use crate::evaluation::Measure;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::run_folder::write_whole;
 use crate::live::event::Event;
 use crate::live::outcome::{Row, Tuning};
 use crate::run::personalize::{Personalized, TuningSettings, personalize};
+use execution::interrupt::Interrupt;
+use execution::run_folder::write_whole;
+use recordings::{LoadOptions, load};
 
 /// Measures that are shown; all of them decide.
 const SHOWN: [(Measure, &str); 4] = [

@@ -7,13 +7,13 @@ use shared::intent::Intent;
 
 use super::told::told;
 use super::{RecordOptions, Running, Unkept};
-use crate::execution::progress;
-use crate::execution::run_folder::utc;
 use crate::live::event::Event;
 use crate::record::journal::{ENDING, Entry, Flushed, Header, Journal, WriteError};
 use crate::record::keep;
 use crate::record::protocol::Course;
 use crate::record::session::{Action, Held, Input, Output};
+use execution::progress;
+use execution::run_folder::utc;
 
 impl Running {
     /// A new journal; false if there is none, which viewers are told.

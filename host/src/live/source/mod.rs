@@ -20,8 +20,8 @@ use self::board::Board;
 use self::recorded::{Played, Recorded};
 use super::SHIPPED;
 use super::hub::Hub;
-use crate::dataset::synthetic::{self, Follower, SynthOptions};
-use crate::dataset::{DataSet, Recording};
+use recordings::synthetic::{self, Follower, SynthOptions};
+use recordings::{DataSet, Recording};
 
 /// Where the stream comes from.
 #[derive(Clone, PartialEq, Debug)]

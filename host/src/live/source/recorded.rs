@@ -11,8 +11,8 @@ use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
 use super::scored::Scored;
 use super::{Asked, Context};
-use crate::dataset::synthetic::Follower;
 use crate::live::event::Event;
+use recordings::synthetic::Follower;
 
 /// Samples of a notification of the armband.
 const TOGETHER: usize = 2;

@@ -2,12 +2,12 @@ use shared::intent::Intent;
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::*;
-use crate::dataset::DataSet;
-use crate::dataset::synthetic::Follower;
 use crate::record::journal::{Entry, Header, Journal, read};
 use crate::record::protocol::Protocol;
 use crate::record::session::{Action, Input, Output, Session};
 use crate::record::{Recorded, recorded};
+use recordings::DataSet;
+use recordings::synthetic::Follower;
 
 const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";

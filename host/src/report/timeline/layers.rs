@@ -9,10 +9,10 @@ use shared::units::{CHANNELS, CleanSample, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
 use super::Timeline;
 use super::axis::{AXIS, Axis, BAND, DELAY, HEAD, LEFT, RIGHT, STRIP, WIDTH};
-use crate::dataset::runs;
 use crate::report::canvas::{
     Area, Drawn, GRID, INK, MUTED, SCALE, TRACE, intent_colour, nice_step, text,
 };
+use recordings::runs;
 
 /// Recording and legend.
 pub(super) fn head(area: &Area<'_>, timeline: &Timeline) -> Drawn {

@@ -10,7 +10,7 @@ use shared::units::{CleanSample, SAMPLE_RATE_HZ};
 
 use self::axis::{Axis, EMITTED, HEIGHT, TRUTH, WIDTH};
 use super::{ReportError, canvas};
-use crate::dataset::runs;
+use recordings::runs;
 
 /// One recording with its labels; the three sequences run sample by sample.
 #[derive(Clone, Debug, Default, PartialEq)]

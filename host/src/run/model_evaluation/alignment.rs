@@ -14,11 +14,11 @@ use shared::uart_line::line::Line;
 use shared::units::{CHANNELS, Sample};
 
 use super::named_model::NamedModel;
-use crate::dataset::alignment::{Openings, openings};
 use crate::evaluation::{Candidate, Trial};
 use crate::inference::integer_logits;
 use crate::inference::stream::{feed, pipeline};
 use crate::run::error::StepError;
+use recordings::alignment::{Openings, openings};
 
 /// What is added to the name of a model that is evaluated after alignment.
 pub const ALIGNED: &str = ", aligned";

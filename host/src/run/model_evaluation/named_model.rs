@@ -6,10 +6,10 @@ use shared::intent::Vocabulary;
 use shared::model::file::Model;
 
 use crate::evaluation::{Candidate, Trial};
-use crate::execution::bounded_read;
 use crate::run::candidates::integer_candidate;
 use crate::run::error::StepError;
 use crate::run::quantize::MODEL;
+use execution::bounded_read;
 
 /// A model file under evaluation, with its name in tables.
 #[derive(Clone, Debug)]

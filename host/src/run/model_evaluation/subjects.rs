@@ -5,9 +5,9 @@ use shared::model::file::Model;
 
 use super::Selection;
 use super::named_model::NamedModel;
-use crate::dataset::split::{circles, expand};
-use crate::dataset::{Recording, folds};
 use crate::run::error::StepError;
+use recordings::split::{circles, expand};
+use recordings::{Recording, folds};
 
 /// A subject in the results.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -83,7 +83,7 @@ pub(super) fn subjects(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::DataSet;
+    use recordings::DataSet;
 
     /// Whom a selection evaluates of two people of roshambo, of whom 06 is a test person, and the test people left out.
     fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {

@@ -4,8 +4,8 @@ use shared::model::file::ModelError;
 use thiserror::Error;
 
 use crate::evaluation::EvaluationError;
-use crate::execution::run_folder::RunError;
 use crate::run::StepError;
+use execution::run_folder::RunError;
 
 /// Why a model cannot be tuned on a person's recordings.
 #[derive(Debug, Error)]

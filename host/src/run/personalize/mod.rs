@@ -22,10 +22,10 @@ pub use self::person::Person;
 use self::rule::is_constant;
 pub use self::rule::{ABOVE_CONSTANT, Worse, worse};
 pub use self::tuning::{TuningSettings, tune};
-use crate::dataset::Library;
 use crate::evaluation::Score;
-use crate::execution::interrupt::Interrupt;
-use crate::execution::progress;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use recordings::Library;
 
 /// What is said of a model that does not understand the person before it is tuned.
 const CONSTANT_BEFORE: &str = "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels";

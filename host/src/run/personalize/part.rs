@@ -8,8 +8,8 @@ use shared::units::{SAMPLE_RATE_HZ, WINDOW};
 
 use super::error::PersonalizeError;
 use super::person::Person;
-use crate::dataset::{Movement, Recording, runs};
 use crate::evaluation::Trial;
+use recordings::{Movement, Recording, runs};
 
 /// Share that is held back: one over this.
 const HELD_BACK: usize = 3;

@@ -5,12 +5,12 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
-use crate::dataset::labels::lag::LabelLag;
-use crate::dataset::labels::set_lag::Lag;
-use crate::dataset::split::circles;
-use crate::dataset::{DataSet, Library, Recording};
 use crate::evaluation::Trial;
 use crate::run::trials::trial;
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::Lag;
+use recordings::split::circles;
+use recordings::{DataSet, Library, Recording};
 
 /// One recording, in both forms that are needed.
 pub(super) struct Own {

@@ -8,8 +8,8 @@ use shared::model::file::{Model, ModelParts};
 use shared::units::WINDOW;
 
 use super::*;
-use crate::dataset::synthetic::{self, SynthOptions};
-use crate::dataset::{DataSet, Recording};
+use recordings::synthetic::{self, SynthOptions};
+use recordings::{DataSet, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);
 const O: Option<Intent> = Some(Intent::Open);

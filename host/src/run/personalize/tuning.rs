@@ -8,17 +8,17 @@ use shared::units::SAMPLE_RATE_HZ;
 
 use super::error::PersonalizeError;
 use super::part::Part;
-use crate::dataset::corpus::{Corpus, Stream};
-use crate::dataset::splice::{SpliceOptions, splice};
-use crate::execution::interrupt::Interrupt;
-use crate::execution::revision::revision;
 use crate::inference::student_logits;
 use crate::student::dequantization::dequantize;
-use crate::student::distillation::Distillation;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::quantization::quantize;
-use crate::training::augmentation::Augmentation;
 use crate::training::tune;
+use execution::interrupt::Interrupt;
+use execution::revision::revision;
+use presets::augmentation::Augmentation;
+use presets::distillation::Distillation;
+use recordings::corpus::{Corpus, Stream};
+use recordings::splice::{SpliceOptions, splice};
 
 /// Name of the training in its progress bar and errors.
 const NAME: &str = "personalize";

@@ -1,10 +1,12 @@
+use crate::teacher::model::Teacher;
+use crate::weights::Weights as _;
 use std::path::PathBuf;
 
 use shared::intent::Intent;
 use shared::stream::alignment::{Alignment, Profile};
 
 use super::*;
-use crate::dataset::DataSet;
+use recordings::DataSet;
 
 /// People 1, 2, 3... of a data set, one labelled recording each.
 fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
@@ -18,7 +20,7 @@ fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
             labels: vec![Some(Intent::Relax); 20],
             other_movement: Vec::new(),
             notes: Vec::new(),
-            timing: crate::dataset::Timing::Cues,
+            timing: recordings::Timing::Cues,
             findings: Vec::new(),
             wearer: shared::stream::normalizer::Normalizer::new(),
         })
@@ -52,9 +54,9 @@ fn run_folder(config: &ResolvedConfig) -> tempfile::TempDir {
     let run = RunFolder::open(folder.path()).unwrap();
     config.save(&run).unwrap();
     let device = burn::tensor::Device::default();
-    let teacher = config.preset.teacher.init(config.preset.classes, &device);
+    let teacher = Teacher::new(&config.preset.teacher, config.preset.classes, &device);
     run.save_model(
-        crate::teacher::training::NAME,
+        presets::teacher_training::NAME,
         config.teacher_lineage(),
         &teacher,
     )
@@ -91,10 +93,7 @@ fn an_exported_teacher_remembers_whom_it_saw() {
     let config = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("teacher.safetensors");
-    let teacher = config
-        .preset
-        .teacher
-        .init(3, &burn::tensor::Device::default());
+    let teacher = Teacher::new(&config.preset.teacher, 3, &burn::tensor::Device::default());
     checkpoint::save(&file, &teacher, &config.subjects_seen()).unwrap();
     let mut other = resolve(&["react-emg/p2"], &["react-emg/p3"]).unwrap();
     let error = other.start_from(&file).unwrap_err().to_string();

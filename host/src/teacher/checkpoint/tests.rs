@@ -24,7 +24,7 @@ fn config() -> TeacherConfig {
 }
 
 fn teacher(config: &TeacherConfig) -> Teacher {
-    config.init(CLASSES, &Device::default())
+    Teacher::new(config, CLASSES, &Device::default())
 }
 
 /// A checkpoint of [`config`] whose tensors `change` has edited.
@@ -111,7 +111,7 @@ fn unknown_tensors_are_named() {
 #[test]
 fn another_number_of_classes_is_reported_with_both_shapes() {
     let (_folder, path) = changed(|_| {});
-    let six = config().init(6, &Device::default());
+    let six = Teacher::new(&config(), 6, &Device::default());
     let Err(CheckpointError::Shape {
         name,
         expected,

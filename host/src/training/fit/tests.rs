@@ -6,10 +6,10 @@ use burn::nn::{Initializer, Linear, LinearConfig};
 use burn::tensor::{Device, Tensor, TensorData};
 
 use super::*;
-use crate::execution::run_folder::kill;
 use crate::training::learner::WeightedMetric;
-use crate::training::schedule::LrSchedule;
 use crate::training::tensor::read_back;
+use execution::run_folder::kill;
+use presets::schedule::LrSchedule;
 
 /// Learns `y = 2 x`. Its validation loss is lowest at `y = x`, so the best epoch is in the middle.
 struct Line {

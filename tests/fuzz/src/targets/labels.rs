@@ -1,6 +1,6 @@
 //! Files of labels, true and predicted: csv, text and npy.
 
-use crate::dataset::readers::label_file::{Purpose, parse};
+use recordings::readers::label_file::{Purpose, parse};
 
 /// A file.
 pub fn run(data: &[u8]) {

@@ -1,7 +1,7 @@
 //! MATLAB files: any bytes behind a right head, and any variables, compressed or not.
 
-use crate::dataset::mat_fixture::{compressed, file, packed, variable};
-use crate::dataset::readers::mat::parse;
+pub use recordings::readers::mat::fixture::{compressed, file, packed, variable};
+use recordings::readers::mat::parse;
 use crate::input::Input;
 
 /// Bytes of a stored block: small, so that a variable has several.

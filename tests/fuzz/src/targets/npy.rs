@@ -1,6 +1,6 @@
 //! Arrays of numpy: any bytes, and any header in front of any elements.
 
-use crate::dataset::readers::npy::{Values, encode, parse};
+use recordings::readers::npy::{Values, encode, parse};
 use crate::input::Input;
 
 /// Element types that are read, and some that are not.

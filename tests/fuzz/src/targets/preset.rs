@@ -1,8 +1,8 @@
 //! Presets: what is accepted can be trained with, and is the same after it was written and read again.
 
 use crate::input::Input;
-use crate::promises::check;
-use crate::run::preset::{BUILT_IN, Preset};
+use presets::promises::check;
+use presets::{BUILT_IN, Preset};
 
 /// Values that no preset has, and some of which another key has.
 const VALUES: [&str; 32] = [

@@ -14,7 +14,7 @@ use super::time_domain::{
 };
 use crate::baselines::Baseline;
 use crate::baselines::windows::{FrameLayout, WindowSamples};
-use myointent::execution::fingerprint::Fingerprint;
+use execution::fingerprint::Fingerprint;
 
 /// Orders of TraHGR's low-pass filters.
 pub(crate) const FILTER_ORDERS: [usize; 3] = [1, 3, 5];

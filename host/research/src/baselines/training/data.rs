@@ -6,7 +6,7 @@ use super::{Setup, TrainingError};
 use crate::baselines::Baseline;
 use crate::baselines::features::FeatureExtraction;
 use crate::baselines::windows::{Window, WindowedCorpus};
-use myointent::execution::progress;
+use execution::progress;
 
 /// A baseline's feature extraction with its training and validation windows.
 pub(super) struct TrainingData {

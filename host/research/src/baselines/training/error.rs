@@ -1,6 +1,6 @@
 //! Why a baseline cannot be trained.
 
-use myointent::execution::run_folder::RunError;
+use execution::run_folder::RunError;
 use thiserror::Error;
 
 use crate::baselines::lda::LdaError;

@@ -15,8 +15,8 @@ use crate::baselines::windows::Window;
 use myointent::training::dropout::Dropout;
 use myointent::training::fit::{TrainConfig, Training};
 use myointent::training::learner::{Learner, SHARDS, WeightedMetric};
-use myointent::training::schedule::LrSchedule;
 use myointent::training::tensor::read_back;
+use presets::schedule::LrSchedule;
 
 /// Trains a network and saves the weights of the lowest validation loss.
 pub(super) fn fit<N: Network>(

@@ -13,11 +13,11 @@ use super::features::FeatureExtraction;
 use super::lda::Lda;
 use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, TraHgrConfig};
 use super::settings::BaselineSettings;
-use myointent::dataset::corpus::Corpus;
-use myointent::execution::progress;
+use execution::progress;
 use myointent::run::context::RunContext;
 use myointent::training::fit::Training;
 use myointent::training::tensor::best_class;
+use recordings::corpus::Corpus;
 
 pub(crate) use error::TrainingError;
 

@@ -3,13 +3,13 @@
 use super::*;
 use crate::baselines::inference::TrainedBaseline;
 use crate::baselines::networks::lock_random_weights;
-use myointent::dataset::corpus::Stream;
-use myointent::execution::fingerprint::Fingerprint;
-use myointent::execution::interrupt::Interrupt;
-use myointent::execution::run_folder::RunFolder;
+use execution::fingerprint::Fingerprint;
+use execution::interrupt::Interrupt;
+use execution::run_folder::RunFolder;
 use myointent::training::fit::CHECKPOINT_EVERY;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use recordings::corpus::Stream;
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{PATCH, Sample};
 

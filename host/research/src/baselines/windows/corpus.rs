@@ -4,8 +4,8 @@ use shared::intent::Intent;
 use shared::units::{CleanSample, Sample};
 
 use super::frame_layout::FrameLayout;
-use myointent::dataset::corpus::Corpus;
-use myointent::dataset::lead_in::lead_in;
+use recordings::corpus::Corpus;
+use recordings::lead_in::lead_in;
 
 /// Samples in front of a stream. A multiple of the lead-in's patch, so that the newest 600 are those
 /// that every other model gets, and enough for ED-TCN's 625.
@@ -116,8 +116,8 @@ impl WindowedCorpus {
 mod tests {
     use super::*;
     use crate::baselines::Baseline;
-    use myointent::dataset::corpus::Stream;
-    use myointent::dataset::lead_in::padded;
+    use recordings::corpus::Stream;
+    use recordings::lead_in::padded;
     use shared::intent::Vocabulary;
 
     fn corpus() -> Corpus {

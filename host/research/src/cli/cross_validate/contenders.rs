@@ -1,7 +1,7 @@
 //! What a cross-validation compares, from its arguments.
 
 use anyhow::bail;
-use myointent::run::preset::Preset;
+use presets::Preset;
 
 use super::Arguments;
 use crate::baselines::Baseline;

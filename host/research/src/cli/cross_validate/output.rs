@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use execution::run_folder::write_whole;
 use myointent::evaluation::LookAhead;
-use myointent::execution::run_folder::write_whole;
 use myointent::report::Table;
 
 use crate::cross_validation::{

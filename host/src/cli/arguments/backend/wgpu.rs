@@ -8,7 +8,7 @@ use burn::tensor::wgpu::{WgpuInitError, wgpu};
 use burn::tensor::{Device, DeviceKind};
 
 use super::BackendError;
-use crate::execution::progress;
+use execution::progress;
 
 /// The device of the adapter that wgpu prefers, or that `CUBECL_WGPU_DEFAULT_DEVICE` names; logs which.
 ///

@@ -13,9 +13,9 @@ pub mod summary;
 use shared::intent::Intent;
 
 use super::MetricError;
-use crate::dataset::movement::{Movement, MovementKind, mask};
 use activation::Rate;
 use gesture::{Gesture, Verdict};
+use recordings::movement::{Movement, MovementKind, mask};
 
 /// Durations of the event metrics, in samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::RecordingEvents;
 use super::activation::Rate;
 use super::latency::{self, LatencySummary};
-use crate::statistics::MeanSd;
+use recordings::statistics::MeanSd;
 
 /// Movements outside the vocabulary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]

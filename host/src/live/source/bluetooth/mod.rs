@@ -28,8 +28,8 @@ use shared::units::{Millis, Sample, SampleIndex};
 use self::radio::{Heard, Radio};
 use super::Context;
 use super::scored::Scored;
-use crate::execution::revision::revision;
 use crate::live::event::Event as Told;
+use execution::revision::revision;
 
 /// Between two ticks of the session, as on a board.
 const TICK: Duration = Duration::from_millis(50);

@@ -157,15 +157,13 @@ fn follow(hub: &Hub) -> Receiver<Value> {
 }
 
 fn recording() -> Vec<Sample> {
-    let options = crate::dataset::synthetic::SynthOptions {
+    let options = recordings::synthetic::SynthOptions {
         subjects: 1,
         recordings: 1,
         seconds: 12,
         ..Default::default()
     };
-    crate::dataset::synthetic::generate(&options)
-        .remove(0)
-        .samples
+    recordings::synthetic::generate(&options).remove(0).samples
 }
 
 /// Instants and labels of the device's pipeline.

@@ -1,0 +1,138 @@
+//! Reading whole files, with a bound on what is read.
+//!
+//! A named pipe waits for a writer and `/dev/zero` never ends: only regular files are opened, and a file that is
+//! larger than anything sensible is refused before memory is filled with it.
+
+use std::fs::{self, File, FileType};
+use std::io::{self, ErrorKind, Read as _};
+use std::path::Path;
+
+use super::file_kind::FileKind;
+
+const MIB: u64 = 1 << 20;
+
+/// Most bytes of a file of recordings: 23 hours of the armband at one byte a value.
+pub const RECORDING: u64 = 128 * MIB;
+/// Most bytes of a model file: many times what a board's flash holds.
+const MODEL: u64 = 16 * MIB;
+/// Most bytes of a checkpoint to start from: two thousand times the paper's teacher.
+pub const CHECKPOINT: u64 = 1024 * MIB;
+/// Most bytes of a preset.
+pub const PRESET: u64 = MIB;
+
+/// Why a file is not read.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub(crate) enum Refusal {
+    /// A folder, a device or a pipe.
+    #[error("expected a regular file, found {0}")]
+    Kind(&'static str),
+    /// Another file than a model.
+    #[error("expected a model file (.intent), found {0}")]
+    NoModel(FileKind),
+    /// Larger than the bound.
+    #[error("expected at most {} MiB, found more: give a smaller file", most / MIB)]
+    Large {
+        /// The bound.
+        most: u64,
+    },
+}
+
+/// Reads a regular file of at most `most` bytes.
+///
+/// # Errors
+/// As [`fs::read`], and with a [`Refusal`] inside for what is no regular file, or larger.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    // Before it is opened, because opening a pipe waits.
+    regular(fs::metadata(path)?.file_type())?;
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    regular(metadata.file_type())?;
+    let large = || io::Error::new(ErrorKind::FileTooLarge, Refusal::Large { most });
+    if metadata.len() > most {
+        return Err(large());
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
+    // Again, because a file may grow, and those of /proc have no length.
+    file.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(large());
+    }
+    Ok(bytes)
+}
+
+/// Reads a regular file of at most `most` bytes of UTF-8.
+///
+/// # Errors
+/// As [`fs::read_to_string`], and with the reason inside for what is no regular file, or larger.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    let invalid = |error| io::Error::new(ErrorKind::InvalidData, error);
+    String::from_utf8(read(path, most)?).map_err(invalid)
+}
+
+/// Reads a model file, which is refused by its kind if its first bytes are those of another.
+///
+/// # Errors
+/// As [`read`], and with [`Refusal::NoModel`] inside.
+pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
+    let bytes = read(path, MODEL)?;
+    match FileKind::of(&bytes) {
+        FileKind::Model => Ok(bytes),
+        other => Err(io::Error::new(
+            ErrorKind::InvalidData,
+            Refusal::NoModel(other),
+        )),
+    }
+}
+
+/// Refuses folders, devices, pipes and sockets.
+///
+/// # Errors
+/// With [`Refusal::Kind`] inside.
+pub fn regular(kind: FileType) -> io::Result<()> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    let what = if kind.is_dir() {
+        "a folder"
+    } else {
+        "a device, pipe or socket"
+    };
+    Err(io::Error::new(ErrorKind::InvalidInput, Refusal::Kind(what)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(error: &io::Error) -> Option<&Refusal> {
+        error.get_ref()?.downcast_ref()
+    }
+
+    #[test]
+    fn a_file_is_read_up_to_the_bound_and_refused_beyond() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, [7; 100]).unwrap();
+        assert_eq!(read(&path, 100).unwrap(), [7; 100]);
+        let error = read(&path, 99).unwrap_err();
+        assert_eq!(refusal(&error), Some(&Refusal::Large { most: 99 }));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn folders_and_devices_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [folder.path(), Path::new("/dev/zero")] {
+            let error = read(path, 100).unwrap_err();
+            assert!(matches!(refusal(&error), Some(Refusal::Kind(_))), "{error}");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_without_a_length_is_bounded_too() {
+        let path = Path::new("/proc/self/maps");
+        assert!(read(path, RECORDING).unwrap().len() > 10);
+        assert!(refusal(&read(path, 10).unwrap_err()).is_some());
+    }
+}

@@ -1,0 +1,49 @@
+//! Progress on standard error: bars and log lines.
+
+use std::io::{self, Write as _};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A progress bar of `length` steps, hidden when standard error is no terminal.
+///
+/// # Panics
+/// Never: its template is a constant.
+#[must_use]
+pub fn bar(length: usize, what: &str) -> ProgressBar {
+    let bar =
+        ProgressBar::with_draw_target(Some(length as u64), ProgressDrawTarget::stderr_with_hz(4));
+    bar.set_style(
+        ProgressStyle::with_template("{prefix:24} [{bar:32}] {pos}/{len} {elapsed}<{eta} {msg}")
+            .expect("a template of known fields")
+            .progress_chars("=> "),
+    );
+    bar.set_prefix(what.to_owned());
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
+}
+
+/// A progress bar of bytes, of which there may be an unknown number; hidden when standard error is no terminal.
+///
+/// # Panics
+/// Never: its templates are constants.
+#[must_use]
+pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(4));
+    let template = match length {
+        Some(_) => "{prefix:24} [{bar:32}] {bytes}/{total_bytes} {bytes_per_sec} {eta}",
+        None => "{prefix:24} {bytes} {bytes_per_sec} {elapsed}",
+    };
+    bar.set_style(
+        ProgressStyle::with_template(template)
+            .expect("a template of known fields")
+            .progress_chars("=> "),
+    );
+    bar.set_prefix(what.to_owned());
+    bar
+}
+
+/// Writes a line to the log. A log that nobody reads any more is no failure.
+pub fn log(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}

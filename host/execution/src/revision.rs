@@ -1,0 +1,19 @@
+//! Which source the program was built from.
+
+use std::sync::OnceLock;
+
+static REVISION: OnceLock<Option<&'static str>> = OnceLock::new();
+
+/// Declares the Git revision of the program's source, for the files that it writes. The program knows it, not this crate:
+/// a new commit compiles one crate anew.
+pub fn declare(revision: Option<&'static str>) {
+    // A second declaration is of the same program.
+    let _ = REVISION.set(revision.filter(|revision| !revision.is_empty()));
+}
+
+/// Git revision of the source that this program was compiled from, `-dirty` at its end if that had changes; none if it
+/// was compiled outside its repository.
+#[must_use]
+pub fn revision() -> Option<&'static str> {
+    *REVISION.get()?
+}

@@ -1,0 +1,183 @@
+//! A binary file of a run: one or more parts behind a header that says what they were made from.
+//!
+//! Two lines of text, then the parts, one after the other:
+//!
+//! ```text
+//! myointent artefact 1
+//! {"made_from":"…","checksum":"…","about":…,"parts":[["weights",193848]]}
+//! ```
+
+use std::fs;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{RunError, RunFolder, write_whole};
+use crate::fingerprint::Fingerprint;
+
+const MAGIC: &[u8] = b"myointent artefact 1\n";
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Header {
+    made_from: Fingerprint,
+    /// Of all parts.
+    checksum: Fingerprint,
+    about: serde_json::Value,
+    /// Name and length in bytes.
+    parts: Vec<(String, usize)>,
+}
+
+/// The content of a binary file of a run.
+#[derive(Debug)]
+pub struct Artefact {
+    /// What it was made from.
+    pub made_from: Fingerprint,
+    /// What else is known of it, as JSON.
+    about: serde_json::Value,
+    parts: Vec<(String, Vec<u8>)>,
+}
+
+impl Artefact {
+    /// One without parts.
+    ///
+    /// # Errors
+    /// When `about` cannot be written as JSON.
+    pub fn new(made_from: Fingerprint, about: &impl Serialize) -> Result<Self, serde_json::Error> {
+        Ok(Self {
+            made_from,
+            about: serde_json::to_value(about)?,
+            parts: Vec::new(),
+        })
+    }
+
+    /// Adds a part.
+    pub fn with(mut self, name: &str, bytes: Vec<u8>) -> Self {
+        self.parts.push((name.to_owned(), bytes));
+        self
+    }
+
+    /// What is known of it.
+    ///
+    /// # Errors
+    /// When it is of another shape.
+    pub fn about<T: DeserializeOwned>(&self) -> Result<T, String> {
+        T::deserialize(&self.about).map_err(|error| error.to_string())
+    }
+
+    /// Takes a part out.
+    ///
+    /// # Errors
+    /// When there is none of this name.
+    pub fn take(&mut self, name: &str) -> Result<Vec<u8>, String> {
+        let at = self.parts.iter().position(|(known, _)| known == name);
+        let at = at.ok_or_else(|| format!("it has no part {name}"))?;
+        Ok(self.parts.swap_remove(at).1)
+    }
+
+    /// Bytes of the file: magic, a line of JSON, the parts.
+    ///
+    /// # Errors
+    /// When the header cannot be written as JSON.
+    pub fn encode(&self) -> Result<Vec<u8>, serde_json::Error> {
+        let content: Vec<u8> = self
+            .parts
+            .iter()
+            .flat_map(|(_, part)| part)
+            .copied()
+            .collect();
+        let parts = self.parts.iter();
+        let header = Header {
+            made_from: self.made_from,
+            checksum: Fingerprint::of_bytes(&content),
+            about: self.about.clone(),
+            parts: parts
+                .map(|(name, part)| (name.clone(), part.len()))
+                .collect(),
+        };
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(serde_json::to_vec(&header)?);
+        bytes.push(b'\n');
+        bytes.extend(content);
+        Ok(bytes)
+    }
+
+    /// Reads the bytes of a file.
+    ///
+    /// # Errors
+    /// What is wrong with them: another format, a part cut off, another checksum.
+    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
+        let end = text.iter().position(|&byte| byte == b'\n');
+        let (header, content) = text.split_at(end.ok_or("its header is cut off")?);
+        let header: Header = serde_json::from_slice(header).map_err(|error| error.to_string())?;
+        let mut rest = &content[1..];
+        if Fingerprint::of_bytes(rest) != header.checksum {
+            return Err("its checksum is wrong".to_owned());
+        }
+        let mut parts = Vec::new();
+        for (name, length) in header.parts {
+            let (part, behind) = rest.split_at_checked(length).ok_or("it is cut off")?;
+            parts.push((name, part.to_vec()));
+            rest = behind;
+        }
+        Ok(Self {
+            made_from: header.made_from,
+            about: header.about,
+            parts,
+        })
+    }
+}
+
+impl RunFolder {
+    /// Writes a binary file.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save_artefact(&self, path: &Path, artefact: &Artefact) -> Result<(), RunError> {
+        let bytes = artefact
+            .encode()
+            .map_err(|error| RunError::content(path, error))?;
+        write_whole(path, &bytes)
+    }
+
+    /// Reads a binary file, whatever it was made from.
+    ///
+    /// # Errors
+    /// When the file is missing or damaged.
+    pub fn load_artefact(&self, path: &Path) -> Result<Artefact, RunError> {
+        let bytes = fs::read(path).map_err(|source| RunError::io(path, source))?;
+        Artefact::decode(&bytes).map_err(|reason| RunError::content(path, reason))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_and_damage_is_refused() {
+        let made_from = Fingerprint::of_bytes(b"a");
+        let artefact = Artefact::new(made_from, &vec![0.1, 2.0]).unwrap();
+        let bytes = artefact
+            .with("one", vec![1, 10, 3])
+            .with("two", Vec::new())
+            .encode()
+            .unwrap();
+        let mut read = Artefact::decode(&bytes).unwrap();
+        assert_eq!(read.made_from, made_from);
+        assert_eq!(read.about::<Vec<f64>>().unwrap(), [0.1, 2.0]);
+        assert_eq!(read.take("one").unwrap(), [1, 10, 3]);
+        assert!(read.take("two").unwrap().is_empty());
+        assert!(read.take("one").is_err());
+        for length in 0..bytes.len() {
+            assert!(
+                Artefact::decode(&bytes[..length]).is_err(),
+                "{length} bytes"
+            );
+        }
+        let mut damaged = bytes;
+        *damaged.last_mut().unwrap() ^= 1;
+        assert!(Artefact::decode(&damaged).is_err());
+    }
+}

@@ -1,0 +1,98 @@
+//! JSON files of a run.
+
+use std::fs::{self, File};
+use std::io::BufReader;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{RunError, RunFolder, write_whole};
+use crate::fingerprint::Fingerprint;
+use crate::revision::revision;
+
+/// A JSON file of a run: its content, what that was made from, and by which revision of the program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stamped<T> {
+    /// Fingerprint of what the content was made from.
+    pub made_from: Fingerprint,
+    /// Source revision of the program that wrote it, if known.
+    #[serde(default)]
+    pub revision: Option<String>,
+    /// The content.
+    #[serde(flatten)]
+    pub content: T,
+}
+
+impl RunFolder {
+    /// Lines of a metrics file; none if there is no such file.
+    ///
+    /// # Errors
+    /// When a line has unexpected content.
+    pub fn lines<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunError> {
+        let path = self.file(name);
+        let Ok(text) = fs::read_to_string(&path) else {
+            return Ok(Vec::new());
+        };
+        text.lines()
+            .map(|line| serde_json::from_str(line).map_err(|error| RunError::content(&path, error)))
+            .collect()
+    }
+
+    /// Writes a JSON file.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save_json(&self, name: &str, value: &impl Serialize) -> Result<(), RunError> {
+        let path = self.file(name);
+        let json =
+            serde_json::to_string_pretty(value).map_err(|error| RunError::content(&path, error))?;
+        write_whole(&path, json.as_bytes())
+    }
+
+    /// Reads a JSON file.
+    ///
+    /// # Errors
+    /// When the file is missing or has unexpected content.
+    pub fn load_json<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
+        let path = self.file(name);
+        let file = File::open(&path).map_err(|source| RunError::io(&path, source))?;
+        serde_json::from_reader(BufReader::new(file))
+            .map_err(|error| RunError::content(&path, error))
+    }
+
+    /// Writes a JSON file that says what it was made from.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save_stamped(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+        content: &impl Serialize,
+    ) -> Result<(), RunError> {
+        let stamped = Stamped {
+            made_from,
+            revision: revision().map(str::to_owned),
+            content,
+        };
+        self.save_json(name, &stamped)
+    }
+
+    /// Reads a JSON file that was made from this.
+    ///
+    /// # Errors
+    /// [`RunError::NotOfThisRun`] if it was made from something else; when it is missing or has unexpected content.
+    pub fn load_stamped<T: DeserializeOwned>(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+    ) -> Result<Stamped<T>, RunError> {
+        let stamped: Stamped<T> = self.load_json(name)?;
+        if stamped.made_from == made_from {
+            Ok(stamped)
+        } else {
+            let path = self.file(name);
+            Err(RunError::NotOfThisRun { path })
+        }
+    }
+}

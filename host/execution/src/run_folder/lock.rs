@@ -1,0 +1,151 @@
+//! One process at a time writes into a run folder.
+//!
+//! The lock is the operating system's, on a file: it ends with the process, however that ends. The file stays, and
+//! says who held the lock last.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read as _, Seek as _, Write as _};
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::RunError;
+
+/// Name of the lock's file in a run folder.
+const LOCK: &str = "run.lock";
+/// Most bytes that are read of another process's entry, and written of this one's.
+const LONGEST: usize = 400;
+
+/// Held as long as it lives.
+#[derive(Debug)]
+pub(super) struct Lock(File);
+
+impl Lock {
+    /// Locks a folder.
+    ///
+    /// # Errors
+    /// [`RunError::Locked`] if another process has it.
+    pub(super) fn of(folder: &Path) -> Result<Self, RunError> {
+        let path = folder.join(LOCK);
+        let io = |source| RunError::Io {
+            path: path.clone(),
+            source,
+        };
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(io)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut entry = Vec::new();
+                // Without its text the lock holds all the same.
+                let _ = file.take(LONGEST as u64).read_to_end(&mut entry);
+                let holder = String::from_utf8_lossy(&entry).trim().to_owned();
+                return Err(RunError::Locked {
+                    path: folder.to_owned(),
+                    holder,
+                });
+            }
+            // Some network file systems have no locks; a run there is as safe as its user is careful.
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) => return Err(io(error)),
+        }
+        describe(&mut file).map_err(io)?;
+        Ok(Self(file))
+    }
+}
+
+impl Drop for Lock {
+    /// Closing the file is not enough: a process that is being started in another thread has a copy of it for a moment.
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
+}
+
+/// Writes who holds the lock.
+fn describe(file: &mut File) -> io::Result<()> {
+    let command: Vec<String> = std::env::args().collect();
+    let mut entry = format!(
+        "process {} on {}, since {}: {}",
+        std::process::id(),
+        host(),
+        utc(SystemTime::now()),
+        command.join(" ")
+    );
+    while entry.len() >= LONGEST {
+        entry.pop();
+    }
+    entry.push('\n');
+    file.set_len(0)?;
+    file.rewind()?;
+    file.write_all(entry.as_bytes())
+}
+
+/// The machine's name, which matters where several share a file system.
+fn host() -> String {
+    let known = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    known
+        .or_else(|| std::env::var("COMPUTERNAME").ok())
+        .or_else(|| std::env::var("HOSTNAME").ok())
+        .map(|name| name.trim().to_owned())
+        .filter(|name| !name.is_empty())
+        .unwrap_or_else(|| "this machine".to_owned())
+}
+
+/// A time as `2026-11-22T11:03:23Z`.
+pub fn utc(time: SystemTime) -> String {
+    let seconds = time
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs());
+    let (mut days, second) = (seconds / 86_400, seconds % 86_400);
+    let is_leap = |year: u64| {
+        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
+    };
+    let mut year = 1970;
+    while days >= 365 + u64::from(is_leap(year)) {
+        days -= 365 + u64::from(is_leap(year));
+        year += 1;
+    }
+    let february = 28 + u64::from(is_leap(year));
+    let mut month = 1;
+    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
+        if days < length {
+            break;
+        }
+        days -= length;
+        month += 1;
+    }
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    let day = days + 1;
+    format!("{year}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn the_second_holder_is_told_of_the_first_until_it_is_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Lock::of(folder.path()).unwrap();
+        let refused = Lock::of(folder.path()).unwrap_err().to_string();
+        let pid = format!("process {} on ", std::process::id());
+        assert!(refused.contains(&pid), "{refused}");
+        assert!(refused.contains(", since 20"), "{refused}");
+        drop(first);
+        Lock::of(folder.path()).unwrap();
+    }
+
+    #[test]
+    fn times_are_utc() {
+        let at = |seconds| utc(UNIX_EPOCH + Duration::from_secs(seconds));
+        assert_eq!(at(0), "1970-01-01T00:00:00Z");
+        assert_eq!(at(951_827_696), "2000-02-29T12:34:56Z");
+        assert_eq!(at(1_798_761_599), "2026-12-31T23:59:59Z");
+    }
+}

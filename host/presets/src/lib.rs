@@ -1,0 +1,263 @@
+//! Presets: the settings of a whole run, from recordings to a model file, as TOML.
+
+#![deny(missing_docs)]
+
+pub mod augmentation;
+mod check;
+#[cfg(test)]
+mod damage;
+pub mod distillation;
+pub mod masking;
+mod memory;
+#[cfg(any(test, feature = "testing"))]
+pub mod promises;
+pub mod schedule;
+mod source;
+pub mod student;
+pub mod teacher;
+pub mod teacher_training;
+pub mod training;
+
+use serde::{Deserialize, Serialize};
+use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
+use shared::stream::preprocess::{Median, Preprocessing};
+
+use crate::distillation::Distillation;
+use crate::schedule::LrSchedule;
+use crate::student::StudentConfig;
+use crate::teacher::{LoraConfig, TeacherConfig};
+use crate::teacher_training::TeacherTraining;
+use recordings::DataSet;
+pub use recordings::labels::lag::LabelLag;
+use recordings::movement::OtherMovement;
+
+pub use source::{BUILT_IN, PresetError};
+
+/// The settings of a whole run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preset {
+    /// Name in reports.
+    pub name: String,
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// Number of intents: 3, 5 or 6.
+    pub classes: usize,
+    /// Recordings to use, and subjects to hold out.
+    pub data: DataSelection,
+    /// The teacher's dimensions.
+    pub teacher: TeacherConfig,
+    /// How the teacher is trained.
+    pub teacher_training: TeacherTraining,
+    /// How a trained teacher is fine-tuned on other recordings.
+    pub fine_tuning: FineTuning,
+    /// The student's dimensions.
+    pub student: StudentConfig,
+    /// How the student is trained.
+    pub distillation: Distillation,
+    /// How the model file's labels are smoothed.
+    #[serde(default, skip_serializing_if = "Smoothing::is_default")]
+    pub smoother: Smoothing,
+}
+
+/// What a model file says of the smoother; look-ahead and hold are the paper's.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Smoothing {
+    /// Which rows are summed; none: what follows more transitions of the validation subjects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aggregation: Option<Aggregation>,
+    /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)).
+    #[serde(default)]
+    pub entry_margins: EntryMargins,
+    /// Margin over movement outside the vocabulary, of a student that knows it
+    /// ([`Settings::other_margin`](shared::stream::smoother::Settings::other_margin)); 0 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_margin: Option<f32>,
+}
+
+/// The confidence gate of a preset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum EntryMargins {
+    /// The same for every class but relax, which has none.
+    Same(f32),
+    /// Class after class, from relax on; 0 for classes beyond the end.
+    ByClass(Vec<f32>),
+}
+
+impl Default for EntryMargins {
+    fn default() -> Self {
+        Self::Same(0.0)
+    }
+}
+
+impl EntryMargins {
+    /// The margin of each class.
+    #[must_use]
+    pub fn of_classes(&self) -> [f32; MAX_CLASSES] {
+        std::array::from_fn(|class| match self {
+            Self::Same(_) if class == Intent::Relax.class() => 0.0,
+            Self::Same(margin) => *margin,
+            Self::ByClass(margins) => margins.get(class).copied().unwrap_or(0.0),
+        })
+    }
+}
+
+/// Which rows the smoother sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Aggregation {
+    /// All rows from the instant on.
+    AllRows,
+    /// The row of the instant alone.
+    SameInstant,
+}
+
+impl Smoothing {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Settings of fine-tuning; all others are those of the teacher's training.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FineTuning {
+    /// Passes over all examples; 0 uses the teacher without fine-tuning.
+    pub epochs: usize,
+    /// Learning rate, constant.
+    pub learning_rate: f64,
+    /// Rank and scale of LoRA adapters, for a run that uses them.
+    pub lora: LoraConfig,
+    /// Learning rate of LoRA adapters, constant.
+    pub lora_learning_rate: f64,
+}
+
+/// Recordings to use, and subjects to hold out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataSelection {
+    /// Data sets to use, if recordings of any of them are found; all if empty.
+    pub data_sets: Vec<DataSet>,
+    /// Held-out subjects, for evaluation alone, as `data-set/subject`, or whole data sets. Where a set has none, the
+    /// committed circles of people (`host/people.toml`) say who is held out.
+    pub held_out: Vec<String>,
+    /// Fraction of a data set's subjects that is held out at random, where neither says who.
+    pub held_out_share: f64,
+    /// Validation subjects, which select the checkpoint, as [`held_out`](Self::held_out).
+    pub validation: Vec<String>,
+    /// Fraction of a data set's subjects that validates, drawn at random, where neither says who.
+    pub validation_share: f64,
+    /// How labels are compensated for their lag.
+    pub label_lag: LabelLag,
+    /// Whether electrodes are rotated to the common orientation in data sets whose armband is worn rotated.
+    pub align_electrodes: bool,
+    /// Whether samples are normalized to the wearer ([`Normalizer`](shared::stream::normalizer::Normalizer)): teacher and
+    /// students are trained with it, and the model file says so.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub normalize: bool,
+    /// The filter over time before rectification, of teacher and students; the model file says which.
+    #[serde(default, skip_serializing_if = "is_paper")]
+    pub median: Median,
+    /// Seconds of spliced recordings per subject and data set: gestures in random order, of random duration.
+    pub spliced_seconds: f64,
+    /// Balance between data sets: the seconds are multiplied by the ratio of the largest set's number of subjects to
+    /// that of the set, to this power. 0: the same for every subject; 1: the same for every data set.
+    #[serde(default)]
+    pub balance: f64,
+    /// What movement outside the vocabulary is in training.
+    #[serde(default, skip_serializing_if = "OtherMovement::is_unknown")]
+    pub other_movement: OtherMovement,
+    /// Whether recordings are also used as published.
+    pub as_published: bool,
+    /// Maximum number of training subjects per data set; 0: all.
+    pub most_subjects: usize,
+}
+
+fn is_paper(median: &Median) -> bool {
+    *median == Median::Three
+}
+
+impl Preset {
+    /// The preset of a run that starts from a trained teacher.
+    #[must_use]
+    pub fn fine_tuned(mut self, with_lora: bool) -> Self {
+        let tuning = self.fine_tuning;
+        self.teacher_training = TeacherTraining {
+            epochs: tuning.epochs,
+            learning_rate: if with_lora {
+                tuning.lora_learning_rate
+            } else {
+                tuning.learning_rate
+            },
+            lr_schedule: LrSchedule::Constant,
+            lora: with_lora.then_some(tuning.lora),
+            ..self.teacher_training
+        };
+        self
+    }
+
+    /// What comes between the armband and a model's input.
+    #[must_use]
+    pub const fn preprocessing(&self) -> Preprocessing {
+        Preprocessing {
+            normalized: self.data.normalize,
+            median: self.data.median,
+        }
+    }
+
+    /// Whether movement outside the vocabulary is a class of its own for the student.
+    #[must_use]
+    pub fn other(&self) -> bool {
+        self.data.other_movement == OtherMovement::Class
+    }
+
+    /// The student's margin over movement outside the vocabulary; none if it does not know it.
+    #[must_use]
+    pub fn other_margin(&self) -> Option<f32> {
+        let margin = self.smoother.other_margin.unwrap_or(0.0);
+        self.other().then_some(margin)
+    }
+
+    /// The classes that labels are taken from.
+    #[must_use]
+    pub fn vocabulary(&self) -> Vocabulary {
+        Vocabulary::with_classes(self.classes).unwrap_or(Vocabulary::Three)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entry_margins_are_one_number_or_one_for_each_class() {
+        let cpu = Preset::find("cpu").unwrap();
+        let same = cpu.smoother.entry_margins.of_classes();
+        assert_eq!(same, [0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        let by_class = cpu
+            .to_toml()
+            .replace("entry_margins = 1.0", "entry_margins = [0.0, 2.5]");
+        let preset = Preset::parse("by class", &by_class).unwrap();
+        let margins = preset.smoother.entry_margins.of_classes();
+        assert_eq!(margins, [0.0, 2.5, 0.0, 0.0, 0.0, 0.0]);
+        for wrong in ["-1.0", "51.0", "[0.0, 1.0, 1.0, 1.0]", "\"much\""] {
+            let text = cpu
+                .to_toml()
+                .replace("entry_margins = 1.0", &format!("entry_margins = {wrong}"));
+            assert!(Preset::parse("wrong", &text).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_paper_preset_is_the_papers() {
+        let paper = Preset::find("paper").unwrap();
+        let (teacher, training) = (&paper.teacher, &paper.teacher_training);
+        assert_eq!((teacher.patch, teacher.d_model, teacher.heads), (1, 128, 4));
+        assert_eq!((teacher.layers, teacher.feed_forward), (2, 512));
+        assert_eq!((training.epochs, training.batch), (12, 128));
+        assert_eq!((training.stride, paper.seed), (30, 42));
+        assert_eq!(training.augmentation, None);
+    }
+}

@@ -1,0 +1,62 @@
+//! What a training needs of a preset that was accepted: asserted of damaged ones here and by `tests/fuzz`.
+
+use crate::Preset;
+
+/// Every number of a preset.
+fn all_numbers(value: &toml::Value, numbers: &mut Vec<f64>) {
+    match value {
+        toml::Value::Float(number) => numbers.push(*number),
+        toml::Value::Array(values) => values.iter().for_each(|one| all_numbers(one, numbers)),
+        toml::Value::Table(table) => table.values().for_each(|one| all_numbers(one, numbers)),
+        _ => {}
+    }
+}
+
+/// Asserts all of it.
+///
+/// # Panics
+/// If something of it does not hold.
+pub fn check(preset: &Preset) {
+    let text = preset.to_toml();
+    let again = Preset::parse("again", &text);
+    assert_eq!(
+        again.ok().as_ref(),
+        Some(preset),
+        "written and read again: {text}"
+    );
+    let mut numbers = Vec::new();
+    all_numbers(&toml::Value::Table(text.parse().unwrap()), &mut numbers);
+    assert!(numbers.iter().all(|number| number.is_finite()), "{text}");
+    let (teacher, training, student) = (
+        &preset.teacher,
+        &preset.teacher_training,
+        &preset.distillation,
+    );
+    for rate in [
+        training.learning_rate,
+        student.learning_rate,
+        preset.fine_tuning.learning_rate,
+        preset.fine_tuning.lora_learning_rate,
+    ] {
+        // One that diverges is stopped by its loss, however large its steps.
+        assert!(
+            rate > 0.0 && (rate as f32).is_finite(),
+            "a learning rate of {rate}: {text}"
+        );
+    }
+    for share in [teacher.dropout, teacher.attention_dropout] {
+        assert!((0.0..1.0).contains(&share), "a dropout of {share}: {text}");
+    }
+    for decay in [training.weight_decay, student.weight_decay] {
+        assert!(
+            (0.0..=1.0).contains(&decay),
+            "a weight decay of {decay}: {text}"
+        );
+    }
+    assert!(preset.student.receptive_field() <= 55);
+    assert!(teacher.layers > 0 && teacher.feed_forward > 0, "{text}");
+    assert!(
+        preset.teacher_bytes() + preset.student_bytes() < 2e11,
+        "{text}"
+    );
+}

@@ -1,0 +1,185 @@
+//! The first openings of the hand in a person's recordings, as a stream that an armband would send.
+
+use std::ops::Range;
+
+use shared::intent::Intent;
+use shared::stream::alignment::{Aligner, Arm, Outcome, Progress, Template};
+use shared::stream::preprocess::{Median, clean};
+use shared::units::{PATCH, Sample};
+
+use crate::labels::runs::{Run, runs};
+
+/// Openings that are tried at most: a wearer whose gesture was not noticed repeats it.
+const MOST: usize = 4;
+/// Shortest run of a label that counts as a gesture, in samples: 0.3 s.
+const SHORTEST: usize = 60;
+/// Samples on either side of a gesture that are taken with it, 0.5 s: people are earlier and later than their labels.
+const AROUND: usize = 100;
+/// Samples of rest before, between and after the gestures: 1 s. Published sets cut their recordings as they like.
+const REST: usize = 200;
+
+/// A person's openings, and which samples they are.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Openings {
+    /// Rest.
+    rest: Vec<Sample>,
+    /// The gestures with what is around them.
+    gestures: Vec<Vec<Sample>>,
+    /// Which recording, and which samples of it, for each gesture.
+    places: Vec<(usize, Range<usize>)>,
+}
+
+/// The first openings of one person, by lag-compensated labels; none if the recordings hold fewer than two, or no second of
+/// rest.
+#[must_use]
+pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Openings> {
+    let labelled = |wanted: Intent, shortest: usize| {
+        recordings
+            .iter()
+            .enumerate()
+            .flat_map(move |(at, (_, labels))| {
+                let own = runs(labels)
+                    .into_iter()
+                    .filter(move |run| run.label == Some(wanted) && run.samples() >= shortest);
+                own.map(move |run| (at, run))
+            })
+    };
+    let (at, Run { start, .. }) = labelled(Intent::Relax, REST).next()?;
+    let rest = recordings[at].0[start..start + REST].to_vec();
+    let places: Vec<(usize, Range<usize>)> = labelled(Intent::Open, SHORTEST)
+        .take(MOST)
+        .map(|(at, run)| {
+            let end = (run.end + AROUND).min(recordings[at].0.len());
+            (at, run.start.saturating_sub(AROUND)..end)
+        })
+        .collect();
+    let gestures: Vec<Vec<Sample>> = places
+        .iter()
+        .map(|(at, range)| recordings[*at].0[range.clone()].to_vec())
+        .collect();
+    (gestures.len() >= usize::from(shared::stream::alignment::GESTURES)).then_some(Openings {
+        rest,
+        gestures,
+        places,
+    })
+}
+
+impl Openings {
+    /// What the armband would send: rest, then each gesture with rest behind it, and rest until the last one is decided on.
+    #[must_use]
+    pub fn stream(&self) -> Vec<Sample> {
+        let mut stream = self.rest.clone();
+        for gesture in &self.gestures {
+            stream.extend(gesture);
+            stream.extend(&self.rest);
+        }
+        stream.extend(&self.rest);
+        stream
+    }
+
+    /// How many of them the first `samples` of the stream take part of.
+    #[must_use]
+    pub fn within(&self, samples: usize) -> usize {
+        let mut begins = self.rest.len();
+        let begun = self.gestures.iter().take_while(|gesture| {
+            let has_begun = begins < samples;
+            begins += gesture.len() + self.rest.len();
+            has_begun
+        });
+        begun.count()
+    }
+
+    /// What a template makes of them without a model, which has no voice where both arms are nearly as good; a timeout if
+    /// they are too few.
+    #[must_use]
+    pub fn outcome(&self, template: &Template) -> Outcome {
+        let emg: Vec<_> = clean(self.stream(), Median::Three).collect();
+        let mut aligner = Aligner::new(Arm::Unknown);
+        for patch in emg.as_chunks::<PATCH>().0 {
+            match aligner.push(patch, template) {
+                Progress::Waiting | Progress::Gesture => {}
+                Progress::Undecided(decision) => return Outcome::Aligned(decision.fits().nearest),
+                Progress::Done(outcome) => return outcome,
+            }
+        }
+        Outcome::Timeout
+    }
+
+    /// The samples of a recording that are part of the first `count` openings.
+    pub fn used(&self, recording: usize, count: usize) -> impl Iterator<Item = Range<usize>> {
+        self.places
+            .iter()
+            .take(count)
+            .filter(move |(at, _)| *at == recording)
+            .map(|(_, range)| range.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::stream::alignment::Alignment;
+
+    const RELAX: Option<Intent> = Some(Intent::Relax);
+    const OPEN: Option<Intent> = Some(Intent::Open);
+
+    /// Rest and gestures in turn, 300 samples each; the sign changes so that the mean is 0.
+    fn recording(gestures: usize, open: Sample) -> (Vec<Sample>, Vec<Option<Intent>>) {
+        let mut samples = Vec::new();
+        let mut labels = Vec::new();
+        for part in 0..=2 * gestures {
+            let (sample, label) = if part % 2 == 0 {
+                ([2; 8], RELAX)
+            } else {
+                (open, OPEN)
+            };
+            samples.extend([sample; 300]);
+            labels.extend([label; 300]);
+        }
+        (samples, labels)
+    }
+
+    #[test]
+    fn openings_are_found_and_align() {
+        let template = Template::new(
+            [400, 290, 170, 60, -60, -170, -290, -400],
+            std::array::from_fn(|at| {
+                // The diagonal, 2 nats per square octave.
+                if [0, 8, 15, 21, 26, 30, 33, 35].contains(&at) {
+                    128
+                } else {
+                    0
+                }
+            }),
+        )
+        .unwrap();
+        let worn = Alignment::new(3, true);
+        let (samples, labels) = recording(6, worn.inverse().apply([58, 43, 31, 22, 16, 12, 8, 6]));
+        let own = openings(&[(&samples, &labels)]).unwrap();
+        match own.outcome(&template) {
+            Outcome::Aligned(fit) => assert_eq!(fit.alignment, worn),
+            other => panic!("{other:?}"),
+        }
+        // A second of rest, then gestures of 500 samples with a second behind each.
+        assert_eq!(own.stream().len(), 200 + 4 * 700 + 200);
+        assert_eq!(
+            [200, 201, 900, 901, 9999].map(|end| own.within(end)),
+            [0, 1, 1, 2, 4]
+        );
+        let used: Vec<_> = own.used(0, 3).collect();
+        assert_eq!(used, [200..700, 800..1300, 1400..1900]);
+        assert_eq!(own.used(1, 3).count(), 0);
+    }
+
+    #[test]
+    fn one_opening_or_no_rest_is_too_little() {
+        let (samples, labels) = recording(1, [50; 8]);
+        assert_eq!(openings(&[(&samples, &labels)]), None);
+        let (samples, labels) = recording(3, [50; 8]);
+        let restless: Vec<_> = labels
+            .iter()
+            .map(|&label| label.filter(|_| label == OPEN))
+            .collect();
+        assert_eq!(openings(&[(&samples, &restless)]), None);
+    }
+}

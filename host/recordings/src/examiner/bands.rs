@@ -1,0 +1,189 @@
+//! Two armbands in one file: their rows in turn, or their channels side by side.
+
+use std::collections::BTreeMap;
+
+use shared::units::CHANNELS;
+
+use super::signal::{Signal, mean};
+use crate::finding::Finding;
+
+/// Names of columns that say from which armband a row came.
+const DEVICES: [&str; 10] = [
+    "device",
+    "device_id",
+    "deviceid",
+    "dev",
+    "armband",
+    "band",
+    "myo",
+    "myo_id",
+    "mac",
+    "address",
+];
+/// Names of columns that may say it: they do if they change from row to row.
+const SIDES: [&str; 4] = ["arm", "side", "hand", "source"];
+/// Names of columns that are numbered but no EMG: of the armband's other sensors.
+const OTHERS: [&str; 12] = [
+    "acc",
+    "accel",
+    "accelerometer",
+    "gyro",
+    "gyr",
+    "gyroscope",
+    "quat",
+    "orientation",
+    "ori",
+    "mag",
+    "imu",
+    "rot",
+];
+/// Samples that are needed to tell rows in turn.
+const ENOUGH: usize = 1200;
+/// Ratio of a channel's amplitude in every second row to that in the others, which one armband does not have: at most 1.15.
+const UNLIKE: f64 = 1.3;
+/// Amplitude of a channel that is compared.
+const LOUD: f64 = 1.5;
+/// Correlation that samples 5 ms apart are below, on average over channels, and others above.
+const RELATED: f64 = -0.17;
+const UNRELATED: f64 = -0.11;
+/// Channels that have to say so.
+const FEWEST: usize = 3;
+
+/// Whether a column says from which armband a row came, by its name.
+pub(crate) fn is_device(name: &str) -> bool {
+    let name = plain(name);
+    DEVICES.contains(&&*name) || SIDES.contains(&&*name)
+}
+
+fn plain(name: &str) -> String {
+    name.trim().trim_matches('"').to_lowercase()
+}
+
+/// Rows of each armband that a column of devices names.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Devices {
+    name: String,
+    rows: BTreeMap<String, usize>,
+    last: String,
+    changes: usize,
+}
+
+/// Devices whose names are kept: a column of other numbers has any number of values.
+const MOST_DEVICES: usize = 9;
+
+impl Devices {
+    /// A column of that name, before the first row.
+    pub fn of(name: String) -> Self {
+        Self {
+            name,
+            rows: BTreeMap::new(),
+            last: String::new(),
+            changes: 0,
+        }
+    }
+
+    /// Takes a row's text.
+    pub fn push(&mut self, text: &str) {
+        let text = text.trim().trim_matches('"');
+        if self.last != text {
+            text.clone_into(&mut self.last);
+            self.changes += 1;
+        }
+        if let Some(rows) = self.rows.get_mut(text) {
+            *rows += 1;
+        } else if self.rows.len() < MOST_DEVICES {
+            self.rows.insert(text.to_owned(), 1);
+        }
+    }
+
+    /// Refuses rows of several armbands.
+    pub fn judge(&self) -> Result<(), Finding> {
+        let rows: usize = self.rows.values().sum();
+        let in_turn = 10 * self.changes > rows;
+        if self.rows.len() < 2 || !in_turn && SIDES.contains(&&*plain(&self.name)) {
+            return Ok(());
+        }
+        Err(Finding::Devices {
+            column: self.name.clone(),
+            devices: self.rows.keys().cloned().collect(),
+        })
+    }
+}
+
+/// Refuses a header with the channels of two armbands.
+pub(crate) fn in_header<S: AsRef<str>>(names: &[S]) -> Result<(), Finding> {
+    let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for name in names {
+        let name = name.as_ref().trim().trim_matches('"');
+        let prefix = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let key = prefix.trim_end_matches(['_', '-', ' ', '.']).to_lowercase();
+        let word = |other: &&str| key.split(['_', '-', ' ', '.']).any(|part| part == *other);
+        if prefix.len() < name.len() && !OTHERS.iter().any(word) {
+            groups.entry(key).or_default().push(name);
+        }
+    }
+    let full: Vec<&Vec<&str>> = groups
+        .values()
+        .filter(|names| names.len() >= CHANNELS)
+        .collect();
+    let columns = |names: &[&str]| -> Option<String> {
+        Some(format!(
+            "{} to {}",
+            names.first()?,
+            names.get(CHANNELS - 1)?
+        ))
+    };
+    let armbands = match full[..] {
+        [names] if names.len() >= 2 * CHANNELS => {
+            vec![columns(names), columns(&names[CHANNELS..])]
+        }
+        [] | [_] => return Ok(()),
+        _ => full.iter().map(|names| columns(names)).collect(),
+    };
+    Err(Finding::ManyColumns {
+        armbands: armbands.into_iter().flatten().collect(),
+    })
+}
+
+/// Refuses rows that have the channels of two armbands and perhaps a label.
+pub(crate) fn in_row(columns: usize) -> Result<(), Finding> {
+    const TWO: usize = 2 * CHANNELS;
+    if (TWO..=TWO + 1).contains(&columns) {
+        return Err(Finding::ManyChannels { columns });
+    }
+    Ok(())
+}
+
+/// Refuses samples of two armbands in turn: every second one, or two of each.
+pub(super) fn in_turn(signal: &Signal<'_>) -> Result<(), Finding> {
+    let samples = signal.samples;
+    if samples.len() < ENOUGH {
+        return Ok(());
+    }
+    for channel in (0..CHANNELS).filter(|&channel| signal.levels[channel] > LOUD) {
+        let level = |first: usize| {
+            let rows = samples.iter().skip(first).step_by(2);
+            let off = rows.map(|sample| (f64::from(sample[channel]) - signal.means[channel]).abs());
+            off.sum::<f64>() / (samples.len() / 2) as f64
+        };
+        let (even, odd) = (level(0), level(1));
+        if even.max(odd) > UNLIKE * even.min(odd) {
+            return Err(Finding::InTurn { rows: 1 });
+        }
+    }
+    // Every loud channel says the same: a single one may move with the arm.
+    let related = |all: &[f64]| {
+        all.len() >= FEWEST && all.iter().all(|&own| own < UNRELATED) && mean(all) < RELATED
+    };
+    let unrelated = |all: &[f64]| all.iter().all(|&own| own > UNRELATED);
+    if related(&signal.autocorrelations(2, 0, 1)) && unrelated(&signal.autocorrelations(1, 0, 1)) {
+        return Err(Finding::InTurn { rows: 1 });
+    }
+    let phases = [0, 1].map(|phase| signal.autocorrelations(1, phase, 2));
+    for (one, other) in [(0, 1), (1, 0)] {
+        if related(&phases[one]) && unrelated(&phases[other]) {
+            return Err(Finding::InTurn { rows: 2 });
+        }
+    }
+    Ok(())
+}

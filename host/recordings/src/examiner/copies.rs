@@ -1,0 +1,157 @@
+//! Copies: the same samples in several recordings, counted once.
+//!
+//! A recording is cut where two rows have a certain hash, so that the same samples are cut at the same places wherever
+//! they begin. Pieces that another recording has too are its samples: chance has never the same hundred rows. Rows
+//! that stand still make no piece, so recordings of nothing are no copies.
+
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use shared::units::{SAMPLE_RATE_HZ, Sample};
+
+use crate::finding::Finding;
+use crate::recording::Recording;
+
+/// A piece ends at one of so many pairs of rows.
+const PAIRS: u64 = 64;
+/// Rows that a piece has at least.
+const LEAST: usize = 16;
+/// Share of a recording's pieces in another one from which it is a copy.
+const COPY: f64 = 0.8;
+/// Rows of pieces that are needed to judge a copy.
+const ENOUGH: usize = 150;
+/// Rows in another recording from which an overlap is told.
+const OVERLAP: usize = 400;
+/// Parts of a copy's path, in lower case.
+const MARKS: [&str; 8] = [
+    "copy",
+    "kopie",
+    "backup",
+    "conflict",
+    "checkpoint",
+    "(1)",
+    "~",
+    "trash",
+];
+
+/// A recording left out because its samples are another one's.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Repeat {
+    /// The file left out.
+    pub path: PathBuf,
+    /// The recording left out.
+    pub name: String,
+    /// The file kept, and how the two differ.
+    pub finding: Finding,
+}
+
+/// Leaves out copies, and says what recordings share. The order of the others stays.
+pub(crate) fn leave_out(recordings: &mut Vec<Recording>) -> Vec<Repeat> {
+    let mut order: Vec<usize> = (0..recordings.len()).collect();
+    order.sort_by_cached_key(|&at| {
+        let recording = &recordings[at];
+        (
+            !recording.has_labels(),
+            std::cmp::Reverse(recording.samples.len()),
+            marks(&recording.path),
+            recording.path.components().count(),
+            at,
+        )
+    });
+    let mut owners: HashMap<u64, usize> = HashMap::new();
+    let mut left_out: HashMap<usize, Finding> = HashMap::new();
+    for at in order {
+        let pieces = pieces(&recordings[at].samples);
+        let rows: usize = pieces.iter().map(|(piece, _)| piece.len()).sum();
+        let mut shared: HashMap<usize, usize> = HashMap::new();
+        for (piece, hash) in &pieces {
+            let owner = *owners.entry(*hash).or_insert(at);
+            if owner != at {
+                *shared.entry(owner).or_default() += piece.len();
+            }
+        }
+        let all: usize = shared.values().sum();
+        let Some((&owner, &most)) = shared
+            .iter()
+            .max_by_key(|(owner, rows)| (**rows, std::cmp::Reverse(**owner)))
+        else {
+            continue;
+        };
+        if rows >= ENOUGH && all as f64 >= COPY * rows as f64 {
+            let finding = copy(&recordings[at], &recordings[owner]);
+            left_out.insert(at, finding);
+        } else if most >= OVERLAP {
+            let finding = Finding::Overlap {
+                of: recordings[owner].path.clone(),
+                seconds: most as f64 / f64::from(SAMPLE_RATE_HZ),
+            };
+            recordings[at].findings.push(finding);
+        }
+    }
+    let mut repeats = Vec::new();
+    let mut at = 0;
+    recordings.retain(|recording| {
+        let finding = left_out.remove(&at);
+        at += 1;
+        let keep = finding.is_none();
+        repeats.extend(finding.map(|finding| Repeat {
+            path: recording.path.clone(),
+            name: recording.full_name(),
+            finding,
+        }));
+        keep
+    });
+    repeats
+}
+
+fn copy(copy: &Recording, kept: &Recording) -> Finding {
+    Finding::Copy {
+        of: kept.path.clone(),
+        labels: copy.samples == kept.samples && copy.labels != kept.labels,
+        person: person(copy) != person(kept) && marks(&copy.path) <= marks(&kept.path),
+    }
+}
+
+/// The last folder of a person's name: `backup/anna` is anna.
+fn person(recording: &Recording) -> Option<&str> {
+    recording.subject.rsplit('/').next()
+}
+
+/// Folders and names in a path that say it is a copy: hidden, a backup, a copy of a program that keeps folders alike.
+fn marks(path: &Path) -> usize {
+    let marked = |name: &&OsStr| {
+        let name = name.to_string_lossy().to_lowercase();
+        name.starts_with('.') || MARKS.iter().any(|mark| name.contains(mark))
+    };
+    path.iter().filter(|name| marked(name)).count()
+}
+
+/// The pieces of a recording that lie whole in it, and their hashes.
+fn pieces(samples: &[Sample]) -> Vec<(Range<usize>, u64)> {
+    let mut ends = (1..samples.len()).filter(|&row| {
+        let pair = [samples[row - 1], samples[row]];
+        pair[0] != pair[1] && hash(&pair).is_multiple_of(PAIRS)
+    });
+    let mut pieces = Vec::new();
+    let Some(mut from) = ends.next() else {
+        return pieces;
+    };
+    for end in ends {
+        let rows = &samples[from..end];
+        let changes = rows.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        if rows.len() >= LEAST && 2 * changes >= rows.len() {
+            pieces.push((from..end, hash(rows)));
+        }
+        from = end;
+    }
+    pieces
+}
+
+fn hash(rows: &[Sample]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    rows.hash(&mut hasher);
+    hasher.finish()
+}

@@ -1,0 +1,87 @@
+//! Electrodes: channels that say nothing, too much, or what another one says.
+
+use shared::units::{CHANNELS, Sample};
+
+use super::signal::Signal;
+use crate::finding::Finding;
+
+/// Share of a channel's samples at -128 or 127 above which it is reported as saturated.
+pub const SATURATED: f64 = 0.02;
+/// Share of all samples at the ends from which nothing is left; the loudest public recording has 0.05.
+const CLIPPED: f64 = 0.5;
+/// Amplitude below which an electrode says nothing, in counts; the quietest one of a public recording has 0.66.
+pub const SILENT: f64 = 0.3;
+/// Correlation from which a channel is a copy of another; neighbours reach 0.989 in public recordings.
+const COPY: f64 = 0.995;
+/// Channels with a signal of their own that a recording needs.
+const FEWEST: usize = 3;
+/// Share of hum that makes channels alike.
+const ALIKE_BY_HUM: f64 = 50.0;
+
+/// Share of the samples at either end of the range, by channel.
+pub fn saturation(samples: &[Sample]) -> [f64; CHANNELS] {
+    let mut ends = [0usize; CHANNELS];
+    for sample in samples {
+        for (count, &value) in ends.iter_mut().zip(sample) {
+            *count += usize::from(value == i8::MIN || value == i8::MAX);
+        }
+    }
+    ends.map(|count| count as f64 / samples.len().max(1) as f64)
+}
+
+/// Amplitude by channel, without a constant below it.
+pub fn levels(samples: &[Sample]) -> [f64; CHANNELS] {
+    Signal::of(samples).levels
+}
+
+/// Judges the electrodes.
+pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<Finding>, Finding> {
+    let mut findings = Vec::new();
+    if signal.levels.iter().all(|&level| level == 0.0) {
+        let sample = signal.samples[0];
+        return Err(Finding::Constant { sample });
+    }
+    let values = || signal.samples.iter().flatten();
+    if values().all(|&value| value >= 0) || values().all(|&value| value <= 0) {
+        return Err(Finding::OneSided);
+    }
+    let saturation = saturation(signal.samples);
+    let all = saturation.iter().sum::<f64>() / CHANNELS as f64;
+    if all > CLIPPED {
+        return Err(Finding::Clipped {
+            percent: 100.0 * all,
+        });
+    }
+    let alike = matches!(hum, Some(Finding::Hum { percent, .. }) if *percent > ALIKE_BY_HUM);
+    let mut own: Vec<usize> = Vec::new();
+    for channel in 0..CHANNELS {
+        if signal.levels[channel] < SILENT {
+            findings.push(Finding::Dead {
+                channel: channel + 1,
+            });
+            continue;
+        }
+        let same = |&&other: &&usize| {
+            let mut samples = signal.samples.iter();
+            samples.all(|sample| sample[channel] == sample[other])
+                || (!alike && signal.correlation(channel, other).abs() > COPY)
+        };
+        match own.iter().find(same) {
+            Some(&of) => findings.push(Finding::SameChannel {
+                channel: channel + 1,
+                of: of + 1,
+            }),
+            None => own.push(channel),
+        }
+        if saturation[channel] > SATURATED {
+            findings.push(Finding::Saturated {
+                channel: channel + 1,
+                percent: 100.0 * saturation[channel],
+            });
+        }
+    }
+    if own.len() < FEWEST {
+        return Err(Finding::FewChannels { own: own.len() });
+    }
+    Ok(findings)
+}

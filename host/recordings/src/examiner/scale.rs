@@ -1,0 +1,121 @@
+//! Scale of values that should be counts: -128 to 127, whole.
+
+use crate::finding::{Finding, Scale};
+
+/// Rows of which values are kept to find their step.
+const KEPT: usize = 4096;
+/// How far a count may be from a whole number: decimals are printed short.
+const ROUNDED: f64 = 0.01;
+/// How far a value may be from a whole multiple of a step, in steps.
+const OFF_STEP: f64 = 0.02;
+/// Largest value over the step: a count of 128, which a rescaled source may hold.
+const MOST: f64 = 128.5;
+/// Largest value of counts: all below a half would be read as zeros.
+const LEAST: f64 = 0.5;
+/// Share of rows that are counts from which others are damage.
+const COUNTS: f64 = 0.99;
+/// Scales that files are known to have: the value of one count, and what the values are.
+const KNOWN: [(f64, &str); 8] = [
+    (1.0 / 128.0, "counts divided by 128"),
+    (1.0 / 127.0, "counts divided by 127"),
+    (1e-5, "volts, 0.00001 a count"),
+    (1e-2, "millivolts, 0.01 a count"),
+    (10.0, "microvolts, 10 a count"),
+    (1e-6, "volts, 0.000001 a count"),
+    (1e-3, "millivolts, 0.001 a count"),
+    (256.0, "counts times 256, the bytes of each value exchanged"),
+];
+
+/// Values of a file, row by row.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Judge {
+    values: Vec<f64>,
+    rows: usize,
+    counts: usize,
+    least: f64,
+    most: f64,
+    whole: bool,
+}
+
+impl Default for Judge {
+    fn default() -> Self {
+        Self {
+            values: Vec::new(),
+            rows: 0,
+            counts: 0,
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            whole: true,
+        }
+    }
+}
+
+impl Judge {
+    /// Takes the channels of a row.
+    pub fn push(&mut self, row: &[f64]) {
+        let is_count = |value: &f64| {
+            (value - value.round()).abs() <= ROUNDED && (-128.0..=128.0).contains(&value.round())
+        };
+        self.rows += 1;
+        self.counts += usize::from(row.iter().all(is_count));
+        for &value in row {
+            self.least = self.least.min(value);
+            self.most = self.most.max(value);
+            self.whole &= value.fract() == 0.0;
+        }
+        if self.values.len() < KEPT * row.len() {
+            self.values
+                .extend(row.iter().filter(|value| **value != 0.0));
+        }
+    }
+
+    /// Accepts counts, a few damaged rows among them.
+    ///
+    /// # Errors
+    /// The scale that the values have.
+    pub fn finish(&self) -> Result<(), Finding> {
+        let largest = self.least.abs().max(self.most.abs());
+        let counts = self.counts as f64 >= COUNTS * self.rows as f64 && largest >= LEAST;
+        if self.rows == 0 || counts || largest == 0.0 {
+            return Ok(());
+        }
+        Err(Finding::Scale {
+            scale: self.scale(largest),
+            least: self.least,
+            most: self.most,
+        })
+    }
+
+    fn scale(&self, largest: f64) -> Scale {
+        if self.whole && self.least >= 0.0 && self.most > 127.0 && self.most <= 255.0 {
+            let middle = self
+                .values
+                .iter()
+                .filter(|value| (64.0..192.0).contains(*value));
+            return if 2 * middle.count() > self.values.len() {
+                Scale::Offset
+            } else {
+                Scale::Unsigned
+            };
+        }
+        let fits = |step: f64| {
+            let multiple = |value: &f64| (value / step - (value / step).round()).abs() <= OFF_STEP;
+            (0.9..=MOST).contains(&(largest / step)) && self.values.iter().all(multiple)
+        };
+        // Of several that fit the largest: multiples of it are multiples of its parts.
+        let known = KNOWN.iter().filter(|(step, _)| fits(*step));
+        if let Some(&(step, name)) = known.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
+            return Scale::Step {
+                step,
+                known: Some(name),
+            };
+        }
+        let smallest = self.values.iter().map(|value| value.abs());
+        let step = smallest.fold(f64::INFINITY, f64::min);
+        if fits(step) {
+            Scale::Step { step, known: None }
+        } else {
+            Scale::Unknown
+        }
+    }
+}

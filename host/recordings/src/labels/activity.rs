@@ -1,0 +1,386 @@
+//! Labels from muscle activity, for recordings of one gesture that are published without times.
+//!
+//! One rule for all such sets; e is the envelope over 200 ms unless another width is said:
+//!
+//! 1. Levels: quiet and loud are the 10 % and 90 % quantiles of e in the recording, half-way lies between
+//!    them. With a contrast (loud - quiet) below 0.4, a factor of 1.5, nothing is labelled.
+//! 2. Bursts: stretches with e above half-way; gaps below 0.3 s between two are closed. Those below 0.4 s
+//!    are dropped: what they are is unknown.
+//! 3. Edges: e over 200 ms finds a burst but widens it by 20 to 30 ms at either edge. The onset is
+//!    moved to the first sample from which e over 50 ms stays above half-way for 50 ms, at most 100 ms away; the
+//!    release likewise, backwards in time.
+//! 4. Slow edges: where e takes longer than 0.5 s from a quarter to three quarters of the burst's own
+//!    contrast (its median against quiet), what is between is unknown.
+//! 5. The gesture inside a burst, relax outside.
+//!
+//! A recording must be quiet and active for a tenth of its duration each. The labels are
+//! muscle onsets and not cues: such sets have no label lag.
+
+use std::ops::Range;
+
+use shared::units::Sample;
+
+use super::envelope::Envelope;
+use super::motion::{Motion, Truth};
+use crate::recording::{DataSet, Recording, Timing};
+use crate::statistics::median;
+
+/// Samples of the moving average that finds bursts: 200 ms.
+const COARSE: usize = 40;
+/// Samples of the one that places their edges, and for which it stays beyond half-way: 50 ms.
+const FINE: usize = 10;
+/// Samples that an edge is moved by at most: half of [`COARSE`].
+const REACH: usize = COARSE / 2;
+/// Share of the recording below the quiet level, and above the loud one.
+const TAIL: f64 = 0.1;
+/// Least contrast (natural logarithm). Noise alone has 0.06 to 0.16 (`epn`, no gesture), the weakest file of
+/// `wang-myo` 0.88.
+const LEAST_CONTRAST: f64 = 0.4;
+/// Samples of a gap that is closed: below 0.3 s.
+const GAP: usize = 60;
+/// Least samples of a burst: 0.4 s.
+const BURST: usize = 80;
+/// Most samples of an edge that is taken for an instant: 0.5 s.
+const EDGE: usize = 100;
+
+/// Note of a recording that cannot be labelled.
+const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
+
+/// What the muscle does at one sample.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Activity {
+    Quiet,
+    Active,
+    Uncertain,
+}
+
+/// A recording of one motion, labelled from its muscle activity; without name and path.
+pub(crate) fn labelled(
+    data_set: DataSet,
+    person: &str,
+    samples: Vec<Sample>,
+    motion: Motion,
+) -> Recording {
+    let subject = format!("{}/{person}", data_set.name());
+    let truth = label(&samples, motion);
+    let notes = truth.is_none().then(|| WEAK.to_owned());
+    let truth = truth.unwrap_or_else(|| Truth {
+        labels: vec![None; samples.len()],
+        ..Truth::default()
+    });
+    Recording {
+        other_movement: truth.other_movement,
+        notes: notes.into_iter().collect(),
+        timing: Timing::Muscle,
+        ..Recording::new(data_set, subject, samples, truth.labels)
+    }
+}
+
+/// Labels samples of one motion: relax where the muscle is quiet, `motion` where it is active.
+///
+/// None if the contrast is too weak.
+fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
+    let motions = activity(samples)?
+        .into_iter()
+        .map(|activity| match activity {
+            Activity::Quiet => Motion::RELAX,
+            Activity::Active => motion,
+            Activity::Uncertain => Motion::Unknown,
+        });
+    Some(motions.collect())
+}
+
+/// What the muscle does, sample by sample; none if the contrast is too weak.
+pub(super) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
+    let envelope = Envelope::new(samples);
+    let coarse = envelope.all(COARSE);
+    let levels = Levels::of(&coarse)?;
+    let mut activity = vec![Activity::Quiet; samples.len()];
+    let bursts = bursts(&coarse, levels.half_way());
+    for (index, burst) in bursts.iter().enumerate() {
+        // Nothing of a burst reaches into its neighbours.
+        let before = index.checked_sub(1).map_or(0, |i| bursts[i].end);
+        let after = bursts.get(index + 1).map_or(samples.len(), |b| b.start);
+        let loud = median(&coarse[burst.clone()])?;
+        let low = levels.quiet + 0.25 * (loud - levels.quiet);
+        let high = levels.quiet + 0.75 * (loud - levels.quiet);
+        let quiet = |at: &usize| coarse[*at] < low;
+        let loud = |at: &usize| coarse[*at] >= high;
+        let rise_from = (before..burst.start)
+            .rev()
+            .find(quiet)
+            .map_or(before, |at| at + 1);
+        let fall_to = (burst.end..after).find(quiet).unwrap_or(after);
+        if burst.len() < BURST {
+            activity[rise_from..fall_to].fill(Activity::Uncertain);
+            continue;
+        }
+        let onset = onset(&envelope, levels.half_way(), burst.start);
+        let release = release(&envelope, levels.half_way(), burst.end, samples.len());
+        activity[onset..release].fill(Activity::Active);
+        let rise_to = burst.clone().find(loud).unwrap_or(burst.end);
+        let fall_from = burst
+            .clone()
+            .rev()
+            .find(loud)
+            .map_or(burst.start, |at| at + 1);
+        for (inside, edge) in [
+            (burst.start > 0, rise_from..rise_to),
+            (burst.end < samples.len(), fall_from..fall_to),
+        ] {
+            if inside && edge.len() > EDGE {
+                activity[edge].fill(Activity::Uncertain);
+            }
+        }
+    }
+    Some(activity)
+}
+
+/// A recording's own levels of the envelope.
+struct Levels {
+    quiet: f64,
+    loud: f64,
+}
+
+impl Levels {
+    /// None if the contrast is too weak, or without a sample.
+    fn of(coarse: &[f64]) -> Option<Self> {
+        let mut sorted = coarse.to_vec();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        let quantile = |share: f64| sorted[(share * last as f64).round() as usize];
+        let (quiet, loud) = (quantile(TAIL), quantile(1.0 - TAIL));
+        (loud - quiet >= LEAST_CONTRAST).then_some(Self { quiet, loud })
+    }
+
+    const fn half_way(&self) -> f64 {
+        f64::midpoint(self.quiet, self.loud)
+    }
+}
+
+/// Stretches above a level, short gaps closed.
+fn bursts(coarse: &[f64], level: f64) -> Vec<Range<usize>> {
+    let mut bursts: Vec<Range<usize>> = Vec::new();
+    for (at, _) in coarse.iter().enumerate().filter(|(_, e)| **e > level) {
+        match bursts.last_mut() {
+            Some(last) if at - last.end < GAP => last.end = at + 1,
+            _ => bursts.push(at..at + 1),
+        }
+    }
+    bursts
+}
+
+/// The start of a burst by the finer envelope; as it is at the start of the recording, or if the finer
+/// envelope does not cross within reach.
+fn onset(envelope: &Envelope, level: f64, start: usize) -> usize {
+    let above = |at: usize| envelope.at(at, FINE) > level;
+    let Some(first) = start.checked_sub(REACH) else {
+        return start;
+    };
+    (first..=start + REACH)
+        .find(|&at| (at..at + FINE).all(above))
+        .filter(|&at| at > first)
+        .unwrap_or(start)
+}
+
+/// The end of a burst, as [`onset`] backwards.
+fn release(envelope: &Envelope, level: f64, end: usize, samples: usize) -> usize {
+    let above = |at: usize| envelope.at(at, FINE) > level;
+    let last = end + REACH;
+    if last > samples {
+        return end;
+    }
+    (end - REACH..=last)
+        .rev()
+        .find(|&at| (at - FINE..at).all(above))
+        .filter(|&at| at < last)
+        .unwrap_or(end)
+}
+
+#[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "a list of ranges, one of them"
+)]
+mod tests {
+    use proptest::prelude::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use shared::intent::Intent;
+
+    use super::*;
+    use crate::labels::runs::runs;
+    use crate::movement::MovementKind;
+
+    const REST: i8 = 3;
+
+    /// Noise of uniform amplitude: `amplitude(at)` at sample `at`.
+    fn noise(count: usize, seed: u64, amplitude: impl Fn(usize) -> f64) -> Vec<Sample> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (0..count)
+            .map(|at| {
+                let most = amplitude(at);
+                [(); 8].map(|()| random.random_range(-most..=most).round() as i8)
+            })
+            .collect()
+    }
+
+    /// Rest with holds of amplitude 40 at these samples.
+    fn holds(count: usize, holds: &[Range<usize>]) -> Vec<Sample> {
+        let hold = |at: usize| holds.iter().any(|hold| hold.contains(&at));
+        noise(count, 1, |at| if hold(at) { 40.0 } else { f64::from(REST) })
+    }
+
+    fn active(samples: &[Sample]) -> Vec<Range<usize>> {
+        let truth = label(samples, Motion::Intent(Intent::Close)).expect("contrast");
+        runs(&truth.labels)
+            .iter()
+            .filter(|run| run.label == Some(Intent::Close))
+            .map(|run| run.start..run.end)
+            .collect()
+    }
+
+    fn unknown(samples: &[Sample]) -> usize {
+        let truth = label(samples, Motion::RELAX).expect("contrast");
+        truth.labels.iter().filter(|label| label.is_none()).count()
+    }
+
+    /// Edges are found to within 50 ms.
+    fn close_to(found: &[Range<usize>], expected: &[Range<usize>]) -> bool {
+        found.len() == expected.len()
+            && found.iter().zip(expected).all(|(found, expected)| {
+                found.start.abs_diff(expected.start) <= FINE
+                    && found.end.abs_diff(expected.end) <= FINE
+            })
+    }
+
+    #[test]
+    fn holds_are_found_where_they_are() {
+        let expected = [300..900, 1500..2200, 2800..3400];
+        let samples = holds(4000, &expected);
+        let found = active(&samples);
+        assert!(close_to(&found, &expected), "{found:?}");
+        assert_eq!(unknown(&samples), 0, "sharp edges are no margin");
+    }
+
+    #[test]
+    fn a_hold_cut_by_an_end_reaches_to_it() {
+        let expected = [0..500, 1300..2000];
+        let found = active(&holds(2000, &expected));
+        assert!(close_to(&found, &expected), "{found:?}");
+        assert_eq!((found[0].start, found[1].end), (0, 2000));
+    }
+
+    #[test]
+    fn short_gaps_are_closed_and_long_ones_are_rest() {
+        let found = active(&holds(2400, &[400..700, 735..1000, 1200..1600]));
+        assert!(close_to(&found, &[400..1000, 1200..1600]), "{found:?}");
+    }
+
+    #[test]
+    fn a_short_burst_is_neither_gesture_nor_rest() {
+        let samples = holds(2400, &[400..900, 1400..1440]);
+        let truth = label(&samples, Motion::Intent(Intent::Close)).unwrap();
+        assert!(close_to(&active(&samples), &[400..900]));
+        assert!(truth.labels[1400..1440].iter().all(Option::is_none));
+        assert!(
+            (40..120).contains(&unknown(&samples)),
+            "{}",
+            unknown(&samples)
+        );
+    }
+
+    #[test]
+    fn a_slow_release_is_unknown_until_rest() {
+        // From the hold down to rest, in the logarithm, within 2 s.
+        let fall = (f64::from(REST) / 40.0).ln();
+        let amplitude = |at: usize| match at {
+            0..500 => f64::from(REST),
+            500..1000 => 40.0,
+            1000..1400 => 40.0 * (fall * (at - 1000) as f64 / 400.0).exp(),
+            _ => f64::from(REST),
+        };
+        let samples = noise(2000, 2, amplitude);
+        let truth = label(&samples, Motion::Intent(Intent::Open)).unwrap();
+        let found: Vec<_> = runs(&truth.labels).iter().map(|run| run.label).collect();
+        let relax = Some(Intent::Relax);
+        assert_eq!(found, [relax, Some(Intent::Open), None, relax]);
+        assert!(
+            (100..300).contains(&unknown(&samples)),
+            "{}",
+            unknown(&samples)
+        );
+    }
+
+    #[test]
+    fn without_contrast_nothing_is_labelled() {
+        for samples in [noise(2000, 3, |_| 5.0), noise(2000, 3, |_| 60.0)] {
+            assert_eq!(label(&samples, Motion::Other(MovementKind::Point)), None);
+        }
+        assert_eq!(label(&[], Motion::Other(MovementKind::Point)), None);
+        assert_eq!(
+            label(&[[100; 8]; 7], Motion::Other(MovementKind::Point)),
+            None
+        );
+    }
+
+    #[test]
+    fn other_movement_has_ranges_and_rest_around_it_is_rest() {
+        let truth = label(
+            &holds(2000, &[500..1100]),
+            Motion::Other(MovementKind::Point),
+        )
+        .unwrap();
+        let [movement] = &truth.other_movement[..] else {
+            panic!("{truth:?}");
+        };
+        assert!(
+            close_to(std::slice::from_ref(&movement.samples), &[500..1100]),
+            "{truth:?}"
+        );
+        assert_eq!(truth.labels[100], Some(Intent::Relax));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        /// Any schedule of holds and rests that the rule's limits allow comes out as it went in.
+        #[test]
+        fn every_schedule_within_the_limits_is_found(
+            lengths in proptest::collection::vec((160_usize..700, 160_usize..700), 2..12),
+            amplitude in 12.0_f64..120.0,
+            seed: u64,
+        ) {
+            let mut expected = Vec::new();
+            let mut end = 0;
+            for (rest, hold) in lengths {
+                expected.push(end + rest..end + rest + hold);
+                end += rest + hold;
+            }
+            let count = end + 200;
+            let hold = |at: usize| expected.iter().any(|hold| hold.contains(&at));
+            let samples = noise(count, seed, |at| if hold(at) { amplitude } else { 3.0 });
+            let found = active(&samples);
+            prop_assert!(close_to(&found, &expected), "{found:?}\n{expected:?}");
+        }
+
+        /// Any samples give labels, or none, but no panic.
+        #[test]
+        fn arbitrary_samples_never_panic(
+            pieces in proptest::collection::vec((any::<Sample>(), 1_usize..300), 0..12),
+        ) {
+            let samples: Vec<Sample> = pieces
+                .iter()
+                .flat_map(|&(sample, count)| vec![sample; count])
+                .collect();
+            if let Some(truth) = label(&samples, Motion::Other(MovementKind::Point)) {
+                prop_assert_eq!(truth.labels.len(), samples.len());
+                let mut end = 0;
+                for range in truth.other_movement.into_iter().map(|movement| movement.samples) {
+                    prop_assert!(range.start >= end && range.end <= samples.len());
+                    prop_assert!(truth.labels[range.clone()].iter().all(Option::is_none));
+                    end = range.end;
+                }
+            }
+        }
+    }
+}

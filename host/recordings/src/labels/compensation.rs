@@ -1,0 +1,232 @@
+//! Labels moved to where the muscle acts: published ones are cues.
+
+use serde::{Deserialize, Serialize};
+
+use super::cued::follow;
+use super::lag;
+use super::motion::{Motion, Truth, motions};
+use super::runs::runs;
+use crate::movement::Movement;
+use crate::recording::Recording;
+
+/// Samples from which on what is unknown between two rests is taken for a movement: 0.5 s.
+const MOVEMENT: usize = 100;
+
+/// How labels are compensated for their lag.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Compensation {
+    /// All are so many samples later.
+    Constant(usize),
+    /// A gesture's label is where the muscle follows that very cue, and none where it does not.
+    EachCue,
+}
+
+impl Compensation {
+    /// Labels as they are.
+    pub const NONE: Self = Self::Constant(0);
+}
+
+impl Recording {
+    /// The recording with compensated labels and other movement.
+    ///
+    /// Other movement that the muscle does not show is kept, as late as the set's labels usually are: a label that it raises
+    /// is wrong all the same.
+    #[must_use]
+    pub fn compensated(&self, compensation: Compensation) -> Self {
+        let Truth {
+            labels,
+            other_movement,
+        } = match compensation {
+            Compensation::Constant(samples) => self.later(samples),
+            Compensation::EachCue => self.followed(),
+        };
+        Self {
+            labels,
+            other_movement,
+            ..self.clone()
+        }
+    }
+
+    /// Labels and other movement so many samples later.
+    fn later(&self, samples: usize) -> Truth {
+        let length = self.labels.len();
+        let movements = self.other_movement.iter().map(|movement| Movement {
+            samples: lag::compensated_range(&movement.samples, samples, length),
+            ..movement.clone()
+        });
+        Truth {
+            labels: lag::compensated(&self.labels, samples),
+            // One that ends before the recording begins, by the lag.
+            other_movement: movements.filter(|own| !own.samples.is_empty()).collect(),
+        }
+    }
+
+    /// Labels and other movement where the muscle follows its cues.
+    fn followed(&self) -> Truth {
+        let mut cues = motions(&self.labels);
+        for movement in &self.other_movement {
+            cues[movement.samples.clone()].fill(Motion::Other(movement.kind));
+        }
+        name_movements(&mut cues);
+        // What is unknown shows what rest is like, but stays unknown.
+        let known_rest = |cue: &Motion| match cue {
+            Motion::Unknown => Motion::RELAX,
+            cue => *cue,
+        };
+        let followed = follow(
+            &self.samples,
+            &cues.iter().map(known_rest).collect::<Vec<_>>(),
+        );
+        let mut found = followed.motions;
+        for (found, cue) in found.iter_mut().zip(&cues) {
+            if *cue == Motion::Unknown && *found == Motion::RELAX {
+                *found = Motion::Unknown;
+            }
+        }
+        let usual = self.data_set.label_lag();
+        for movement in &self.other_movement {
+            let of_movement =
+                |hold: &&super::cued::Hold| hold.samples.contains(&movement.samples.start);
+            let hold = followed.holds.iter().find(of_movement);
+            if hold.is_none_or(|hold| hold.active.is_none()) {
+                let late = lag::compensated_range(&movement.samples, usual, found.len());
+                found[late].fill(Motion::Other(movement.kind));
+            }
+        }
+        found.into_iter().collect()
+    }
+}
+
+/// Takes what is unknown between two rests for a movement without a name: the muscle says when it was made.
+fn name_movements(cues: &mut [Motion]) {
+    for three in runs(cues).windows(3) {
+        let [before, unknown, after] = three else {
+            continue;
+        };
+        let between_rests = [before.label, after.label] == [Motion::RELAX; 2];
+        if between_rests && unknown.label == Motion::Unknown && unknown.samples() >= MOVEMENT {
+            cues[unknown.start..unknown.end].fill(Motion::Unnamed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+    use shared::intent::Intent;
+
+    use super::*;
+    use crate::movement::MovementKind;
+    use crate::recording::DataSet;
+
+    const R: Option<Intent> = Some(Intent::Relax);
+    const O: Option<Intent> = Some(Intent::Open);
+    const C: Option<Intent> = Some(Intent::Close);
+
+    /// Cues of rest, open, rest, scissors, rest, close, rest; the muscle is loud in these ranges.
+    fn recording(loud: &[std::ops::Range<usize>]) -> Recording {
+        let cues = [
+            (R, 600),
+            (O, 400),
+            (R, 400),
+            (None, 400),
+            (R, 400),
+            (C, 400),
+            (R, 400),
+        ];
+        let labels: Vec<_> = cues
+            .iter()
+            .flat_map(|&(cue, count)| vec![cue; count])
+            .collect();
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let samples = (0..labels.len())
+            .map(|at| {
+                let most = if loud.iter().any(|range| range.contains(&at)) {
+                    40
+                } else {
+                    3
+                };
+                [(); 8].map(|()| random.random_range(-most..=most))
+            })
+            .collect();
+        let mut recording = Recording::new(DataSet::Roshambo, "roshambo/01", samples, labels);
+        recording.other_movement = vec![Movement::new(MovementKind::TwoFingers, 1400..1800)];
+        recording
+    }
+
+    fn near(found: usize, expected: usize) -> bool {
+        found.abs_diff(expected) <= 10
+    }
+
+    #[test]
+    fn every_cue_has_a_lag_of_its_own() {
+        let published = recording(&[650..1080, 1380..1870, 2290..2700]);
+        let found = published.compensated(Compensation::EachCue);
+        let labels = runs(&found.labels);
+        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
+        assert_eq!(names, [R, O, R, None, R, C, R]);
+        let starts = labels.iter().skip(1).map(|run| run.start);
+        for (start, expected) in starts.zip([650, 1080, 1380, 1870, 2290, 2700]) {
+            assert!(near(start, expected), "{start} instead of {expected}");
+        }
+        let [scissors] = &found.other_movement[..] else {
+            panic!("{:?}", found.other_movement);
+        };
+        assert!(near(scissors.samples.start, 1380) && near(scissors.samples.end, 1870));
+        assert_eq!(found.samples, published.samples);
+    }
+
+    #[test]
+    fn a_gesture_that_is_not_made_is_unknown_and_other_movement_that_is_not_seen_is_kept() {
+        let found =
+            recording(std::slice::from_ref(&(2290..2700))).compensated(Compensation::EachCue);
+        assert!(!found.labels.contains(&O) && found.labels[2500] == C);
+        assert!(found.labels[600..1000].iter().all(Option::is_none));
+        let late = DataSet::Roshambo.label_lag();
+        let scissors = Movement::new(MovementKind::TwoFingers, 1400 + late..1800 + late);
+        assert_eq!(found.other_movement, [scissors]);
+    }
+
+    #[test]
+    fn what_is_unknown_stays_unknown_while_the_muscle_rests() {
+        let mut published = recording(std::slice::from_ref(&(650..1080)));
+        published.labels[1000..1400].fill(None);
+        let found = published.compensated(Compensation::EachCue).labels;
+        assert_eq!(found[1040], O);
+        assert!(found[1100..1390].iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_movement_without_a_name_has_the_labels_around_it_of_one_with_a_name() {
+        let all = [650..1080, 1380..1870, 2290..2700];
+        for loud in [&all[..], &all[..1], &all[1..2], &[900..1000, 1500..2400]] {
+            let named = recording(loud);
+            let mut unnamed = named.clone();
+            unnamed.other_movement.clear();
+            let labels = |own: &Recording| own.compensated(Compensation::EachCue).labels;
+            assert_eq!(labels(&unnamed), labels(&named), "{loud:?}");
+        }
+    }
+
+    #[test]
+    fn a_short_gap_between_two_rests_is_no_movement() {
+        let mut published = recording(&[650..1080, 1380..1870, 2290..2700]);
+        published.labels[250..340].fill(None);
+        let found = published.compensated(Compensation::EachCue).labels;
+        assert!(found[250..340].iter().all(Option::is_none));
+        assert!(found[340..600].iter().all(|label| *label == R));
+    }
+
+    #[test]
+    fn a_constant_moves_everything() {
+        let published = recording(&[]);
+        let found = published.compensated(Compensation::Constant(50));
+        assert_eq!((found.labels[649], found.labels[650]), (R, O));
+        assert_eq!(found.other_movement[0].samples, 1450..1850);
+        let nearly_all = published.compensated(Compensation::Constant(2950));
+        assert!(nearly_all.other_movement.is_empty());
+        assert_eq!(published.compensated(Compensation::NONE), published);
+    }
+}

@@ -1,0 +1,332 @@
+//! Labels from muscle activity where cues say what was asked for, and when.
+//!
+//! A hold is a gesture that is cued between two rests, or several that follow each other. For each, by the rule of
+//! [`activity`](super::activity) over the hold with the later half of the rest before it and the whole one after:
+//!
+//! 1. The muscle follows if it is active for half of the cue or more, and from 0.5 s before the cue to 1.5 s after it on. Else
+//!    nothing of the hold is labelled, nor the 1.5 s after it.
+//! 2. Of a hold that is followed, active is the gesture and quiet before and after it relax; everything else is unknown, such
+//!    as a muscle that still works 1.5 s after the cue for rest.
+//! 3. Gesture to gesture no rest lies between, so activity does not tell when: the label changes as late after the cue as
+//!    the muscle has followed the hold.
+//!
+//! Rests without a hold beside them are relax as cued. A gesture is any movement that is asked for, one of the intents or not.
+
+use std::ops::Range;
+
+use shared::units::Sample;
+
+use super::activity::{Activity, activity};
+use super::envelope::Envelope;
+use super::motion::Motion;
+use super::runs::{Run, runs};
+use crate::statistics::median;
+
+/// Samples before a cue from which the muscle may follow it: 0.5 s.
+const EARLY: usize = 100;
+/// Samples after a cue until which it has to: 1.5 s.
+const LATE: usize = 300;
+
+/// How a muscle followed a cue.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Follow {
+    /// So many samples after it.
+    Followed(i32),
+    /// It hardly rose above rest.
+    Weak,
+    /// It was active, but not when it was asked for, or not for long enough.
+    Elsewhere,
+}
+
+/// A gesture, or several in a row, between rests.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Hold {
+    /// Samples for which it was cued.
+    pub samples: Range<usize>,
+    /// The gestures, with the first sample of each.
+    pub gestures: Vec<(usize, Motion)>,
+    /// Whether the muscle followed.
+    pub follow: Follow,
+    /// From where to where it was active because of the cue, if it followed.
+    pub active: Option<Range<usize>>,
+    /// How far the muscle rose above rest, natural logarithm of the amplitude, by gesture.
+    pub contrasts: Vec<f64>,
+}
+
+/// What the muscle did, and what came of each hold.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Followed {
+    /// One a sample.
+    pub motions: Vec<Motion>,
+    /// In order.
+    pub holds: Vec<Hold>,
+}
+
+/// What is done at samples that have cues, one a sample each; unknown where nothing was asked for.
+pub fn follow(samples: &[Sample], cues: &[Motion]) -> Followed {
+    let rest = |&cue: &Motion| match cue {
+        Motion::RELAX => Motion::RELAX,
+        _ => Motion::Unknown,
+    };
+    let mut motions: Vec<Motion> = cues.iter().map(rest).collect();
+    let mut holds = Vec::new();
+    let envelope = Envelope::new(samples);
+    let runs = runs(cues);
+    let mut at = 0;
+    while at < runs.len() {
+        if !is_gesture(&runs[at]) {
+            at += 1;
+            continue;
+        }
+        let count = runs[at..].iter().take_while(|run| is_gesture(run)).count();
+        let hold = &runs[at..at + count];
+        let before = at.checked_sub(1).map(|at| runs[at]).filter(is_rest);
+        let after = runs.get(at + count).copied().filter(is_rest);
+        let segment = Segment {
+            // The earlier half belongs to the hold before, which may end there.
+            from: before.map_or(hold[0].start, |rest| {
+                if at == 1 { rest.start } else { rest.middle() }
+            }),
+            hold: hold[0].start..hold[count - 1].end,
+            to: after.map_or(hold[count - 1].end, |rest| rest.end),
+        };
+        holds.push(segment.label(samples, &envelope, hold, &mut motions));
+        at += count;
+    }
+    Followed { motions, holds }
+}
+
+const fn is_rest(run: &Run<Motion>) -> bool {
+    matches!(run.label, Motion::RELAX)
+}
+
+const fn is_gesture(run: &Run<Motion>) -> bool {
+    !matches!(run.label, Motion::RELAX | Motion::Unknown)
+}
+
+/// A hold and the rest around it.
+struct Segment {
+    from: usize,
+    hold: Range<usize>,
+    to: usize,
+}
+
+impl Segment {
+    fn label(
+        &self,
+        samples: &[Sample],
+        envelope: &Envelope,
+        cued: &[Run<Motion>],
+        motions: &mut [Motion],
+    ) -> Hold {
+        let activity = activity(&samples[self.from..self.to]);
+        let (follow, active) = match &activity {
+            None => (Follow::Weak, None),
+            Some(activity) => self.followed(activity),
+        };
+        let late = match follow {
+            Follow::Followed(late) => usize::try_from(late).unwrap_or(0),
+            _ => 0,
+        };
+        let gestures: Vec<(usize, Motion)> =
+            cued.iter().map(|run| (run.start, run.label)).collect();
+        if let (Some(activity), Some(active)) = (&activity, &active) {
+            let released = (self.hold.end + LATE).min(self.to);
+            for (at, activity) in (self.from..self.to).zip(activity) {
+                let inside = active.contains(&at);
+                motions[at] = match activity {
+                    Activity::Active if inside && at < released => gestures
+                        .iter()
+                        .rev()
+                        .find(|&&(start, _)| start + late <= at)
+                        .or(gestures.first())
+                        .map_or(Motion::Unknown, |&(_, motion)| motion),
+                    Activity::Quiet if !inside => Motion::RELAX,
+                    _ => Motion::Unknown,
+                };
+            }
+        } else {
+            let end = (self.hold.end + LATE).min(self.to);
+            motions[self.hold.start..end].fill(Motion::Unknown);
+        }
+        let contrast = |run: &Run<Motion>| self.contrast(envelope, run);
+        Hold {
+            samples: self.hold.clone(),
+            contrasts: cued.iter().map(contrast).collect(),
+            gestures,
+            follow,
+            active,
+        }
+    }
+
+    /// Whether and when the muscle followed, and from where to where it was active because of it.
+    fn followed(&self, activity: &[Activity]) -> (Follow, Option<Range<usize>>) {
+        let is_active = |at: &usize| activity[at - self.from] == Activity::Active;
+        let first = self.hold.start.saturating_sub(EARLY).max(self.from);
+        let last = (self.hold.start + LATE).min(self.hold.end);
+        let onset = (first..last).find(is_active);
+        let inside = self.hold.clone().filter(is_active).count();
+        // Active from before the time that belongs to the cue on: it is not the cue that is followed.
+        let onset = onset.filter(|&at| at > first || first == self.from && self.from == 0);
+        let (Some(onset), true) = (onset, 2 * inside >= self.hold.len()) else {
+            return (Follow::Elsewhere, None);
+        };
+        let mut end = onset;
+        for at in onset..self.to {
+            // What begins after the cue has ended is another movement.
+            if is_active(&at) && (at < self.hold.end || at == end) {
+                end = at + 1;
+            }
+        }
+        let late = onset as i64 - self.hold.start as i64;
+        let late = i32::try_from(late).unwrap_or(0);
+        (Follow::Followed(late), Some(onset..end))
+    }
+
+    /// The median of a cue's later half over that of the rest before it.
+    fn contrast(&self, envelope: &Envelope, cue: &Run<Motion>) -> f64 {
+        const WIDTH: usize = 40;
+        let level = |range: Range<usize>| {
+            let all: Vec<f64> = range.step_by(4).map(|at| envelope.at(at, WIDTH)).collect();
+            median(&all)
+        };
+        let rest = level(self.from..self.hold.start);
+        let hold = level(cue.middle()..cue.end);
+        rest.zip(hold).map_or(0.0, |(rest, hold)| hold - rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use shared::intent::Intent;
+
+    use super::*;
+
+    const R: Motion = Motion::RELAX;
+    const O: Motion = Motion::Intent(Intent::Open);
+    const C: Motion = Motion::Intent(Intent::Close);
+
+    fn cues(runs: &[(Motion, usize)]) -> Vec<Motion> {
+        let runs = runs.iter();
+        runs.flat_map(|&(label, count)| vec![label; count])
+            .collect()
+    }
+
+    /// Noise, loud in these ranges.
+    fn muscle(count: usize, loud: &[Range<usize>]) -> Vec<Sample> {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        (0..count)
+            .map(|at| {
+                let loud = loud.iter().any(|range| range.contains(&at));
+                let most = if loud { 40 } else { 3 };
+                [(); 8].map(|()| random.random_range(-most..=most))
+            })
+            .collect()
+    }
+
+    fn near(found: usize, expected: usize) -> bool {
+        found.abs_diff(expected) <= 10
+    }
+
+    #[test]
+    fn labels_are_where_the_muscle_is_and_not_where_the_cue_was() {
+        let cues = cues(&[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)]);
+        let samples = muscle(cues.len(), &[680..1420, 1950..2700]);
+        let found = follow(&samples, &cues);
+        let labels = runs(&found.motions);
+        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
+        assert_eq!(names, [R, O, R, C, R]);
+        for (run, expected) in labels.iter().skip(1).zip([680, 1420, 1950, 2700]) {
+            assert!(near(run.start, expected), "{run:?}");
+        }
+        let [first, second] = &found.holds[..] else {
+            panic!("{found:?}");
+        };
+        assert!(matches!(first.follow, Follow::Followed(late @ 70..=90) if late > 0));
+        assert!(matches!(second.follow, Follow::Followed(40..=60)));
+        assert!(first.contrasts[0] > 1.0 && first.gestures == [(600, O)]);
+    }
+
+    #[test]
+    fn from_gesture_to_gesture_the_label_changes_as_late_as_the_muscle_has_followed() {
+        let cues = cues(&[(R, 600), (O, 500), (C, 500), (R, 600)]);
+        let found = follow(
+            &muscle(cues.len(), std::slice::from_ref(&(660..1650))),
+            &cues,
+        );
+        let labels = runs(&found.motions);
+        let names: Vec<_> = labels.iter().map(|run| run.label).collect();
+        assert_eq!(names, [R, O, C, R]);
+        assert!(near(labels[2].start, 1160), "{labels:?}");
+        assert_eq!(found.holds[0].contrasts.len(), 2);
+    }
+
+    #[test]
+    fn a_cue_that_nobody_follows_is_unknown_and_the_rest_around_it_is_rest() {
+        let cues = cues(&[(R, 600), (O, 700), (R, 600), (C, 700), (R, 600)]);
+        let found = follow(
+            &muscle(cues.len(), std::slice::from_ref(&(1950..2700))),
+            &cues,
+        );
+        assert_eq!(found.holds[0].follow, Follow::Weak);
+        assert!(
+            found.motions[600..1300]
+                .iter()
+                .all(|&motion| motion == Motion::Unknown)
+        );
+        assert!(found.motions[..600].iter().all(|motion| *motion == R));
+        assert_eq!(found.motions[2300], C);
+    }
+
+    #[test]
+    fn a_muscle_that_is_active_at_another_time_does_not_follow() {
+        let cues = cues(&[(R, 600), (O, 700), (R, 800)]);
+        for loud in [1250..1700, 300..1000, 700..900] {
+            let found = follow(&muscle(cues.len(), std::slice::from_ref(&loud)), &cues);
+            assert_eq!(found.holds[0].follow, Follow::Elsewhere, "{loud:?}");
+            let gesture = found.motions.iter().filter(|motion| **motion == O).count();
+            assert_eq!(gesture, 0, "{loud:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_muscle_does_long_after_its_cue_is_unknown() {
+        let cues = cues(&[(R, 600), (O, 600), (R, 1400)]);
+        let found = follow(
+            &muscle(cues.len(), std::slice::from_ref(&(650..1800))),
+            &cues,
+        );
+        assert_eq!(found.motions[1000], O);
+        assert_eq!(found.motions[1450], O);
+        assert!(
+            found.motions[1510..1780]
+                .iter()
+                .all(|&motion| motion == Motion::Unknown)
+        );
+        assert_eq!(found.motions[2500], R);
+    }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig::with_cases(64))]
+        /// Any cues over any samples give a label a sample, and no panic.
+        #[test]
+        fn arbitrary_cues_never_panic(
+            pieces in proptest::collection::vec((proptest::prelude::any::<Sample>(), 0_usize..8, 1_usize..400), 0..12),
+        ) {
+            let samples: Vec<Sample> =
+                pieces.iter().flat_map(|&(sample, _, count)| vec![sample; count]).collect();
+            let cues: Vec<_> = pieces
+                .iter()
+                .flat_map(|&(_, class, count)| vec![Intent::from_class(class).map_or(Motion::Unknown, Motion::Intent); count])
+                .collect();
+            let found = follow(&samples, &cues);
+            proptest::prop_assert_eq!(found.motions.len(), samples.len());
+            for (label, cue) in found.motions.iter().zip(&cues) {
+                // Nothing is labelled where nothing was asked for.
+                proptest::prop_assert!(*cue != Motion::Unknown || *label == Motion::Unknown);
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What a person does, as the published sets name it: an intent, another movement, or unknown.
+
+use shared::intent::Intent;
+
+use crate::movement::{Movement, MovementKind};
+
+/// What is done at one sample.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Motion {
+    /// One of the six intents, relax included.
+    Intent(Intent),
+    /// Movement that is none of the six intents.
+    Other(MovementKind),
+    /// Movement of which nothing is known but that it is none of these.
+    Unnamed,
+    /// Not known, or on neither side: a grasp near to a fist, an edge that cannot be placed.
+    Unknown,
+}
+
+impl Motion {
+    /// Rest.
+    pub const RELAX: Self = Self::Intent(Intent::Relax);
+
+    /// The label of a sample.
+    pub const fn label(self) -> Option<Intent> {
+        match self {
+            Self::Intent(intent) => Some(intent),
+            Self::Other(_) | Self::Unnamed | Self::Unknown => None,
+        }
+    }
+}
+
+/// Cues as motions: no cue is unknown.
+pub fn motions(cues: &[Option<Intent>]) -> Vec<Motion> {
+    let cues = cues.iter();
+    cues.map(|cue| cue.map_or(Motion::Unknown, Motion::Intent))
+        .collect()
+}
+
+/// Labels and other movement of a recording, as [`Recording`](crate::Recording) holds them.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub(crate) struct Truth {
+    pub labels: Vec<Option<Intent>>,
+    pub other_movement: Vec<Movement>,
+}
+
+impl FromIterator<Motion> for Truth {
+    /// One motion a sample.
+    fn from_iter<I: IntoIterator<Item = Motion>>(motions: I) -> Self {
+        let mut truth = Self::default();
+        for (at, motion) in motions.into_iter().enumerate() {
+            truth.labels.push(motion.label());
+            let Motion::Other(kind) = motion else {
+                continue;
+            };
+            match truth.other_movement.last_mut() {
+                Some(last) if last.kind == kind && last.samples.end == at => last.samples.end += 1,
+                _ => truth.other_movement.push(Movement::new(kind, at..at + 1)),
+            }
+        }
+        truth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_movement_is_ranges_without_labels() {
+        use MovementKind::{Point, ThumbUp};
+        const POINT: Motion = Motion::Other(Point);
+        const THUMB: Motion = Motion::Other(ThumbUp);
+        let motions = [POINT, POINT, Motion::Unknown, POINT, THUMB, Motion::RELAX];
+        let truth: Truth = motions.into_iter().collect();
+        let relax = Some(Intent::Relax);
+        assert_eq!(truth.labels, [None, None, None, None, None, relax]);
+        let expected = [(Point, 0..2), (Point, 3..4), (ThumbUp, 4..5)];
+        let expected = expected.map(|(kind, samples)| Movement::new(kind, samples));
+        assert_eq!(truth.other_movement, expected);
+    }
+}

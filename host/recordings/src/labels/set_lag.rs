@@ -1,0 +1,302 @@
+//! How the labels of one data set are compensated for their lag: by what its recordings show, and on whom a constant was
+//! estimated.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use shared::intent::Intent;
+use shared::units::SAMPLE_PERIOD_MS;
+
+use super::compensation::Compensation;
+use super::lag::{LabelLag, LagEstimate, estimate};
+use crate::recording::{DataSet, Recording, Timing};
+use crate::split::circles::Circles;
+
+/// Whose recordings a constant lag is from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// The training people of the published recordings: the set's [nominal lag](DataSet::label_lag).
+    #[default]
+    Published,
+    /// So many training people.
+    TrainingPeople(usize),
+    /// So many people at hand, of a set without training people: somebody's own recordings.
+    PeopleAtHand(usize),
+}
+
+/// How many recordings that show a movement are compensated in which way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Ways {
+    /// By each cue's own lag.
+    pub each_cue: usize,
+    /// By the constant.
+    pub constant: usize,
+    /// Not at all, because the labels are the muscle's.
+    pub muscle: usize,
+}
+
+/// How the labels of a data set are compensated for their lag.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lag {
+    /// How, where the labels are cues with rest around them.
+    pub compensation: Compensation,
+    /// Samples by which other cues are late, where those are compensated by each cue's own lag.
+    #[serde(default)]
+    pub otherwise: usize,
+    /// Whose recordings the constant is from.
+    #[serde(default)]
+    pub basis: Basis,
+    /// The measurement that gave the constant, if there is one.
+    pub estimate: Option<LagEstimate>,
+    /// Recordings by way.
+    #[serde(default)]
+    pub recordings: Ways,
+}
+
+impl Lag {
+    /// Compensation of a data set's labels. A constant is estimated on training people alone; where the set has none of
+    /// them here, it is the nominal one of a published set, and of other sets that of everybody at hand.
+    #[must_use]
+    pub fn of(
+        data_set: DataSet,
+        recordings: &[&Recording],
+        label_lag: LabelLag,
+        is_training: &dyn Fn(&str) -> bool,
+    ) -> Self {
+        // Without a movement there is nothing to be late.
+        let moving = recordings.iter().filter(|own| moves(own));
+        let timed = |timing: Timing| moving.clone().filter(move |own| own.timing == timing);
+        let rested = timed(Timing::RestAroundCues).count();
+        let each_cue = label_lag == LabelLag::EachCue && rested > 0;
+        let by_constant: Vec<&Recording> = timed(Timing::Cues)
+            .chain(timed(Timing::RestAroundCues).filter(|_| !each_cue))
+            .copied()
+            .collect();
+        let (basis, estimate) = match label_lag {
+            LabelLag::None => (Basis::default(), None),
+            _ => measured(data_set, &by_constant, is_training),
+        };
+        let constant = match label_lag {
+            LabelLag::None => 0,
+            _ => estimate.map_or(data_set.label_lag(), |found| found.lag_samples),
+        };
+        Self {
+            compensation: if each_cue {
+                Compensation::EachCue
+            } else {
+                Compensation::Constant(constant)
+            },
+            otherwise: if each_cue { constant } else { 0 },
+            basis,
+            estimate,
+            recordings: Ways {
+                each_cue: if each_cue { rested } else { 0 },
+                constant: by_constant.len(),
+                muscle: timed(Timing::Muscle).count(),
+            },
+        }
+    }
+
+    /// How a recording of the set is compensated.
+    #[must_use]
+    pub const fn of_recording(&self, recording: &Recording) -> Compensation {
+        match (recording.timing, self.compensation) {
+            (Timing::Muscle, _) => Compensation::NONE,
+            (Timing::Cues, Compensation::EachCue) => Compensation::Constant(self.otherwise),
+            (_, compensation) => compensation,
+        }
+    }
+
+    /// Samples by which the labels are moved that are not moved cue by cue.
+    #[must_use]
+    pub const fn constant(&self) -> usize {
+        match self.compensation {
+            Compensation::Constant(samples) => samples,
+            Compensation::EachCue => self.otherwise,
+        }
+    }
+}
+
+/// Whether anything but rest is asked for or done.
+fn moves(recording: &Recording) -> bool {
+    let mut labels = recording.labels.iter().flatten();
+    !recording.other_movement.is_empty() || labels.any(|&intent| intent != Intent::Relax)
+}
+
+/// Whose recordings a constant is from, and the measurement on them if it is not the nominal one.
+fn measured(
+    data_set: DataSet,
+    recordings: &[&Recording],
+    is_training: &dyn Fn(&str) -> bool,
+) -> (Basis, Option<LagEstimate>) {
+    let of = |wanted: &dyn Fn(&str) -> bool| {
+        let own = recordings.iter().filter(|own| wanted(&own.subject));
+        own.copied().collect::<Vec<&Recording>>()
+    };
+    let people = |own: &[&Recording]| {
+        let people: BTreeSet<&str> = own.iter().map(|own| own.subject.as_str()).collect();
+        people.len()
+    };
+    let training = of(is_training);
+    if let Some(found) = estimate(&training) {
+        return (Basis::TrainingPeople(people(&training)), Some(found));
+    }
+    // Somebody's own recordings: nobody of them has a role.
+    if training.is_empty()
+        && Circles::of(data_set).is_none()
+        && let Some(found) = estimate(recordings)
+    {
+        return (Basis::PeopleAtHand(people(recordings)), Some(found));
+    }
+    (Basis::Published, None)
+}
+
+impl fmt::Display for Lag {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ms = self.constant() * SAMPLE_PERIOD_MS as usize;
+        let constant = match self.basis {
+            Basis::Published if ms == 0 => "as recorded".to_owned(),
+            Basis::Published => {
+                format!("constant lag {ms} ms, of the training people of the published recordings")
+            }
+            Basis::TrainingPeople(people) => {
+                let people = counted(people, "training person", "training people");
+                format!("constant lag {ms} ms, estimated on {people}")
+            }
+            Basis::PeopleAtHand(people) => {
+                let people = counted(people, "person", "people");
+                format!(
+                    "constant lag {ms} ms, estimated on {people} at hand, for want of training people"
+                )
+            }
+        };
+        let Ways {
+            each_cue,
+            constant: by_constant,
+            muscle,
+        } = self.recordings;
+        let ways = [
+            (each_cue, "each cue's own lag"),
+            (by_constant, &constant),
+            (muscle, "as recorded, where the muscle acts"),
+        ];
+        let used: Vec<_> = ways
+            .iter()
+            .filter(|(recordings, _)| *recordings > 0)
+            .collect();
+        match (&used[..], self.compensation) {
+            // Nothing but rest, or written by a version that did not count.
+            ([], Compensation::EachCue) => formatter.write_str(ways[0].1),
+            ([], Compensation::Constant(_)) => formatter.write_str(&constant),
+            ([(_, way)], _) => formatter.write_str(way),
+            (several, _) => {
+                let each = several
+                    .iter()
+                    .map(|(recordings, way)| format!("{way} ({recordings} recordings)"));
+                formatter.write_str(&each.collect::<Vec<_>>().join("; "))
+            }
+        }
+    }
+}
+
+fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::units::CHANNELS;
+
+    use super::*;
+
+    /// Rest and closing in turn; the muscle follows each cue so many samples later.
+    fn recording(data_set: DataSet, person: &str, late: usize, timing: Timing) -> Recording {
+        let class = |at: usize| Intent::from_class(2 * (at / 200 % 2));
+        let sample = |at: usize| {
+            let active = at >= late && (at - late) / 200 % 2 == 1;
+            let sign = if at.is_multiple_of(2) { 1 } else { -1 };
+            [sign * if active { 40 } else { 3 }; CHANNELS]
+        };
+        let subject = format!("{}/{person}", data_set.name());
+        let (samples, labels) = ((0..2000).map(sample), (0..2000).map(class));
+        Recording {
+            timing,
+            ..Recording::new(data_set, subject, samples.collect(), labels.collect())
+        }
+    }
+
+    fn lag(
+        recordings: &[Recording],
+        label_lag: LabelLag,
+        is_training: &dyn Fn(&str) -> bool,
+    ) -> Lag {
+        let all: Vec<&Recording> = recordings.iter().collect();
+        Lag::of(recordings[0].data_set, &all, label_lag, is_training)
+    }
+
+    #[test]
+    fn a_constant_is_estimated_on_training_people_alone() {
+        let people = [("01", 40), ("06", 100), ("03", 100)];
+        let recordings =
+            people.map(|(who, late)| recording(DataSet::Roshambo, who, late, Timing::Cues));
+        let is_training = |subject: &str| subject == "roshambo/01";
+        let found = lag(&recordings, LabelLag::Estimated, &is_training);
+        assert!(found.constant().abs_diff(40) <= 5, "{found:?}");
+        assert_eq!(found.basis, Basis::TrainingPeople(1));
+        assert!(
+            found
+                .to_string()
+                .ends_with("estimated on 1 training person"),
+            "{found}"
+        );
+        // None of them: the nominal lag of the published set.
+        let nobody = lag(&recordings[1..], LabelLag::Estimated, &is_training);
+        assert_eq!(nobody.constant(), DataSet::Roshambo.label_lag());
+        assert_eq!((nobody.basis, nobody.estimate), (Basis::Published, None));
+    }
+
+    #[test]
+    fn own_recordings_without_training_people_are_estimated_on_who_is_there_and_say_so() {
+        let recordings = [recording(DataSet::ReactEmg, "anna", 40, Timing::Cues)];
+        let found = lag(&recordings, LabelLag::EachCue, &|_| false);
+        assert_eq!(found.basis, Basis::PeopleAtHand(1));
+        assert!(found.to_string().contains("1 person at hand"), "{found}");
+        // In a run, whoever is held out stays out of it.
+        let late = recording(DataSet::ReactEmg, "ben", 100, Timing::Cues);
+        let both = [recordings[0].clone(), late];
+        let run = lag(&both, LabelLag::EachCue, &|subject| {
+            subject == "react-emg/anna"
+        });
+        assert_eq!(
+            (run.basis, run.constant()),
+            (Basis::TrainingPeople(1), found.constant())
+        );
+    }
+
+    #[test]
+    fn every_recording_is_compensated_as_its_labels_ask_for() {
+        let recordings = [Timing::RestAroundCues, Timing::Cues, Timing::Muscle]
+            .map(|timing| recording(DataSet::ReactEmg, "anna", 40, timing));
+        let found = lag(&recordings, LabelLag::EachCue, &|_| false);
+        let [rested, cues, muscle] = recordings.each_ref().map(|own| found.of_recording(own));
+        assert_eq!(
+            (rested, muscle),
+            (Compensation::EachCue, Compensation::NONE)
+        );
+        assert!(matches!(cues, Compensation::Constant(35..=45)));
+        let told = found.to_string();
+        assert!(
+            told.starts_with("each cue's own lag (1 recordings); constant lag"),
+            "{told}"
+        );
+        let none = lag(&recordings, LabelLag::None, &|_| false);
+        assert!(
+            recordings
+                .iter()
+                .all(|own| none.of_recording(own) == Compensation::NONE)
+        );
+        assert!(none.to_string().starts_with("as recorded"), "{none}");
+    }
+}

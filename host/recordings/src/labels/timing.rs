@@ -1,0 +1,177 @@
+//! What labels mark in time: cues that the muscle follows late, or what the muscle does.
+//!
+//! The recordings decide, person by person; the name of their set does not:
+//!
+//! 1. Labels that a reader or the recorder found in the muscle activity are the muscle's, and so are labels of which four of
+//!    five changes between rest and a gesture lie within 60 ms of the muscle's. People who follow cues do not: the middle four
+//!    fifths of one person's changes cover 0.3 s and more.
+//! 2. Else they are cues. A gesture, or several in a row, has rest around it if the labels say relax for 0.5 s before it and
+//!    after it, without a gap. Where three of four have, the muscle shows when each cue was followed.
+//!
+//! Labels inside the activity (`myoup`, `uci-gestures`) and steady holds have no such rest.
+
+use std::collections::BTreeMap;
+
+use shared::intent::Intent;
+
+use super::lag::lags_of;
+use super::runs::{Run, runs};
+use crate::recording::{Recording, Timing};
+
+/// Least samples of a rest before and after a gesture: 0.5 s.
+const REST: usize = 100;
+/// Samples between a label's change and the muscle's below which the label is the muscle's: 60 ms.
+const ON_THE_MUSCLE: f64 = 12.0;
+/// Least changes by which labels are taken for the muscle's.
+const FEWEST_CHANGES: usize = 4;
+
+/// Finds out what the labels mark, person by person. What is known to be the muscle's stays so.
+pub(crate) fn find(recordings: &mut [Recording]) {
+    let mut people: BTreeMap<String, Vec<&mut Recording>> = BTreeMap::new();
+    for recording in recordings {
+        if recording.timing != Timing::Muscle {
+            let own = people.entry(recording.subject.clone()).or_default();
+            own.push(recording);
+        }
+    }
+    for own in people.values_mut() {
+        let timing = of_person(own);
+        for recording in own {
+            recording.timing = timing;
+        }
+    }
+}
+
+/// What the labels of one person's recordings mark.
+fn of_person(recordings: &[&mut Recording]) -> Timing {
+    let (mut rested, mut gestures) = (0, 0);
+    for recording in recordings {
+        let own = rests_around(&recording.labels);
+        rested += own.iter().filter(|rested| **rested).count();
+        gestures += own.len();
+    }
+    if gestures == 0 || 4 * rested < 3 * gestures {
+        return Timing::Cues;
+    }
+    let lags: Vec<f64> = recordings.iter().flat_map(|own| lags_of(own)).collect();
+    let near = lags.iter().filter(|lag| lag.abs() <= ON_THE_MUSCLE).count();
+    if lags.len() >= FEWEST_CHANGES && 5 * near >= 4 * lags.len() {
+        Timing::Muscle
+    } else {
+        Timing::RestAroundCues
+    }
+}
+
+/// Whether rest lies around each gesture, or several in a row.
+fn rests_around(labels: &[Option<Intent>]) -> Vec<bool> {
+    let runs = runs(labels);
+    let is_rest = |run: &Run| run.label == Some(Intent::Relax);
+    let long = |run: Option<&Run>| run.is_some_and(|run| is_rest(run) && run.samples() >= REST);
+    let mut rested = Vec::new();
+    let mut at = 0;
+    while at < runs.len() {
+        let gesture = |run: &&Run| run.label.is_some() && !is_rest(run);
+        let count = runs[at..].iter().take_while(gesture).count();
+        if count > 0 {
+            let before = at.checked_sub(1).and_then(|before| runs.get(before));
+            rested.push(long(before) && long(runs.get(at + count)));
+        }
+        at += count.max(1);
+    }
+    rested
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::recording::DataSet;
+
+    const R: Option<Intent> = Some(Intent::Relax);
+    const O: Option<Intent> = Some(Intent::Open);
+    const C: Option<Intent> = Some(Intent::Close);
+
+    /// Runs of labels; the muscle follows each change after another time, 60 to 130 samples, or at once.
+    fn recording(person: &str, sequence: &[(Option<Intent>, usize)], at_once: bool) -> Recording {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let (mut labels, mut samples, mut loud) = (Vec::new(), Vec::new(), false);
+        for &(label, count) in sequence {
+            let late = if at_once {
+                0
+            } else {
+                random.random_range(60..130)
+            };
+            for at in 0..count {
+                if at == late {
+                    loud = label.is_some() && label != R;
+                }
+                let most = if loud { 40 } else { 3 };
+                samples.push([(); 8].map(|()| random.random_range(-most..=most)));
+                labels.push(label);
+            }
+        }
+        Recording::new(DataSet::ReactEmg, person, samples, labels)
+    }
+
+    fn timing(sequence: &[(Option<Intent>, usize)], at_once: bool) -> Timing {
+        let mut recordings = [recording("anna", sequence, at_once)];
+        find(&mut recordings);
+        recordings[0].timing
+    }
+
+    /// Open and close in turn, between rests of so many samples.
+    fn between_rests(rest: usize) -> Vec<(Option<Intent>, usize)> {
+        let turn = [(R, rest), (O, 400), (R, rest), (C, 400)];
+        [turn.repeat(4), vec![(R, rest)]].concat()
+    }
+
+    #[test]
+    fn rest_of_half_a_second_around_each_gesture_shows_when_cues_were_followed() {
+        assert_eq!(timing(&between_rests(400), false), Timing::RestAroundCues);
+        assert_eq!(timing(&between_rests(100), false), Timing::RestAroundCues);
+        assert_eq!(timing(&between_rests(99), false), Timing::Cues);
+        let paper = [(R, 400), (O, 400), (C, 400), (O, 400)].repeat(4);
+        let to_the_end = [paper, vec![(R, 400)]].concat();
+        assert_eq!(timing(&to_the_end, false), Timing::RestAroundCues);
+    }
+
+    #[test]
+    fn labels_inside_the_activity_and_steady_holds_have_no_rest_around_them() {
+        let inside = [(R, 400), (None, 60), (O, 300), (None, 60)].repeat(5);
+        assert_eq!(timing(&inside, false), Timing::Cues);
+        for hold in [O, R, None] {
+            assert_eq!(timing(&[(hold, 2000)], false), Timing::Cues);
+        }
+        // Three of four gestures are enough, half of them are not.
+        let with = |bare: usize| [between_rests(400), [(None, 9), (O, 400)].repeat(bare)].concat();
+        assert_eq!(timing(&with(2), false), Timing::RestAroundCues);
+        assert_eq!(timing(&with(8), false), Timing::Cues);
+    }
+
+    #[test]
+    fn labels_that_lie_on_the_muscle_are_the_muscles() {
+        assert_eq!(timing(&between_rests(400), true), Timing::Muscle);
+    }
+
+    #[test]
+    fn each_person_is_judged_by_all_of_their_recordings_and_what_is_known_stays() {
+        let rested = recording("anna", &between_rests(400), false);
+        let rest_alone = recording("anna", &[(R, 900)], false);
+        let hold = recording("ben", &[(C, 900)], false);
+        let known = Recording {
+            timing: Timing::Muscle,
+            ..rested.clone()
+        };
+        let mut all = [rested, rest_alone, hold, known];
+        find(&mut all);
+        let expected = [
+            Timing::RestAroundCues,
+            Timing::RestAroundCues,
+            Timing::Cues,
+            Timing::Muscle,
+        ];
+        assert_eq!(all.map(|own| own.timing), expected);
+    }
+}

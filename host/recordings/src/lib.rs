@@ -1,0 +1,41 @@
+//! Recordings of muscle activity and their labels: read, checked, divided by person, cut and
+//! joined.
+//!
+//! One reader per published format; [`load`] recognises the format by content and name of the files.
+//! Labels are mostly the cue that the person saw, not the muscle activity: [`labels::lag`] estimates
+//! how much later the muscle acts. Where a set has no times, the muscle activity itself gives the
+//! labels. Nothing here resamples, filters or scales a sample, but for `uci-gestures`, half of which is lost.
+
+#![deny(missing_docs)]
+
+pub mod alignment;
+pub mod corpus;
+mod electrodes;
+pub mod examiner;
+pub mod finding;
+pub mod labels;
+pub mod lead_in;
+pub mod library;
+pub mod losses;
+pub mod movement;
+pub mod readers;
+mod recording;
+mod seed;
+#[cfg(feature = "download")]
+pub mod source;
+pub mod splice;
+pub mod split;
+pub mod statistics;
+pub mod synthetic;
+
+pub use examiner::copies::Repeat;
+pub use finding::{Finding, Scale, Severity};
+pub use labels::runs::{Run, runs};
+pub use library::{Ignored, Library, LoadOptions, load};
+pub use movement::{Movement, MovementKind};
+pub use readers::error::{Fault, LoadError, Place};
+pub use readers::npy;
+pub use readers::why::Why;
+pub use recording::by_data_set;
+pub use recording::{DataSet, Recording, Timing};
+pub use split::folds;

@@ -1,0 +1,303 @@
+//! Contents of a library by data set, and what was found in it: `myointent data inspect`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use shared::intent::Intent;
+use shared::units::SAMPLE_RATE_HZ;
+
+use super::Library;
+use crate::examiner::electrodes::saturation;
+use crate::finding::{Finding, Group, grouped};
+use crate::labels::lag::{self, LabelLag, LagEstimate};
+use crate::labels::runs::{Run, runs};
+use crate::labels::set_lag::Lag;
+use crate::readers::error::LoadError;
+use crate::readers::why::Why;
+use crate::recording::{DataSet, Recording, by_data_set};
+use crate::split::circles;
+
+/// Contents of one data set.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub struct SetInspection {
+    /// The data set.
+    pub data_set: DataSet,
+    /// People.
+    pub subjects: usize,
+    /// Recordings.
+    pub recordings: usize,
+    /// Seconds of all recordings.
+    pub seconds: f64,
+    /// Seconds by intent; an intent that does not occur is left out.
+    pub seconds_by_intent: BTreeMap<&'static str, f64>,
+    /// Seconds of movement that is none of the six intents.
+    pub seconds_other_movement: f64,
+    /// Seconds without a label, other movement not counted.
+    pub seconds_unlabelled: f64,
+    /// Changes from one labelled intent straight to another.
+    pub transitions: usize,
+    /// Largest share of one channel's samples in one recording at the ends of the range.
+    pub worst_saturation: f64,
+    /// How late the muscle follows its labels, over all subjects; none without a transition to measure it at.
+    pub label_lag: Option<LagEstimate>,
+    /// How an evaluation compensates the labels for it.
+    pub labels: Lag,
+}
+
+/// Files of one kind: of a data set, or not read for one reason.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub struct Files {
+    /// The data set whose reader took them, or why none did.
+    pub what: String,
+    /// What they are recognised by; empty for those that are not read.
+    pub recognised_by: &'static str,
+    /// Their number.
+    pub files: usize,
+    /// The first of them in path order.
+    pub first: PathBuf,
+}
+
+/// Contents of a library, and what was found in it.
+#[derive(Clone, PartialEq, Debug, serde::Serialize)]
+pub struct Inspection {
+    /// By data set.
+    pub sets: Vec<SetInspection>,
+    /// What was found in the recordings, the same together.
+    pub findings: Vec<Group>,
+    /// Files that are damaged, unreadable or without meaning, and why; left out.
+    pub skipped: Vec<String>,
+    /// Files by the reader that took them.
+    pub taken: Vec<Files>,
+    /// Files that no reader took, by reason.
+    pub ignored: Vec<Files>,
+    /// Who was taken for whom, a sentence each.
+    pub people: Vec<String>,
+}
+
+impl Inspection {
+    /// Counts and findings of a library.
+    #[must_use]
+    pub fn new(library: &Library) -> Self {
+        Self {
+            sets: by_data_set(&library.recordings)
+                .into_iter()
+                .map(|(set, recordings)| inspect(set, &recordings))
+                .collect(),
+            findings: groups(library),
+            skipped: library.skipped.iter().map(LoadError::line).collect(),
+            taken: taken(library),
+            ignored: ignored(library),
+            people: library.people.clone(),
+        }
+    }
+}
+
+fn taken(library: &Library) -> Vec<Files> {
+    let mut by_set: BTreeMap<DataSet, BTreeSet<&Path>> = BTreeMap::new();
+    for recording in &library.recordings {
+        by_set
+            .entry(recording.data_set)
+            .or_default()
+            .insert(&recording.path);
+    }
+    files(by_set, |set| (set.name().to_owned(), set.recognised_by()))
+}
+
+fn ignored(library: &Library) -> Vec<Files> {
+    let mut by_reason: BTreeMap<Why, BTreeSet<&Path>> = BTreeMap::new();
+    for ignored in &library.ignored {
+        by_reason
+            .entry(ignored.why)
+            .or_default()
+            .insert(&ignored.path);
+    }
+    files(by_reason, |why| (why.to_string(), ""))
+}
+
+fn files<K>(
+    by_kind: BTreeMap<K, BTreeSet<&Path>>,
+    describe: impl Fn(K) -> (String, &'static str),
+) -> Vec<Files> {
+    by_kind
+        .into_iter()
+        .filter_map(|(kind, paths)| {
+            let first = paths.first()?.to_path_buf();
+            let (what, recognised_by) = describe(kind);
+            Some(Files {
+                what,
+                recognised_by,
+                files: paths.len(),
+                first,
+            })
+        })
+        .collect()
+}
+
+fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
+    let mut counts = [0usize; Intent::ALL.len()];
+    let (mut unlabelled, mut other, mut transitions) = (0, 0, 0);
+    for recording in recordings {
+        other += recording
+            .other_movement
+            .iter()
+            .map(|movement| movement.samples.len())
+            .sum::<usize>();
+        let runs = runs(&recording.labels);
+        for run in &runs {
+            match run.label {
+                Some(intent) => counts[intent.class()] += run.samples(),
+                None => unlabelled += run.samples(),
+            }
+        }
+        let straight = |pair: &&[Run]| pair.iter().all(|run| run.label.is_some());
+        transitions += runs.windows(2).filter(straight).count();
+    }
+    let seconds = |samples: usize| samples as f64 / f64::from(SAMPLE_RATE_HZ);
+    SetInspection {
+        data_set,
+        subjects: recordings
+            .iter()
+            .map(|r| &r.subject)
+            .collect::<BTreeSet<_>>()
+            .len(),
+        recordings: recordings.len(),
+        seconds: recordings.iter().map(|r| r.seconds()).sum(),
+        seconds_by_intent: Intent::ALL
+            .into_iter()
+            .filter(|intent| counts[intent.class()] > 0)
+            .map(|intent| (intent.name(), seconds(counts[intent.class()])))
+            .collect(),
+        seconds_other_movement: seconds(other),
+        seconds_unlabelled: seconds(unlabelled.saturating_sub(other)),
+        transitions,
+        worst_saturation: recordings
+            .iter()
+            .flat_map(|r| saturation(&r.samples))
+            .fold(0.0, f64::max),
+        label_lag: lag::estimate(recordings),
+        labels: Lag::of(
+            data_set,
+            recordings,
+            LabelLag::default(),
+            &circles::is_training,
+        ),
+    }
+}
+
+/// What was found in the recordings of a library, and what their readers know, the same together: the worst first.
+pub(crate) fn groups(library: &Library) -> Vec<Group> {
+    let notes: Vec<(String, Finding)> = library
+        .recordings
+        .iter()
+        .flat_map(|recording| {
+            let known = |note: &String| (recording.full_name(), Finding::Known(note.clone()));
+            recording.notes.iter().map(known)
+        })
+        .collect();
+    let known = notes
+        .iter()
+        .map(|(whose, finding)| (whose.clone(), finding));
+    grouped(library.findings().chain(known))
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::units::CHANNELS;
+
+    use super::*;
+    use crate::library::Ignored;
+    use crate::{Movement, MovementKind};
+
+    fn library() -> Library {
+        let label = |at: usize| match at / 200 {
+            0 | 2 => Some(Intent::Relax),
+            1 => Some(Intent::Close),
+            _ => None,
+        };
+        let sample = |at: usize| {
+            let mut sample = [at as i8 % 7; CHANNELS];
+            sample[2] = 0;
+            sample[5] = if at.is_multiple_of(10) { 127 } else { 1 };
+            sample
+        };
+        Library {
+            recordings: vec![Recording {
+                data_set: DataSet::ReactEmg,
+                subject: "react-emg/s1".into(),
+                name: "a".into(),
+                path: PathBuf::new(),
+                samples: (0..800).map(sample).collect(),
+                labels: (0..800).map(label).collect(),
+                notes: vec!["known".into()],
+                other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
+                timing: crate::Timing::Cues,
+                findings: Vec::new(),
+                wearer: shared::stream::normalizer::Normalizer::new(),
+            }],
+            ignored: ["LICENSE", "notes.txt", "README"]
+                .map(|name| Ignored {
+                    path: name.into(),
+                    why: if name.ends_with(".txt") {
+                        Why::Layout
+                    } else {
+                        Why::Ending
+                    },
+                })
+                .into(),
+            ..Library::default()
+        }
+    }
+
+    #[test]
+    fn seconds_and_transitions_are_counted_by_label() {
+        let inspection = Inspection::new(&library());
+        let set = &inspection.sets[0];
+        assert_eq!((set.subjects, set.recordings, set.seconds), (1, 1, 4.0));
+        let seconds: Vec<_> = set
+            .seconds_by_intent
+            .iter()
+            .map(|(&n, &s)| (n, s))
+            .collect();
+        assert_eq!(seconds, [("close", 1.0), ("relax", 2.0)]);
+        assert_eq!(
+            (set.seconds_unlabelled, set.seconds_other_movement),
+            (0.75, 0.25)
+        );
+        assert_eq!(set.transitions, 2);
+        assert_eq!(set.worst_saturation, 0.1);
+    }
+
+    #[test]
+    fn findings_and_notes_are_told_once_for_all_recordings() {
+        let mut library = library();
+        let recording = &mut library.recordings[0];
+        recording.findings.push(Finding::Dead { channel: 3 });
+        let mut second = recording.clone();
+        second.name = "b".into();
+        library.recordings.push(second);
+        let findings = Inspection::new(&library).findings;
+        let told: Vec<_> = findings
+            .iter()
+            .map(|f| (f.what.as_str(), f.which.len()))
+            .collect();
+        assert_eq!(told, [("channel 3 is silent", 2), ("known", 2)]);
+        assert_eq!(findings[0].which, ["react-emg/s1/a", "react-emg/s1/b"]);
+    }
+
+    #[test]
+    fn every_file_is_told_with_who_took_it_or_why_nobody_did() {
+        let inspection = Inspection::new(&library());
+        let told = |files: &[Files]| -> Vec<(String, usize, PathBuf)> {
+            let told = |f: &Files| (f.what.clone(), f.files, f.first.clone());
+            files.iter().map(told).collect()
+        };
+        let taken = told(&inspection.taken);
+        assert_eq!(taken, [("react-emg".to_owned(), 1, PathBuf::new())]);
+        assert!(inspection.taken[0].recognised_by.contains("gt"));
+        let expected = [
+            (Why::Ending.to_string(), 2, "LICENSE".into()),
+            (Why::Layout.to_string(), 1, "notes.txt".into()),
+        ];
+        assert_eq!(told(&inspection.ignored), expected);
+    }
+}

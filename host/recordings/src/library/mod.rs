@@ -1,0 +1,380 @@
+//! All recordings below a path.
+
+pub mod inspection;
+mod people;
+mod session;
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use shared::stream::normalizer::Normalizer;
+
+use super::examiner::copies::{self, Repeat};
+use super::examiner::examine;
+use super::finding::Finding;
+use super::labels::timing;
+use super::readers::error::{Damage, LoadError};
+use super::readers::excerpt::excerpt;
+use super::readers::open::{Found, Request, open};
+use super::readers::path::left_arm;
+use super::readers::why::Why;
+use super::recording::{DataSet, Recording};
+
+/// What to read.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct LoadOptions {
+    /// Stop at the first damaged file, rather than leave damaged files out and list them.
+    pub strict: bool,
+    /// Data sets to read, files of others are ignored; all if empty.
+    pub data_sets: Vec<DataSet>,
+}
+
+impl LoadOptions {
+    fn wants(&self, data_set: DataSet) -> bool {
+        self.data_sets.is_empty() || self.data_sets.contains(&data_set)
+    }
+}
+
+/// Everything found below one path.
+#[derive(Debug, Default)]
+pub struct Library {
+    /// The recordings, ordered by path.
+    pub recordings: Vec<Recording>,
+    /// Why each damaged or unreadable file was left out; empty with [`LoadOptions::strict`].
+    pub skipped: Vec<LoadError>,
+    /// Recordings left out because another holds the same samples.
+    pub repeats: Vec<Repeat>,
+    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of nobody's.
+    pub ignored: Vec<Ignored>,
+    /// Who was taken for whom in recordings that no publication gives a person, a sentence each.
+    pub people: Vec<String>,
+}
+
+/// A file that is not read.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Ignored {
+    /// The file.
+    pub path: PathBuf,
+    /// Why it is not.
+    pub why: Why,
+}
+
+/// Reads every recording at or below a path: a folder of many sets, one set, or one file.
+///
+/// A single file of eight channels is read whatever set it is of; in a folder, a file is read only if its layout
+/// says what it is. No file of more than 128 MiB is read, and nothing but regular files.
+///
+/// # Errors
+/// [`LoadError::Damaged`] or [`LoadError::Io`] at the first damaged or unreadable file in path order with
+/// [`LoadOptions::strict`]; [`LoadError::NoRecordings`] if none is found; [`LoadError::Io`] if the path
+/// itself cannot be read.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
+    let (root, files) = files(path)?;
+    let alone = !root.is_dir();
+    let request = Request {
+        wants: |data_set| options.wants(data_set),
+        alone,
+    };
+    let found: Vec<Result<_, LoadError>> = files
+        .into_par_iter()
+        .map(|file| {
+            let file = file?;
+            let found = open(&file, &request)?;
+            Ok((file, found))
+        })
+        .collect();
+    let mut library = Library::default();
+    for found in found {
+        match found {
+            Ok((_, Found::Recordings(recordings))) => library.recordings.extend(recordings),
+            Ok((_, Found::Part)) => {}
+            Ok((path, Found::Nothing(why))) => library.ignored.push(Ignored { path, why }),
+            Err(error) if !(options.strict || alone && error.is_refusal()) => {
+                library.skipped.push(error);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if library.recordings.is_empty() && library.skipped.is_empty() {
+        return Err(LoadError::NoRecordings {
+            path: path.to_owned(),
+            found: passed_over(&library.ignored),
+        });
+    }
+    let folder = if alone { root.parent() } else { None };
+    let folder = folder.unwrap_or(&root);
+    people::by_folder(folder, &mut library.recordings);
+    library.repeats = copies::leave_out(&mut library.recordings);
+    library.examine(options.strict)?;
+    // Again: nobody is named after a copy.
+    library.people = people::by_folder(folder, &mut library.recordings);
+    library.follow_wearers();
+    timing::find(&mut library.recordings);
+    Ok(library)
+}
+
+impl Library {
+    /// Subjects, each once, in alphabetical order.
+    #[must_use]
+    pub fn subjects(&self) -> Vec<String> {
+        let mut subjects: Vec<_> = self.recordings.iter().map(|r| r.subject.clone()).collect();
+        subjects.sort_unstable();
+        subjects.dedup();
+        subjects
+    }
+
+    /// All that was found in the recordings, with their names, in path order.
+    pub fn findings(&self) -> impl Iterator<Item = (String, &Finding)> {
+        let recordings = self.recordings.iter();
+        let found = recordings.flat_map(|recording| {
+            let findings = recording.findings.iter();
+            findings.map(|finding| (recording.full_name(), finding))
+        });
+        let repeats = self.repeats.iter();
+        found.chain(repeats.map(|repeat| (repeat.path.display().to_string(), &repeat.finding)))
+    }
+
+    /// Examines each recording; one without meaning is left out.
+    fn examine(&mut self, strict: bool) -> Result<(), LoadError> {
+        let recordings = std::mem::take(&mut self.recordings).into_par_iter();
+        let examined: Vec<Result<Recording, LoadError>> = recordings
+            .map(|mut recording| match examine(&recording) {
+                Ok(findings) => {
+                    recording.findings.extend(findings);
+                    Ok(recording)
+                }
+                Err(finding) => Err(Damage::refused(finding).in_file(&recording.path)),
+            })
+            .collect();
+        for recording in examined {
+            match recording {
+                Ok(recording) => self.recordings.push(recording),
+                Err(error) if strict => return Err(error),
+                Err(error) => self.skipped.push(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Normalization follows a wearer from one recording to the next, in path order. Many are of a few seconds: by
+    /// themselves they would show it nothing. A person's two arms are two wearers.
+    fn follow_wearers(&mut self) {
+        let mut wearers: HashMap<(String, bool), Normalizer> = HashMap::new();
+        for recording in &mut self.recordings {
+            let arm = (recording.subject.clone(), left_arm(&recording.path));
+            let wearer = wearers.entry(arm).or_default();
+            recording.wearer = *wearer;
+            for &sample in &recording.samples {
+                wearer.push(sample);
+            }
+        }
+    }
+}
+
+/// Files that were passed over, by reason.
+fn passed_over(ignored: &[Ignored]) -> String {
+    let mut by_reason: BTreeMap<Why, Vec<&Path>> = BTreeMap::new();
+    for Ignored { path, why } in ignored {
+        by_reason.entry(*why).or_default().push(path);
+    }
+    let told = by_reason.into_iter().map(|(why, paths)| {
+        let count = paths.len();
+        let first = paths[0].file_name().unwrap_or_default().to_string_lossy();
+        format!("{count} {why}, such as {}", excerpt(&first))
+    });
+    let told: Vec<String> = told.collect();
+    if told.is_empty() {
+        return "no file".to_owned();
+    }
+    told.join("; ")
+}
+
+/// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be
+/// read.
+fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
+    let root = path.canonicalize().map_err(|source| LoadError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let mut files = Vec::new();
+    for entry in walkdir::WalkDir::new(&root)
+        .follow_links(true)
+        .sort_by_file_name()
+    {
+        match entry {
+            // Devices and pipes too: they are refused by name when they are to be read.
+            Ok(entry) if !entry.file_type().is_dir() => files.push(Ok(entry.into_path())),
+            Ok(_) => {}
+            // A link to nowhere, a circle of links, a folder that must not be read.
+            Err(error) => files.push(Err(LoadError::Io {
+                path: error.path().unwrap_or(path).to_owned(),
+                source: error.into(),
+            })),
+        }
+    }
+    Ok((root, files))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_without_recordings_says_so() {
+        let folder = std::env::temp_dir().join(format!("myointent-empty-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("notes.txt"), "not a recording\n").unwrap();
+        let error = load(&folder, &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }));
+        let missing = load(&folder.join("nowhere"), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(missing, LoadError::Io { .. }));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_damaged_file_is_listed_or_stops_a_strict_load() {
+        let folder = std::env::temp_dir().join(format!("myointent-bad-{}", std::process::id()));
+        let sitting = folder.join("12345-1");
+        std::fs::create_dir_all(&sitting).unwrap();
+        let good = "1,2,3,4,5,6,7,8,0\n".repeat(30);
+        std::fs::write(sitting.join("0.txt"), &good).unwrap();
+        std::fs::write(sitting.join("7.txt"), format!("{good}1,2\n")).unwrap();
+        let library = load(&folder, &LoadOptions::default()).unwrap();
+        assert_eq!((library.recordings.len(), library.skipped.len()), (1, 1));
+        let strict = LoadOptions {
+            strict: true,
+            ..LoadOptions::default()
+        };
+        for error in [&library.skipped[0], &load(&folder, &strict).unwrap_err()] {
+            let error = error.to_string();
+            assert!(error.contains("7.txt, line 31: expected 9"), "{error}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_recording_published_twice_is_kept_once() {
+        let samples = crate::examiner::fixture::emg(1000, 1);
+        let values = samples.iter().flatten();
+        let bytes: Vec<u8> = values
+            .flat_map(|&count| i16::from(count).to_le_bytes())
+            .collect();
+        let folder = folder(&[
+            ("EvaluationDataset/Female0/Test0/classe_0.dat", &bytes),
+            ("PreTrainingDataset/Female8/training0/classe_0.dat", &bytes),
+        ]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), ["cote-allard/E-Female0"]);
+        let left_out = &library.repeats[0].path;
+        assert!(left_out.ends_with("Female8/training0/classe_0.dat"));
+    }
+
+    const HEADER: &str = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
+
+    /// A folder with these files in it.
+    fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, bytes) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        }
+        folder
+    }
+
+    fn array() -> Vec<u8> {
+        crate::npy::encode("|i1", &[100, 8], &[3; 800])
+    }
+
+    #[test]
+    fn arrays_of_no_known_set_are_no_people() {
+        let array = array();
+        let folder = folder(&[("113_waveIn.npy", &array), ("recordings/7.npy", &array)]);
+        let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_single_array_of_the_users_own_is_read() {
+        let folder = folder(&[("113_waveIn.npy", &array())]);
+        let file = folder.path().join("113_waveIn.npy");
+        let library = load(&file, &LoadOptions::default()).unwrap();
+        let person = folder.path().file_name().unwrap().to_str().unwrap();
+        assert_eq!(
+            library.recordings[0].full_name(),
+            format!("react-emg/{person}/113_waveIn")
+        );
+    }
+
+    #[test]
+    fn rows_of_no_known_set_are_no_people() {
+        let rows = "1,2,3,4,5,6,7,8\n".repeat(100);
+        let folder = folder(&[("a/1.csv", rows.as_bytes()), ("b/2.csv", rows.as_bytes())]);
+        let error = load(folder.path(), &LoadOptions::default()).unwrap_err();
+        assert!(matches!(error, LoadError::NoRecordings { .. }), "{error}");
+        let one = load(&folder.path().join("a/1.csv"), &LoadOptions::default()).unwrap();
+        assert_eq!(one.subjects(), ["react-emg/a"]);
+    }
+
+    #[test]
+    fn numbers_of_files_are_not_people() {
+        let text = format!("{HEADER}{}", "0,1,2,3,4,5,6,7,8\n".repeat(10));
+        let folder = folder(&[
+            ("lab/12_grasp.csv", text.as_bytes()),
+            ("lab/13_grasp.csv", text.as_bytes()),
+            ("s4/s4_grasp.csv", text.as_bytes()),
+            ("anna/anna_grasp.csv", text.as_bytes()),
+        ]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let expected = ["react-emg/anna", "react-emg/lab", "react-emg/s4"];
+        assert_eq!(library.subjects(), expected);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_dangling_link_is_listed_and_stops_nothing() {
+        let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+        let link = folder.path().join("s1/s1_gone.csv");
+        std::os::unix::fs::symlink(folder.path().join("nowhere.csv"), link).unwrap();
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert_eq!(library.recordings.len(), 1);
+        let skipped = library.skipped[0].to_string();
+        assert!(skipped.contains("s1_gone.csv"), "{skipped}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_device_is_listed_and_not_read() {
+        let text = format!("{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+        std::os::unix::fs::symlink("/dev/zero", folder.path().join("s1/s1_z.csv")).unwrap();
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        let skipped = library.skipped[0].to_string();
+        assert!(skipped.contains("s1_z.csv"), "{skipped}");
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_header() {
+        let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let folder = folder(&[("s1/s1_a.csv", text.as_bytes())]);
+        let library = load(folder.path(), &LoadOptions::default()).unwrap();
+        assert_eq!(library.subjects(), ["react-emg/s1"]);
+    }
+
+    #[test]
+    fn utf_16_is_refused_with_what_to_do() {
+        let text = format!("\u{feff}{HEADER}0,1,2,3,4,5,6,7,8\n");
+        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        for bytes in [&little[..], &big, &little[2..]] {
+            let folder = folder(&[("s1/s1_a.csv", bytes)]);
+            let library = load(folder.path(), &LoadOptions::default()).unwrap();
+            let skipped = library.skipped[0].to_string();
+            assert!(skipped.contains("UTF-16"), "{skipped}");
+            assert!(skipped.contains("UTF-8"), "{skipped}");
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Who is who in a user's own recordings: the folder is the person.
+//!
+//! All of the path below the folder that was asked for names the person, without what all paths begin with. Folders
+//! that are named like a session belong to the folder above them, and so does what lies below a folder with recordings.
+//! Files that lie in the folder that was asked for are of the person of its name. Every choice is told.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use super::session::{Session, session};
+use crate::readers::path::{is_number, stem};
+use crate::recording::{DataSet, Recording};
+
+/// Names in one sentence.
+const SHOWN: usize = 6;
+
+/// Names the people of the user's own recordings in or below a folder, and says how.
+pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String> {
+    let own: Vec<usize> = (0..recordings.len())
+        .filter(|&at| is_own(recordings[at].data_set))
+        .collect();
+    let mut places: Vec<Place> = own
+        .iter()
+        .map(|&at| Place::of(base, &recordings[at].path))
+        .collect();
+    if places.is_empty() {
+        return Vec::new();
+    }
+    let shared = without_shared(&mut places);
+    places.iter_mut().for_each(Place::leave_sessions);
+    join_below(&mut places);
+    let taken: BTreeSet<String> = places.iter().map(Place::person).collect();
+    let top = name_of(&base.join(shared), &taken);
+    let prefixes = prefixes(&places, own.iter().map(|&at| &recordings[at]));
+    for (&at, place) in own.iter().zip(&places) {
+        let recording = &mut recordings[at];
+        let set = recording.data_set.name();
+        let person = match (place.person(), prefix(&recording.path)) {
+            (folder, _) if !folder.is_empty() => folder,
+            (_, Some(prefix)) if prefixes && place.sessions.is_empty() => prefix.to_owned(),
+            _ => top.clone(),
+        };
+        recording.subject = format!("{set}/{person}");
+        let file = recording.path.file_stem().unwrap_or_default();
+        // The number of a piece behind a gap.
+        let whole = recording.name.rsplit('/').next().unwrap_or_default();
+        let piece = whole.strip_prefix(&*file.to_string_lossy());
+        let file = text(file) + piece.unwrap_or_default();
+        recording.name = place.name(&file);
+    }
+    let people: BTreeSet<&str> = own
+        .iter()
+        .filter_map(|&at| recordings[at].subject.split_once('/'))
+        .map(|(_, person)| person)
+        .collect();
+    told(&people, &places, prefixes)
+}
+
+/// Recordings that no publication gives a person.
+const fn is_own(set: DataSet) -> bool {
+    matches!(set, DataSet::ReactEmg | DataSet::Synthetic)
+}
+
+fn above(path: &Path) -> &Path {
+    path.parent().unwrap_or(path)
+}
+
+/// A name as text; what is no Unicode is escaped, so that two names never become one.
+fn text(name: &OsStr) -> String {
+    name.to_str()
+        .map_or_else(|| format!("{name:?}"), str::to_owned)
+}
+
+/// Folders of a recording below the one that was asked for.
+struct Place {
+    /// Those that name the person.
+    person: Vec<String>,
+    /// Sessions among them.
+    sessions: Vec<String>,
+}
+
+impl Place {
+    fn of(base: &Path, path: &Path) -> Self {
+        let below = above(path).strip_prefix(base).unwrap_or(Path::new(""));
+        Self {
+            person: below.iter().map(text).collect(),
+            sessions: Vec::new(),
+        }
+    }
+
+    /// Takes out the folders that are named like sessions.
+    fn leave_sessions(&mut self) {
+        let mut last = Vec::new();
+        while let Some(name) = self.person.last() {
+            let leaves = match session(name) {
+                Some(Session::Time | Session::Part | Session::Container) => true,
+                // Numbers below a folder; the first ones are people.
+                Some(Session::Number) => self.person.len() > 1,
+                None => false,
+            };
+            if !leaves {
+                break;
+            }
+            last.extend(self.person.pop());
+        }
+        let is_time = |name: &&String| session(name) == Some(Session::Time);
+        let first = self.person.iter().take_while(is_time).count();
+        self.sessions.extend(self.person.drain(..first));
+        self.sessions.extend(last.into_iter().rev());
+    }
+
+    fn person(&self) -> String {
+        self.person.join("/")
+    }
+
+    /// Name of a recording among the person's.
+    fn name(&self, file: &str) -> String {
+        let folders = self.sessions.iter().map(String::as_str);
+        folders.chain([file]).collect::<Vec<_>>().join("/")
+    }
+}
+
+/// Takes out the folders that all paths begin with, but for the last folder of a path, and returns them.
+fn without_shared(places: &mut [Place]) -> PathBuf {
+    let mut shared = PathBuf::new();
+    while let Some(first) = places[0].person.first().cloned() {
+        let begins = |place: &Place| place.person.len() > 1 && place.person[0] == first;
+        if !places.iter().all(begins) {
+            break;
+        }
+        shared.push(first);
+        for place in &mut *places {
+            place.person.remove(0);
+        }
+    }
+    shared
+}
+
+/// A folder with recordings in it is one person's, with all that is below.
+fn join_below(places: &mut [Place]) {
+    let direct: BTreeSet<Vec<String>> = places
+        .iter()
+        .filter(|place| !place.person.is_empty())
+        .map(|place| place.person.clone())
+        .collect();
+    for place in places {
+        let end = (1..place.person.len()).find(|&end| direct.contains(&place.person[..end]));
+        if let Some(end) = end {
+            let below = place.person.split_off(end);
+            place.sessions.splice(0..0, below);
+        }
+    }
+}
+
+/// Name of the person of the folder that was asked for.
+fn name_of(base: &Path, taken: &BTreeSet<String>) -> String {
+    let names = base.ancestors().filter_map(Path::file_name).map(text);
+    let is_person = |name: &String| !matches!(session(name), Some(Session::Time | Session::Part));
+    let mut names = names.skip_while(|name| !is_person(name));
+    let name = names.next().unwrap_or_else(|| "unknown".to_owned());
+    if taken.contains(&name) {
+        return format!("{name}/.");
+    }
+    name
+}
+
+/// Whether the names of the files in the folder that was asked for tell several people apart: `s3_grasp_1.csv`.
+fn prefixes<'r>(places: &[Place], recordings: impl Iterator<Item = &'r Recording>) -> bool {
+    let loose = places.iter().zip(recordings);
+    let loose = loose.filter(|(place, _)| place.person.is_empty() && place.sessions.is_empty());
+    let found: Vec<Option<&str>> = loose.map(|(_, own)| prefix(&own.path)).collect();
+    found.iter().all(Option::is_some) && found.iter().collect::<BTreeSet<_>>().len() > 1
+}
+
+/// `s3` of `s3_grasp_1.csv`.
+fn prefix(path: &Path) -> Option<&str> {
+    let (first, _) = stem(path)?.split_once('_')?;
+    let numbered = first.strip_prefix(['s', 'S']).is_some_and(is_number);
+    numbered.then_some(first)
+}
+
+/// What was chosen, a sentence each.
+fn told(people: &BTreeSet<&str>, places: &[Place], prefixes: bool) -> Vec<String> {
+    let by = if prefixes { "file name" } else { "folder" };
+    let mut told = vec![format!(
+        "people: {}, by {by}: {}",
+        people.len(),
+        listed(people.iter().copied())
+    )];
+    let sessions: BTreeSet<&str> = places
+        .iter()
+        .flat_map(|place| &place.sessions)
+        .map(String::as_str)
+        .collect();
+    if !sessions.is_empty() {
+        told.push(format!(
+            "folders taken as sessions, not as people: {}",
+            listed(sessions.into_iter())
+        ));
+    }
+    let mut last: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    let mut groups: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for &person in people {
+        let (group, name) = person.rsplit_once('/').unwrap_or(("", person));
+        last.entry(name.trim().to_lowercase())
+            .or_default()
+            .insert(person);
+        if !group.is_empty() {
+            groups.entry(group).or_default().insert(person);
+        }
+    }
+    for same in last.into_values().filter(|same| same.len() > 1) {
+        told.push(format!(
+            "counted as different people, though their folders have one name: {}; if they are one person, put them \
+             into one folder",
+            listed(same.into_iter())
+        ));
+    }
+    for (group, people) in groups.into_iter().filter(|(_, people)| people.len() > 1) {
+        told.push(format!(
+            "counted as different people, because {group} holds no recording itself: {}; if they are sessions of one \
+             person, name the folders session_1, session_2 or by date",
+            listed(people.into_iter())
+        ));
+    }
+    told
+}
+
+fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
+    let more = if names.len() > SHOWN { ", ..." } else { "" };
+    let names: Vec<&str> = names.take(SHOWN).collect();
+    names.join(", ") + more
+}
+
+#[cfg(test)]
+mod tests;

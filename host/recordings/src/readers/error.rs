@@ -1,0 +1,134 @@
+//! What can be wrong with a file of recordings, and where.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::excerpt::printable;
+pub use super::fault::Fault;
+use crate::finding::Finding;
+
+/// Place of a fault in its file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// Line of a text file, 1 first.
+    Line(usize),
+    /// Byte of a binary file, 0 first.
+    Byte(u64),
+    /// The file as a whole.
+    File,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::File => f.write_str("whole file"),
+        }
+    }
+}
+
+/// A fault and its place, before the file is known.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Damage {
+    pub place: Place,
+    pub fault: Fault,
+    /// The published copy has it too.
+    pub as_published: bool,
+}
+
+impl Damage {
+    pub const fn at(place: Place, fault: Fault) -> Self {
+        Self {
+            place,
+            fault,
+            as_published: false,
+        }
+    }
+
+    pub const fn at_line(line: usize, fault: Fault) -> Self {
+        Self::at(Place::Line(line), fault)
+    }
+
+    pub const fn at_byte(byte: u64, fault: Fault) -> Self {
+        Self::at(Place::Byte(byte), fault)
+    }
+
+    pub const fn of_file(fault: Fault) -> Self {
+        Self::at(Place::File, fault)
+    }
+
+    /// The file has no meaning.
+    pub const fn refused(finding: Finding) -> Self {
+        Self::of_file(Fault::Refused { finding })
+    }
+
+    /// The error, now that the file is known.
+    pub fn in_file(self, path: &Path) -> LoadError {
+        LoadError::Damaged {
+            path: path.to_owned(),
+            place: self.place,
+            fault: self.fault,
+            as_published: self.as_published,
+        }
+    }
+}
+
+/// Why recordings could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file system refused, or the file is no regular one or too large.
+    #[error("cannot read {}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// No file in a format that is read here.
+    #[error(
+        "no recordings in {}: expected one of the published layouts, or tables with eight channels (see \
+         `myointent data inspect --help`), found {found}",
+        path.display()
+    )]
+    NoRecordings {
+        /// File or folder that was searched.
+        path: PathBuf,
+        /// What there is instead, in words.
+        found: String,
+    },
+    /// A damaged file.
+    #[error(
+        "{}, {place}: {fault}{}",
+        path.display(),
+        if *as_published { " (damaged as published)" } else { "" }
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong there.
+        fault: Fault,
+        /// The published copy has the same damage: downloading it again does not help.
+        as_published: bool,
+    },
+}
+
+impl LoadError {
+    /// Whether the file was not even read.
+    pub(crate) const fn is_refusal(&self) -> bool {
+        matches!(self, Self::Io { .. })
+    }
+
+    /// The error with its causes, in one line.
+    pub fn line(&self) -> String {
+        let mut line = self.to_string();
+        let mut cause = std::error::Error::source(self);
+        while let Some(error) = cause {
+            line += &format!(": {error}");
+            cause = error.source();
+        }
+        printable(&line)
+    }
+}

@@ -1,0 +1,300 @@
+//! Recordings of the user's own, and ReactEMG's (ROAM-EMG and what the reference converts): a table whose columns are
+//! told by their names, `gt` and `emg_0`..`emg_7` in ReactEMG's, or npy with the label first, then eight channels, under
+//! ReactEMG's names of files.
+//!
+//! Who the person is, the folder says once all files are known (`library/people.rs`). Values are the armband's counts.
+//! Label -1 is unlabelled. Columns besides channels and label are ignored, except [`MUSCLE_COLUMN`], which marks synthetic
+//! recordings, [`RECORDER_COLUMNS`], which mark labels of the muscle, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as a board turns them that was aligned
+//! so.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+use shared::stream::alignment::Alignment;
+use shared::stream::normalizer::Normalizer;
+use shared::units::{CHANNELS, Sample};
+
+use crate::readers::beside::Beside;
+use crate::readers::columns::Columns;
+use crate::readers::error::{Damage, Fault};
+use crate::readers::excerpt::excerpt;
+use crate::readers::labels::{from_number, from_text};
+use crate::readers::npy::{Array, Values};
+use crate::readers::path::{is_number, left_arm, stem};
+use crate::readers::table::{self, Samples};
+use crate::recording::{DataSet, Recording, Timing};
+
+/// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
+pub const MUSCLE_COLUMN: &str = "synthetic_muscle";
+
+/// Column of recordings by `myointent record`: places that the armband is turned by, as the board was aligned.
+pub const TURN_COLUMN: &str = "turn";
+
+/// The same: 1 if it is on the other arm.
+pub const MIRRORED_COLUMN: &str = "mirrored";
+
+/// Columns that `myointent record` writes behind the channels. The labels beside them are the muscle's.
+pub const RECORDER_COLUMNS: [&str; 5] = ["sample", "cue", "trial", "used", "bridged"];
+
+/// Note of a recording in a folder or file that is named after the left arm.
+const LEFT: &str = "named after the left arm, read as it is: if the armband was on the left arm, add columns turn (6) and mirrored (1)";
+
+/// Reads a table of these columns, sample by sample.
+pub(crate) fn read_csv(
+    path: &Path,
+    text: &str,
+    columns: &Columns,
+) -> Result<Vec<Recording>, Damage> {
+    let placements = columns
+        .position(TURN_COLUMN)
+        .zip(columns.position(MIRRORED_COLUMN));
+    let (mut samples, mut labels, mut has_numbers) = (Samples::default(), Vec::new(), false);
+    let (mut placed, mut beside) = (Vec::new(), Beside::find(columns));
+    for (line, row) in table::rows(text).skip(columns.first_line - 1) {
+        let at_line = |fault| Damage::at_line(line, fault);
+        let fields = columns.separator.fields(row);
+        if fields.len() != columns.count {
+            return Err(at_line(Fault::Fields {
+                expected: columns.count,
+                found: fields.len(),
+            }));
+        }
+        let number = |column: usize| {
+            table::number(line, column + 1, &columns.separator.number(fields[column]))
+        };
+        let mut counts = [0.0; CHANNELS];
+        for (count, &column) in counts.iter_mut().zip(&columns.channels) {
+            *count = number(column)?;
+        }
+        samples.push(&counts, columns.channels[0] + 1, at_line);
+        beside.push(columns.separator, &fields);
+        let placement = match placements {
+            None => Alignment::NONE,
+            Some((turn, mirrored)) => {
+                let (turn, mirrored) = (number(turn)?, number(mirrored)?);
+                placement(turn, mirrored)
+                    .ok_or_else(|| at_line(Fault::Placement { turn, mirrored }))?
+            }
+        };
+        placed.push(placement);
+        labels.push(match columns.label {
+            None => None,
+            Some(column) => {
+                has_numbers |= fields[column].parse::<f64>().is_ok();
+                from_text(fields[column]).map_err(at_line)?
+            }
+        });
+    }
+    let data_set = if columns.position(MUSCLE_COLUMN).is_some() {
+        DataSet::Synthetic
+    } else {
+        DataSet::ReactEmg
+    };
+    let placed = samples.finish()?.into_iter().zip(placed);
+    let samples = placed.map(|(sample, placement)| placement.apply(sample));
+    let mut recording = own(path, data_set, samples.collect(), labels)?;
+    let has = |name: &&str| columns.position(name).is_some();
+    if RECORDER_COLUMNS.iter().all(has) {
+        recording.timing = Timing::Muscle;
+    }
+    let label = columns.label.and_then(|column| columns.names.get(column));
+    if let Some(label) = label.filter(|label| has_numbers && *label != "gt") {
+        recording.notes.push(format!(
+            "numbers in column {} are read as 0 relax, 1 open, 2 close, 3 wave-in, 4 wave-out, 5 pinch, -1 unknown",
+            excerpt(label)
+        ));
+    }
+    divided(recording, &beside)
+}
+
+/// The recording's samples, or its pieces where its clock leaps.
+fn divided(recording: Recording, beside: &Beside) -> Result<Vec<Recording>, Damage> {
+    let rows = beside.rows(&recording.samples).map_err(Damage::refused)?;
+    Ok(rows.apply(recording))
+}
+
+/// One of the 16 placements.
+fn placement(turn: f64, mirrored: f64) -> Option<Alignment> {
+    let places = 0..CHANNELS as u8;
+    let turn = places.into_iter().find(|&place| f64::from(place) == turn)?;
+    let mirrored = [0.0, 1.0].iter().position(|&known| known == mirrored)?;
+    Some(Alignment::new(turn, mirrored == 1))
+}
+
+/// Whether an array is one of ReactEMG's: label and eight channels under a name of theirs, `s3_grasp_1.npy` or
+/// `trainingSamples_idx_1_open.npy`, and labels in most of its first rows. Elsewhere nine columns may mean anything.
+pub(crate) fn is_recording(path: &Path, array: &Array) -> bool {
+    const EXAMINED: usize = 20;
+    let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
+        return false;
+    };
+    let Some((first, _)) = stem(path).and_then(|name| name.split_once('_')) else {
+        return false;
+    };
+    let is_numbered = first.strip_prefix(['s', 'S']).is_some_and(is_number);
+    if !is_numbered && !["trainingSamples", "testingSamples"].contains(&first) {
+        return false;
+    }
+    let rows = values.chunks_exact(COLUMNS).take(EXAMINED);
+    let labelled = rows.clone().filter(|row| from_number(row[0]).is_ok());
+    2 * labelled.count() > rows.len()
+}
+
+/// Label and channels.
+const COLUMNS: usize = CHANNELS + 1;
+
+/// Reads (n, 9): label and channels.
+pub(crate) fn read_npy(path: &Path, array: &Array) -> Result<Vec<Recording>, Damage> {
+    let (Values::Numbers(values), &[_, COLUMNS]) = (&array.values, &array.shape[..]) else {
+        return Err(Damage::of_file(Fault::Array {
+            expected: "numbers, (n, 9)",
+            found: array.describe(),
+        }));
+    };
+    let (mut samples, mut labels) = (Samples::default(), Vec::new());
+    for (row, values) in values.chunks_exact(COLUMNS).enumerate() {
+        let byte = array.byte_of_row(row);
+        let in_row = |fault| Damage::at_byte(byte, fault);
+        labels.push(from_number(values[0]).map_err(in_row)?);
+        samples.push(&values[1..], 2, in_row);
+    }
+    let recording = own(path, DataSet::ReactEmg, samples.finish()?, labels)?;
+    divided(recording, &Beside::default())
+}
+
+/// Samples without labels, of a file that is asked for by its name.
+pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Recording>, Damage> {
+    let labels = vec![None; samples.len()];
+    let recording = own(path, DataSet::ReactEmg, samples, labels)?;
+    divided(recording, &Beside::default())
+}
+
+/// A recording of somebody's; whose, is not known from the file alone.
+pub(crate) fn own(
+    path: &Path,
+    data_set: DataSet,
+    samples: Vec<Sample>,
+    labels: Vec<Option<Intent>>,
+) -> Result<Recording, Damage> {
+    if samples.is_empty() {
+        return Err(Damage::of_file(Fault::Empty));
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut notes = Vec::new();
+    if data_set == DataSet::ReactEmg && name.contains("movement") {
+        notes.push("a movement trial: the reference trains on it but does not score it".to_owned());
+    }
+    if data_set == DataSet::ReactEmg && left_arm(path) {
+        notes.push(LEFT.to_owned());
+    }
+    Ok(Recording {
+        data_set,
+        subject: format!("{}/unknown", data_set.name()),
+        name: name.into_owned(),
+        path: path.to_owned(),
+        samples,
+        labels,
+        notes,
+        other_movement: Vec::new(),
+        timing: Timing::Cues,
+        findings: Vec::new(),
+        wearer: Normalizer::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::readers::error::Place;
+    use crate::readers::npy::Layout;
+
+    fn read_csv(path: &Path, text: &str) -> Result<Recording, Damage> {
+        let columns =
+            Columns::of(text).map_err(|unlike| Damage::at_line(unlike.line, unlike.fault))?;
+        Ok(super::read_csv(path, text, &columns)?.remove(0))
+    }
+
+    #[test]
+    fn columns_are_found_by_name_and_others_ignored() {
+        let text = "time,gt,emg0,emg1,emg2,emg3,emg4,emg5,emg6,emg7,task\n\
+                    0.1,2,1,2,3,4,5,6,7,-128,grasp\n0.2,-1,1,2,3,4,5,6,7,128.0,grasp\n";
+        let recording = read_csv(Path::new("/d/s4/s4_grasp_movement.csv"), text).unwrap();
+        assert_eq!(recording.labels, [Some(Intent::Close), None]);
+        assert_eq!(
+            recording.samples,
+            [[1, 2, 3, 4, 5, 6, 7, -128], [1, 2, 3, 4, 5, 6, 7, 127]]
+        );
+        assert_eq!(recording.notes.len(), 1, "a movement trial");
+    }
+
+    #[test]
+    fn channels_are_turned_as_the_board_was_aligned() {
+        let header = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7,turn,mirrored\n";
+        let read = |rows: &str| {
+            let text = format!("{header}{rows}");
+            read_csv(Path::new("/d/anna/anna_1.csv"), &text)
+        };
+        let rows = "0,0,1,2,3,4,5,6,7,0,0\n0,0,1,2,3,4,5,6,7,3,0\n0,0,1,2,3,4,5,6,7,3,1\n";
+        let expected = [
+            [0, 1, 2, 3, 4, 5, 6, 7],
+            [3, 4, 5, 6, 7, 0, 1, 2],
+            [3, 2, 1, 0, 7, 6, 5, 4],
+        ];
+        assert_eq!(read(rows).unwrap().samples, expected);
+        for wrong in ["8,0", "-1,0", "0.5,0", "0,2"] {
+            let fault = read(&format!("0,0,1,2,3,4,5,6,7,{wrong}\n"))
+                .unwrap_err()
+                .fault;
+            assert!(
+                matches!(fault, Fault::Placement { .. }),
+                "{wrong}: {fault:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn faults_name_the_line() {
+        let header = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n";
+        let read = |rows: &str| read_csv(Path::new("/d/s1_a.csv"), &format!("{header}{rows}"));
+        let label = read("0,0,0,0,0,0,0,0,0\n6,0,0,0,0,0,0,0,0\n").unwrap_err();
+        assert_eq!(label.place, Place::Line(3));
+        assert!(matches!(label.fault, Fault::Label { .. }));
+        let short = read("0,0,0\n").unwrap_err();
+        assert_eq!(
+            short,
+            Damage::at_line(
+                2,
+                Fault::Fields {
+                    expected: 9,
+                    found: 3
+                }
+            )
+        );
+        assert_eq!(read("").unwrap_err().fault, Fault::Empty);
+    }
+
+    #[test]
+    fn npy_has_the_label_in_front() {
+        let array = Array {
+            shape: vec![1, 9],
+            descr: "<f8".into(),
+            values: Values::Numbers(vec![1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -7.0]),
+            layout: Layout {
+                start: 128,
+                row_bytes: 72,
+            },
+        };
+        let path = Path::new("/d/trainingJSON_user3/trainingSamples_idx_1_open.npy");
+        assert!(is_recording(path, &array));
+        assert!(is_recording(Path::new("/d/s3_grasp_1.npy"), &array));
+        assert!(!is_recording(Path::new("/d/own.npy"), &array));
+        let times = Array {
+            values: Values::Numbers(vec![0.005; 9]),
+            ..array.clone()
+        };
+        assert!(!is_recording(path, &times));
+        let recording = &read_npy(path, &array).unwrap()[0];
+        assert_eq!(recording.labels, [Some(Intent::Open)]);
+        assert_eq!(recording.samples, [[0, 1, 2, 3, 4, 5, 6, -7]]);
+    }
+}

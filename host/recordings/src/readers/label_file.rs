@@ -1,0 +1,214 @@
+//! One label per sample from a file: what `myointent score` compares.
+//!
+//! npy: one axis of class numbers or names, or (n, 9) in ReactEMG's layout. Text: one label per
+//! line, or csv with a header that names the column. A label is a class number, a name
+//! (`wave-in`), or for no label -1, `none` or an empty field.
+
+use std::path::Path;
+
+use shared::intent::Intent;
+
+use super::error::{Damage, Fault, LoadError};
+use super::labels::{from_number, from_text};
+use super::npy::{self, Values};
+use super::table;
+use execution::bounded_read;
+use execution::file_kind::FileKind;
+
+/// What the labels of a file are read as.
+///
+/// A csv may have columns for both. Neither is ever read as the other: a prediction scored against itself is
+/// always right.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Purpose {
+    /// True labels.
+    Truth,
+    /// Predicted labels.
+    Prediction,
+}
+
+impl Purpose {
+    const ALL: [Self; 2] = [Self::Truth, Self::Prediction];
+
+    /// Columns of a csv that may hold the labels; the first of them that is found is read.
+    const fn columns(self) -> [&'static str; 3] {
+        match self {
+            Self::Truth => ["gt", "truth", "label"],
+            Self::Prediction => ["prediction", "predicted", "label"],
+        }
+    }
+}
+
+/// Reads the labels of a file.
+///
+/// # Errors
+/// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first label that is
+/// none.
+pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
+    let bytes =
+        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+    // A byte order mark, as some editors write it.
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+    parse(bytes, purpose).map_err(|damage| damage.in_file(path))
+}
+
+/// The same of its bytes.
+pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
+    if FileKind::of(bytes) == FileKind::Npy {
+        return not_empty(array(bytes)?);
+    }
+    let text = std::str::from_utf8(bytes)
+        .map_err(|error| Damage::at_byte(error.valid_up_to() as u64, Fault::Text))?;
+    let mut rows = table::rows(text).peekable();
+    let header = rows.peek().map_or("", |(_, row)| *row);
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    let columns = purpose.columns();
+    let column = columns
+        .iter()
+        .find_map(|wanted| names.iter().position(|name| name == wanted));
+    if column.is_some() {
+        rows.next();
+    } else if names.len() > 1
+        || Purpose::ALL
+            .iter()
+            .any(|other| other.columns().contains(&header))
+    {
+        let fault = Fault::Column {
+            expected: columns.join(", "),
+            found: header.to_owned(),
+        };
+        return Err(Damage::at_line(1, fault));
+    }
+    let (column, expected) = (column.unwrap_or(0), names.len());
+    let labels = rows
+        .map(|(line, row)| {
+            let fields: Vec<&str> = row.split(',').map(str::trim).collect();
+            if fields.len() != expected {
+                let fault = Fault::Fields {
+                    expected,
+                    found: fields.len(),
+                };
+                return Err(Damage::at_line(line, fault));
+            }
+            from_text(fields[column]).map_err(|fault| Damage::at_line(line, fault))
+        })
+        .collect::<Result<_, _>>()?;
+    not_empty(labels)
+}
+
+fn not_empty(labels: Vec<Option<Intent>>) -> Result<Vec<Option<Intent>>, Damage> {
+    if labels.is_empty() {
+        return Err(Damage::of_file(Fault::Empty));
+    }
+    Ok(labels)
+}
+
+fn array(bytes: &[u8]) -> Result<Vec<Option<Intent>>, Damage> {
+    let array = npy::parse(bytes)?;
+    let columns = match array.shape[..] {
+        [_] => 1,
+        [_, columns @ (1 | 9)] => columns,
+        _ => {
+            let expected = "labels, (n) or (n, 9)";
+            return Err(Damage::of_file(Fault::Array {
+                expected,
+                found: array.describe(),
+            }));
+        }
+    };
+    let damage = |row: usize| {
+        let byte = array.byte_of_row(row);
+        move |fault| Damage::at_byte(byte, fault)
+    };
+    match &array.values {
+        Values::Numbers(values) => values
+            .iter()
+            .step_by(columns)
+            .enumerate()
+            .map(|(row, &value)| from_number(value).map_err(damage(row)))
+            .collect(),
+        Values::Text(names) => names
+            .iter()
+            .step_by(columns)
+            .enumerate()
+            .map(|(row, name)| from_text(name).map_err(damage(row)))
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::readers::error::Place;
+
+    const R: Option<Intent> = Some(Intent::Relax);
+    const W: Option<Intent> = Some(Intent::WaveIn);
+
+    #[test]
+    fn one_label_a_line_by_number_or_by_name() {
+        assert_eq!(
+            parse(b"0\n3\n-1\nwave-in\nnone\n", Purpose::Truth),
+            Ok(vec![R, W, None, W, None])
+        );
+        assert_eq!(parse(b"label\n0\n3.0\n", Purpose::Truth), Ok(vec![R, W]));
+    }
+
+    #[test]
+    fn a_csv_names_its_column() {
+        assert_eq!(
+            parse(b"sample,label,x\n0,relax,1\n1,,2\n", Purpose::Truth),
+            Ok(vec![R, None])
+        );
+        let damage = parse(b"a,b\n0,0\n", Purpose::Truth).unwrap_err();
+        assert!(matches!(damage.fault, Fault::Column { .. }));
+        let damage = parse(b"sample,label\n0,relax\n1\n", Purpose::Truth).unwrap_err();
+        assert_eq!(
+            damage,
+            Damage::at_line(
+                3,
+                Fault::Fields {
+                    expected: 2,
+                    found: 1
+                }
+            )
+        );
+    }
+
+    #[test]
+    fn a_wrong_label_names_its_line() {
+        for wrong in ["6", "fist", "0.5"] {
+            let damage = parse(format!("0\n{wrong}\n").as_bytes(), Purpose::Truth).unwrap_err();
+            assert_eq!(damage.place, Place::Line(2), "{wrong}");
+        }
+        assert_eq!(parse(b"", Purpose::Truth).unwrap_err().fault, Fault::Empty);
+        assert_eq!(
+            parse(b"0\n\xff\n", Purpose::Truth).unwrap_err(),
+            Damage::at_byte(2, Fault::Text)
+        );
+    }
+
+    #[test]
+    fn each_purpose_has_its_columns_and_refuses_those_of_the_other() {
+        let csv = b"prediction,label,gt\n0,1,3\n";
+        assert_eq!(parse(csv, Purpose::Truth), Ok(vec![W]));
+        assert_eq!(parse(csv, Purpose::Prediction), Ok(vec![R]));
+        for (csv, purpose) in [
+            (&b"a,gt\n0,0\n"[..], Purpose::Prediction),
+            (b"gt\n0\n", Purpose::Prediction),
+            (b"predicted\n0\n", Purpose::Truth),
+        ] {
+            let fault = parse(csv, purpose).unwrap_err().fault;
+            assert!(matches!(fault, Fault::Column { .. }), "{fault:?}");
+        }
+    }
+
+    #[test]
+    fn an_array_of_no_labels_is_refused() {
+        let none = npy::encode("|i1", &[0], &[]);
+        let damage = parse(&none, Purpose::Truth).unwrap_err();
+        assert_eq!(damage.fault, Fault::Empty);
+    }
+}

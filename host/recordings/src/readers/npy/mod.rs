@@ -1,0 +1,273 @@
+//! Arrays as numpy saves them (`.npy`), numbers or text.
+//!
+//! Parsed by hand: a damaged file must give a place and a reason, never a panic or an allocation
+//! beyond its own length, and the labels of `roshambo` are text (`|S7` and `<U7`).
+//! Source: NEP 1, *A Simple File Format for NumPy Arrays*.
+
+mod element;
+mod header;
+
+use std::path::{Path, PathBuf};
+
+use super::error::{Damage, Fault, LoadError};
+use element::{Element, ascii, utf32};
+use execution::bounded_read;
+use header::Header;
+
+const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// An array. Its elements are in C order (first axis slowest), whatever the order in the file.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Array {
+    /// Length of each axis; empty for a single value.
+    pub shape: Vec<usize>,
+    /// Element type as numpy writes it: `<i8` is int64, `|S7` seven bytes of text.
+    pub descr: String,
+    /// The elements.
+    pub values: Values,
+    pub(crate) layout: Layout,
+}
+
+/// Position of the elements of an [`Array`] in its file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Layout {
+    /// Byte of the first element.
+    pub start: u64,
+    /// Bytes from the first element of a row to that of the next.
+    pub row_bytes: usize,
+}
+
+/// Elements of an [`Array`].
+#[derive(Clone, PartialEq, Debug)]
+pub enum Values {
+    /// Integers, truth values and floats of up to 8 bytes.
+    Numbers(Vec<f64>),
+    /// Text, padding removed.
+    Text(Vec<String>),
+}
+
+impl Values {
+    /// Reorders elements from column after column to row after row.
+    fn by_row(self, columns: usize) -> Self {
+        fn transposed<T: Clone>(values: &[T], columns: usize) -> Vec<T> {
+            let rows = values.len() / columns.max(1);
+            (0..values.len())
+                .map(|i| values[i % columns * rows + i / columns].clone())
+                .collect()
+        }
+        match self {
+            Self::Numbers(values) => Self::Numbers(transposed(&values, columns)),
+            Self::Text(values) => Self::Text(transposed(&values, columns)),
+        }
+    }
+}
+
+impl Array {
+    /// Byte of the file at which a row (along the first axis) starts.
+    #[must_use]
+    pub const fn byte_of_row(&self, row: usize) -> u64 {
+        self.layout.start + (row * self.layout.row_bytes) as u64
+    }
+
+    /// Shape and type for a message: `(8990, 8) of <i8`.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let axes: Vec<_> = self.shape.iter().map(ToString::to_string).collect();
+        format!("({}) of {}", axes.join(", "), self.descr)
+    }
+}
+
+/// Reads a whole npy file.
+///
+/// # Errors
+/// [`LoadError::Io`], or [`LoadError::Damaged`] with the byte of the fault.
+pub fn read(path: &Path) -> Result<Array, LoadError> {
+    let bytes =
+        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+    parse(&bytes).map_err(|damage| damage.in_file(path))
+}
+
+/// Reads the file of another name beside `path`.
+///
+/// # Errors
+/// As [`read`]; that it is not there is a damage of the file at `path`.
+pub(crate) fn partner(path: &Path, name: &str) -> Result<(PathBuf, Array), LoadError> {
+    let partner = path.with_file_name(name);
+    match read(&partner) {
+        Err(LoadError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+            let missing = Damage::of_file(Fault::Partner(name.to_owned()));
+            Err(missing.in_file(path))
+        }
+        array => Ok((partner, array?)),
+    }
+}
+
+/// Parses the bytes of an npy file.
+///
+/// # Errors
+/// With the byte of the fault: no npy file, an element type or order that is not read here, or
+/// another length than the header requires.
+pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
+    let Header {
+        descr,
+        by_column,
+        shape,
+        data_start,
+    } = Header::parse(bytes)?;
+    let bad = |what: &str| Damage::at_byte(10, Fault::Npy(what.to_owned()));
+    let element = Element::parse(&descr)
+        .ok_or_else(|| bad(&format!("elements of type {descr} are not read here")))?;
+
+    let data = &bytes[data_start..];
+    let size = element.bytes();
+    let expected = shape
+        .iter()
+        .try_fold(size, |product, &axis| product.checked_mul(axis));
+    if expected != Some(data.len()) {
+        let expected = expected.map_or(u64::MAX, |n| data_start.saturating_add(n) as u64);
+        let fault = Fault::Length {
+            expected,
+            found: bytes.len() as u64,
+        };
+        return Err(Damage::at_byte(bytes.len() as u64, fault));
+    }
+    // Bounded by the file's length, but for the rows of an array without any.
+    let columns = shape
+        .iter()
+        .skip(1)
+        .fold(1_usize, |product, &axis| product.saturating_mul(axis));
+    if by_column && shape.len() > 2 {
+        return Err(bad("more than two axes are read in C order only"));
+    }
+    let values = match element {
+        Element::Number(kind) => {
+            Values::Numbers(data.chunks_exact(size).map(|e| kind.value(e)).collect())
+        }
+        Element::Ascii(_) => Values::Text(data.chunks_exact(size).map(ascii).collect()),
+        Element::Utf32(_) => Values::Text(data.chunks_exact(size).map(utf32).collect()),
+    };
+    let row_bytes = if by_column {
+        size
+    } else {
+        size.saturating_mul(columns)
+    };
+    Ok(Array {
+        values: if by_column {
+            values.by_row(columns)
+        } else {
+            values
+        },
+        shape,
+        descr,
+        layout: Layout {
+            start: data_start as u64,
+            row_bytes,
+        },
+    })
+}
+
+/// The bytes of an npy file in C order; `data` holds the elements in the type `descr`.
+pub fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+    let mut bytes = Header::encode(descr, shape);
+    bytes.extend(data);
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_keep_their_sign_at_every_size() {
+        let array = parse(&encode("|i1", &[2, 2], &[0x80, 0x7f, 0xff, 0])).unwrap();
+        assert_eq!(
+            array.values,
+            Values::Numbers(vec![-128.0, 127.0, -1.0, 0.0])
+        );
+        assert_eq!(array.shape, [2, 2]);
+        let array = parse(&encode("<i8", &[1], &(-5i64).to_le_bytes())).unwrap();
+        assert_eq!(array.values, Values::Numbers(vec![-5.0]));
+        let array = parse(&encode("<f4", &[1], &0.5f32.to_le_bytes())).unwrap();
+        assert_eq!(array.values, Values::Numbers(vec![0.5]));
+    }
+
+    #[test]
+    fn fortran_order_is_transposed() {
+        let mut bytes = encode("|i1", &[2, 3], &[1, 4, 2, 5, 3, 6]);
+        let at = bytes.windows(5).position(|part| part == b"False").unwrap();
+        bytes[at..at + 5].copy_from_slice(b"True ");
+        let array = parse(&bytes).unwrap();
+        assert_eq!(
+            array.values,
+            Values::Numbers(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+        );
+        assert_eq!(array.byte_of_row(1), bytes.len() as u64 - 5);
+    }
+
+    #[test]
+    fn text_comes_in_both_widths() {
+        let expected = Values::Text(vec!["rock".into(), "none".into()]);
+        assert_eq!(
+            parse(&encode("|S7", &[2], b"rock\0\0\0none\0\0\0"))
+                .unwrap()
+                .values,
+            expected
+        );
+        let wide: Vec<u8> = "rock\0\0none\0\0"
+            .chars()
+            .flat_map(|c| (c as u32).to_le_bytes())
+            .collect();
+        assert_eq!(parse(&encode("<U6", &[2], &wide)).unwrap().values, expected);
+    }
+
+    #[test]
+    fn a_cut_file_says_how_many_bytes_are_missing() {
+        let whole = encode("<i8", &[2, 8], &[0; 128]);
+        let damage = parse(&whole[..whole.len() - 3]).unwrap_err();
+        let expected = whole.len() as u64;
+        assert_eq!(
+            damage,
+            Damage::at_byte(
+                expected - 3,
+                Fault::Length {
+                    expected,
+                    found: expected - 3
+                }
+            )
+        );
+    }
+
+    #[test]
+    fn sizes_beyond_memory_and_foreign_types_are_refused() {
+        assert!(parse(&encode("<i8", &[usize::MAX, 9], &[])).is_err());
+        assert!(parse(&encode("|i1", &[usize::MAX], &[])).is_err());
+        assert!(parse(&encode("<i8", &[0, usize::MAX, 9], &[])).is_ok());
+        assert!(parse(&encode("|O", &[1], &[0; 8])).is_err());
+        assert!(parse(b"\x93NUMPY\x09\x00").is_err());
+    }
+
+    #[test]
+    fn an_encoded_header_is_the_one_that_numpy_writes() {
+        // As in `subject02_session01_emg.npy` of the published recordings.
+        let dictionary = "{'descr': '<i8', 'fortran_order': False, 'shape': (SHAPE), }";
+        for (shape, text) in [(&[8990, 8][..], "8990, 8"), (&[8990], "8990,")] {
+            let bytes = encode("<i8", shape, &[]);
+            assert_eq!(bytes[..10], *b"\x93NUMPY\x01\x00\x76\x00");
+            let header = std::str::from_utf8(&bytes[10..]).unwrap();
+            assert_eq!((bytes.len(), &header[117..]), (128, "\n"));
+            assert_eq!(header.trim_end(), dictionary.replace("SHAPE", text));
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn arbitrary_bytes_never_panic(head: bool, bytes: Vec<u8>) {
+            let mut file = if head { MAGIC.to_vec() } else { Vec::new() };
+            file.extend(bytes);
+            let _ = parse(&file);
+        }
+    }
+}

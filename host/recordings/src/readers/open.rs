@@ -1,0 +1,326 @@
+//! One file: which format it has, and the recordings in it.
+
+mod rows;
+
+use std::path::Path;
+
+use super::error::{Damage, Fault, LoadError};
+use super::formats::{cote_allard, epn, myoup, react_emg, roshambo, wang_myo};
+use super::npy::{self, Values};
+use super::why::Why;
+use super::{mat, table};
+use crate::examiner::bands;
+use crate::recording::{DataSet, Recording};
+use execution::bounded_read;
+use execution::file_kind::FileKind;
+
+/// Content of one file.
+pub enum Found {
+    /// Recordings of a data set.
+    Recordings(Vec<Recording>),
+    /// Part of a recording whose samples are in another file.
+    Part,
+    /// No recording that is read.
+    Nothing(Why),
+}
+
+/// Request for the recordings of one file.
+#[derive(Clone, Copy)]
+pub struct Request<W> {
+    /// Data sets that are wanted.
+    pub wants: W,
+    /// It is the only file asked for: eight channels will do.
+    pub alone: bool,
+}
+
+/// Reads one file if it is a recording of a data set that is wanted.
+pub(crate) fn open(
+    path: &Path,
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    // What only the name decides: headerless binary could be anything.
+    if extension(path).is_none() {
+        return Ok(Found::Nothing(Why::Ending));
+    }
+    let bytes = bounded_read::read(path, bounded_read::RECORDING);
+    let bytes = bytes.map_err(|source| LoadError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    of_bytes(path, &bytes, request)
+}
+
+/// The ending of a path that may be a recording.
+fn extension(path: &Path) -> Option<&str> {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.filter(|e| matches!(*e, "npy" | "csv" | "txt" | "dat" | "json" | "mat"))
+}
+
+/// Reads one file from its bytes if it is a recording of a data set that is wanted; files beside it are read from where `path` is.
+pub fn of_bytes(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let Some(extension) = extension(path) else {
+        return Ok(Found::Nothing(Why::Ending));
+    };
+    let damage = |damage: Damage| damage.in_file(path);
+    let kind = FileKind::of(bytes);
+    match kind {
+        FileKind::Empty => return Err(damage(Damage::of_file(Fault::Empty))),
+        FileKind::Npy => return array(path, bytes, request),
+        FileKind::Mat => return matrices(path, bytes, request),
+        FileKind::LfsPointer
+        | FileKind::Html
+        | FileKind::Zip
+        | FileKind::Gzip
+        | FileKind::Model => {
+            let expected = KINDS;
+            let fault = Fault::Kind {
+                expected,
+                found: kind,
+            };
+            return Err(damage(Damage::of_file(fault)));
+        }
+        _ => {}
+    }
+    match extension {
+        "dat" if cote_allard::is_named(path) => request.one(DataSet::CoteAllard, || {
+            cote_allard::read(path, bytes).map_err(damage)
+        }),
+        "npy" => Err(damage(Damage::of_file(Fault::Kind {
+            expected: "an npy array",
+            found: kind,
+        }))),
+        "mat" => matrices(path, bytes, request),
+        _ => rows::open(path, bytes, request),
+    }
+}
+
+/// What a recording may be.
+const KINDS: &str = "a recording (csv, npy, mat, dat or json)";
+
+impl<W: Fn(DataSet) -> bool> Request<W> {
+    fn several(
+        &self,
+        data_set: DataSet,
+        read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
+    ) -> Result<Found, LoadError> {
+        if !(self.wants)(data_set) {
+            return Ok(Found::Nothing(Why::NotWanted));
+        }
+        let recordings = read()?;
+        // What is left of a damaged file may be a valid one, of no samples.
+        let empty = recordings.iter().find(|found| found.samples.is_empty());
+        match empty {
+            None => Ok(Found::Recordings(recordings)),
+            Some(empty) => Err(Damage::of_file(Fault::Empty).in_file(&empty.path)),
+        }
+    }
+
+    fn one(
+        &self,
+        data_set: DataSet,
+        read: impl FnOnce() -> Result<Recording, LoadError>,
+    ) -> Result<Found, LoadError> {
+        self.several(data_set, || Ok(vec![read()?]))
+    }
+
+    /// A file that is no recording: passed over, unless it is the one that was asked for.
+    fn nothing(&self, path: &Path, found: FileKind) -> Result<Found, LoadError> {
+        if self.alone {
+            let fault = Fault::Kind {
+                expected: KINDS,
+                found,
+            };
+            Err(Damage::of_file(fault).in_file(path))
+        } else {
+            Ok(Found::Nothing(Why::Layout))
+        }
+    }
+
+    /// Eight channels of no known set.
+    fn unknown(
+        &self,
+        read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,
+    ) -> Result<Found, LoadError> {
+        if self.alone {
+            self.several(DataSet::ReactEmg, read)
+        } else {
+            Ok(Found::Nothing(Why::UnknownSet))
+        }
+    }
+}
+
+fn array(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    let array = npy::parse(bytes).map_err(damage)?;
+    // Annotations of `roshambo` and `myoup`, read with their samples.
+    let of_samples = matches!((&array.shape[..], &array.values), ([_], Values::Text(_)))
+        || myoup::is_annotations(path);
+    if of_samples {
+        return Ok(Found::Part);
+    }
+    if roshambo::is_samples(path, &array) {
+        return request.one(DataSet::Roshambo, || roshambo::read(path, &array));
+    }
+    if let Some(person) = myoup::person_of_npy(path) {
+        return request.one(DataSet::Myoup, || myoup::read_npy(path, person, &array));
+    }
+    if let Some(name) = wang_myo::Name::of_npy(path) {
+        return request.one(DataSet::WangMyo, || {
+            wang_myo::read_npy(path, &name, &array).map_err(damage)
+        });
+    }
+    if let Some(name) = epn::Name::of(path) {
+        return request.one(DataSet::Epn, || {
+            epn::read(path, &name, &array).map_err(damage)
+        });
+    }
+    if react_emg::is_recording(path, &array) {
+        return request.several(DataSet::ReactEmg, || {
+            react_emg::read_npy(path, &array).map_err(damage)
+        });
+    }
+    if let ([_, columns], Values::Numbers(_)) = (&array.shape[..], &array.values) {
+        bands::in_row(*columns).map_err(|finding| damage(Damage::refused(finding)))?;
+    }
+    match (&array.shape[..], &array.values) {
+        ([_, 8], Values::Numbers(_)) => request.unknown(|| {
+            let samples = table::samples(&array).map_err(damage)?;
+            react_emg::unlabelled(path, samples).map_err(damage)
+        }),
+        (shape, _) if request.alone || matches!(shape, [_, 9] | [8, _]) => {
+            Err(damage(Damage::of_file(Fault::Array {
+                expected: "eight channels of numbers, (n, 8); where a label or times are beside them, a csv with a \
+                           header says so, gt,emg_0 to emg_7",
+                found: array.describe(),
+            })))
+        }
+        _ => Ok(Found::Nothing(Why::Layout)),
+    }
+}
+
+fn matrices(
+    path: &Path,
+    bytes: &[u8],
+    request: &Request<impl Fn(DataSet) -> bool>,
+) -> Result<Found, LoadError> {
+    let damage = |damage: Damage| damage.in_file(path);
+    if path.ends_with("userData.mat") {
+        let objects = || Err(damage(Damage::of_file(Fault::Objects)));
+        return request.one(DataSet::Epn, objects);
+    }
+    if let Some(person) = myoup::person_of_mat(path) {
+        if person == myoup::COPIED {
+            return Ok(Found::Nothing(Why::Copy));
+        }
+        return request.one(DataSet::Myoup, || {
+            let matrices = mat::parse(bytes).map_err(damage)?;
+            myoup::read_mat(path, person, &matrices).map_err(damage)
+        });
+    }
+    if let Some(name) = wang_myo::Name::of_mat(path) {
+        return request.one(DataSet::WangMyo, || {
+            let matrices = mat::parse(bytes).map_err(damage)?;
+            wang_myo::read_mat(path, &name, &matrices).map_err(damage)
+        });
+    }
+    request.nothing(path, FileKind::of(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::mat::fixture;
+    use super::*;
+
+    const REQUEST: Request<fn(DataSet) -> bool> = Request {
+        wants: |_| true,
+        alone: true,
+    };
+
+    /// A valid file of each layout whose reader no other test feeds with damage.
+    fn files() -> Vec<(&'static str, Vec<u8>)> {
+        let counts = [2_i8, -3, 40, 5, -60, 7, 8, -9].map(|count| count as u8);
+        let row = "1\t1e-05\t2e-05\t0\t0\t0\t0\t0\t-1e-05\t2\n".repeat(20);
+        let uci = "time\tchannel1\tchannel2\tchannel3\tchannel4\tchannel5\tchannel6\tchannel7\t\
+                   channel8\tclass\n";
+        let rock = "0,5,1,2,3,4,5,6,7,8\r\n".repeat(20);
+        let doubles = fixture::doubles("data", [50, 8], &[0.5; 400]);
+        let emg = fixture::doubles("emg", [50, 8], &[5.0; 400]);
+        let pulse = fixture::doubles("pulse", [50, 1], &[100.0; 50]);
+        let array = npy::encode("|i1", &[50, 8], &counts.repeat(50));
+        vec![
+            ("/d/01/1_raw_data_x.txt", format!("{uci}{row}").into_bytes()),
+            (
+                "/d/s1_r_1/s1_r_1-rock-0-emg.csv",
+                format!("index,timestamp,0,1,2,3,4,5,6,7\r\n{rock}").into_bytes(),
+            ),
+            ("/d/12345-1/7.txt", b"1,2,3,4,5,6,7,8,0\n".repeat(20)),
+            ("/d/sub1/M2T1.csv", b"0.5,0,0,0,0,0,0,-1\n".repeat(20)),
+            ("/d/EMG_S1/1_fist.npy", array.clone()),
+            ("/d/user10/training/001_fist.npy", array.clone()),
+            ("/d/own.npy", array),
+            (
+                "/d/EMG_S1/\u{63e1}_1_x.mat",
+                fixture::file(&[fixture::compressed(&doubles)]),
+            ),
+            ("/d/MyoUP/E2/s1e2.mat", fixture::file(&[emg, pulse])),
+        ]
+    }
+
+    fn read(path: &str, bytes: &[u8]) -> Option<Result<Found, LoadError>> {
+        let path = Path::new(path);
+        if path.extension()? == "npy" {
+            Some(array(path, bytes, &REQUEST))
+        } else if path.extension()? == "mat" {
+            Some(matrices(path, bytes, &REQUEST))
+        } else if let Ok(text) = std::str::from_utf8(bytes) {
+            Some(rows::of_text(path, text, &REQUEST))
+        } else {
+            None
+        }
+    }
+
+    #[test]
+    fn files_as_they_should_be_are_read() {
+        for (path, bytes) in files() {
+            let found = read(path, &bytes);
+            // Sixty pulses would be a long test file.
+            let pulses = path.ends_with("s1e2.mat") && matches!(found, Some(Err(_)));
+            assert!(
+                pulses || matches!(found, Some(Ok(Found::Recordings(_)))),
+                "{path}"
+            );
+        }
+    }
+
+    proptest! {
+        /// Whatever bytes are changed, a reader answers, and with a recording that is consistent.
+        #[test]
+        fn damaged_files_never_panic(changes: Vec<(usize, u8)>, cut: prop::sample::Index) {
+            for (path, mut bytes) in files() {
+                let count = bytes.len();
+                for &(at, value) in &changes {
+                    bytes[at % count] = value;
+                }
+                if changes.len() % 2 == 1 {
+                    bytes.truncate(cut.index(count));
+                }
+                if let Some(Ok(Found::Recordings(recordings))) = read(path, &bytes) {
+                    for recording in recordings {
+                        prop_assert_eq!(recording.samples.len(), recording.labels.len());
+                        prop_assert!(!recording.samples.is_empty());
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Unpacks archives of anybody's: nothing leaves the folder, and nothing grows without bound.
+//!
+//! Kinds are told by content. Links, devices and the like are left out and counted; a name that leads out of the folder
+//! refuses the whole archive, since whoever made it did not mean well.
+
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read, Seek as _, SeekFrom};
+use std::path::{Component, Path, PathBuf};
+
+use flate2::read::GzDecoder;
+
+use super::error::ArchiveError;
+use execution::file_kind::FileKind;
+
+/// What an archive may hold.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    /// Files and folders.
+    pub entries: u64,
+    /// Bytes of all files.
+    pub bytes: u64,
+}
+
+impl Bounds {
+    /// Of an archive of some bytes: no text is compressed to less than a hundredth, a bomb to much less.
+    pub(super) fn of(archive: u64) -> Self {
+        const RATIO: u64 = 100;
+        const SMALL: u64 = 64 << 20;
+        const MOST: u64 = 64 << 30;
+        Self {
+            entries: 500_000,
+            bytes: (archive.saturating_mul(RATIO) + SMALL).min(MOST),
+        }
+    }
+}
+
+/// What came of an archive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unpacked {
+    /// Files written.
+    pub files: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Links and other entries that are no files, left out.
+    pub left_out: u64,
+}
+
+/// Kind of an archive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Zip,
+    Tar,
+    TarGz,
+}
+
+/// Whether a file is an archive that [`unpack`] knows.
+///
+/// # Errors
+/// When it cannot be read.
+pub(super) fn is_archive(path: &Path) -> io::Result<bool> {
+    Ok(kind(path)?.is_ok())
+}
+
+/// Kind of an archive, or what the file is instead.
+fn kind(path: &Path) -> io::Result<Result<Kind, FileKind>> {
+    let mut start = Vec::new();
+    File::open(path)?.take(512).read_to_end(&mut start)?;
+    Ok(match FileKind::of(&start) {
+        FileKind::Zip => Ok(Kind::Zip),
+        FileKind::Gzip => Ok(Kind::TarGz),
+        _ if start.get(257..262) == Some(b"ustar") => Ok(Kind::Tar),
+        other => Err(other),
+    })
+}
+
+/// Unpacks an archive into an existing folder.
+///
+/// # Errors
+/// When it is no archive, damaged, too large, or has names that it should not.
+pub(super) fn unpack(
+    archive: &Path,
+    folder: &Path,
+    bounds: Bounds,
+) -> Result<Unpacked, ArchiveError> {
+    let damaged = |source: io::Error| ArchiveError::Damaged {
+        archive: archive.to_owned(),
+        source,
+    };
+    let kind = kind(archive).map_err(damaged)?;
+    let file = File::open(archive).map_err(damaged)?;
+    let mut target = Target {
+        archive,
+        folder,
+        bounds,
+        entries: 0,
+        done: Unpacked::default(),
+    };
+    match kind {
+        Ok(Kind::Zip) => target.zip(BufReader::new(file))?,
+        Ok(Kind::Tar) => target.tar(BufReader::new(file))?,
+        Ok(Kind::TarGz) => target.tar(GzDecoder::new(BufReader::new(file)))?,
+        Err(found) => {
+            return Err(ArchiveError::Kind {
+                archive: archive.to_owned(),
+                found,
+            });
+        }
+    }
+    Ok(target.done)
+}
+
+/// A folder that is being filled.
+struct Target<'a> {
+    archive: &'a Path,
+    folder: &'a Path,
+    bounds: Bounds,
+    entries: u64,
+    done: Unpacked,
+}
+
+impl Target<'_> {
+    fn zip(&mut self, mut file: BufReader<File>) -> Result<(), ArchiveError> {
+        file.seek(SeekFrom::Start(0))
+            .map_err(|source| self.damaged(source))?;
+        let mut archive =
+            zip::ZipArchive::new(file).map_err(|error| self.damaged(io::Error::other(error)))?;
+        for at in 0..archive.len() {
+            self.count()?;
+            let mut entry = archive
+                .by_index(at)
+                .map_err(|error| self.damaged(io::Error::other(error)))?;
+            let name = entry
+                .name()
+                .map_err(|error| self.damaged(io::Error::other(error)))?
+                .into_owned();
+            if entry.is_dir() {
+                self.make_folder(&name)?;
+            } else if entry.is_symlink() || !entry.is_file() {
+                self.done.left_out += 1;
+            } else {
+                self.write(&name, &mut entry)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn tar(&mut self, file: impl Read) -> Result<(), ArchiveError> {
+        let mut archive = tar::Archive::new(file);
+        let entries = archive.entries().map_err(|source| self.damaged(source))?;
+        for entry in entries {
+            self.count()?;
+            let mut entry = entry.map_err(|source| self.damaged(source))?;
+            let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
+            match entry.header().entry_type() {
+                tar::EntryType::Directory => self.make_folder(&name)?,
+                tar::EntryType::Regular | tar::EntryType::Continuous => {
+                    self.write(&name, &mut entry)?;
+                }
+                // What git writes before the files: the revision.
+                tar::EntryType::XGlobalHeader => {}
+                _ => self.done.left_out += 1,
+            }
+        }
+        Ok(())
+    }
+
+    fn count(&mut self) -> Result<(), ArchiveError> {
+        self.entries += 1;
+        if self.entries > self.bounds.entries {
+            return Err(ArchiveError::TooLarge {
+                most: self.bounds.entries,
+                what: "files",
+            });
+        }
+        Ok(())
+    }
+
+    fn make_folder(&self, name: &str) -> Result<(), ArchiveError> {
+        let path = self.folder.join(inside(name)?);
+        fs::create_dir_all(&path).map_err(|source| refused(&path, source))
+    }
+
+    fn write(&mut self, name: &str, content: &mut impl Read) -> Result<(), ArchiveError> {
+        let path = self.folder.join(inside(name)?);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(|source| refused(parent, source))?;
+        }
+        // A second file of the name, even if only its case differs, writes over nothing.
+        let mut file = File::create_new(&path).map_err(|source| {
+            if source.kind() == io::ErrorKind::AlreadyExists {
+                ArchiveError::Twice {
+                    name: name.to_owned(),
+                }
+            } else {
+                refused(&path, source)
+            }
+        })?;
+        // Counted as they come, whatever the archive says of their number.
+        let left = self.bounds.bytes - self.done.bytes;
+        let copied = io::copy(&mut content.take(left + 1), &mut file);
+        let copied = copied.map_err(|source| self.damaged(source))?;
+        if copied > left {
+            return Err(ArchiveError::TooLarge {
+                most: self.bounds.bytes,
+                what: "bytes",
+            });
+        }
+        self.done.bytes += copied;
+        self.done.files += 1;
+        Ok(())
+    }
+
+    fn damaged(&self, source: io::Error) -> ArchiveError {
+        ArchiveError::Damaged {
+            archive: self.archive.to_owned(),
+            source,
+        }
+    }
+}
+
+fn refused(path: &Path, source: io::Error) -> ArchiveError {
+    ArchiveError::Io {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// The path of an entry below the folder.
+fn inside(name: &str) -> Result<PathBuf, ArchiveError> {
+    /// Folders in folders.
+    const DEPTH: usize = 32;
+    let escapes = || ArchiveError::Escapes {
+        name: name.to_owned(),
+    };
+    // Some programs on Windows write their own separator.
+    let name = name.replace('\\', "/");
+    if name.contains(['\0', ':']) {
+        return Err(escapes());
+    }
+    let mut path = PathBuf::new();
+    for component in Path::new(&name).components() {
+        match component {
+            Component::Normal(part) => path.push(part),
+            Component::CurDir => {}
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
+                return Err(escapes());
+            }
+        }
+    }
+    if path.as_os_str().is_empty() || path.components().count() > DEPTH {
+        return Err(escapes());
+    }
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,172 @@
+//! Why recordings were not fetched.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::checksum::Checksum;
+use execution::file_kind::FileKind;
+
+/// Why recordings were not fetched.
+#[derive(Debug, thiserror::Error)]
+pub enum FetchError {
+    /// The server cannot be reached.
+    #[error("cannot reach {host}: {reason}")]
+    NoNetwork {
+        /// The server.
+        host: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// The server has no such file.
+    #[error(
+        "{url}: not found on the server (status {status}); the address may have changed, see {page}"
+    )]
+    NotFound {
+        /// Address.
+        url: String,
+        /// Status of HTTP.
+        status: u16,
+        /// Page of the data set.
+        page: String,
+    },
+    /// The server refuses, or is broken.
+    #[error("{url}: the server answers with status {status}; try again later")]
+    Status {
+        /// Address.
+        url: String,
+        /// Status of HTTP.
+        status: u16,
+    },
+    /// The connection broke again and again.
+    #[error(
+        "{url}: broke off after {received} bytes{of}: {reason}; the same command continues there"
+    )]
+    Broken {
+        /// Address.
+        url: String,
+        /// Bytes that are kept.
+        received: u64,
+        /// The whole length, in words, if it is known.
+        of: String,
+        /// What broke.
+        reason: String,
+    },
+    /// More than was announced, or than any data set has.
+    #[error("{url}: sends more than {most} bytes; nothing of it is kept")]
+    TooLong {
+        /// Address.
+        url: String,
+        /// Bound in bytes.
+        most: u64,
+    },
+    /// The file is not the published one.
+    #[error(
+        "{file}: expected {expected}, found {found}: the download is damaged, or was changed after its checksum was published; it is removed"
+    )]
+    Checksum {
+        /// File.
+        file: String,
+        /// Published.
+        expected: Checksum,
+        /// Computed.
+        found: Checksum,
+    },
+    /// The record of Zenodo is not what its interface promises.
+    #[error("{url}: expected a record of Zenodo: {reason}")]
+    Record {
+        /// Address.
+        url: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The archive cannot be unpacked.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The archive is of something else.
+    #[error(
+        "expected recordings of {data_set} ({expected}), found {found}: is it the right archive? Nothing of it is kept"
+    )]
+    OtherContent {
+        /// The data set that was asked for.
+        data_set: &'static str,
+        /// What its files are recognised by.
+        expected: &'static str,
+        /// What there is instead.
+        found: String,
+    },
+    /// There is something already.
+    #[error("{path} exists: remove it, or choose another folder with --to", path = path.display())]
+    Exists {
+        /// Folder of the data set.
+        path: PathBuf,
+    },
+    /// The file system refuses.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl FetchError {
+    /// A refusal of the file system.
+    pub(super) fn io(path: impl Into<PathBuf>, source: io::Error) -> Self {
+        Self::Io {
+            path: path.into(),
+            source,
+        }
+    }
+}
+
+/// Why an archive is not unpacked. Nothing of it is left.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchiveError {
+    /// Neither kind of archive.
+    #[error("{archive}: expected a zip, tar or tar.gz archive, found {found}", archive = archive.display())]
+    Kind {
+        /// The file.
+        archive: PathBuf,
+        /// What it is.
+        found: FileKind,
+    },
+    /// A name that leads out of the folder, or that no file system takes.
+    #[error(
+        "the archive has a file named {name:?}, which leads out of its folder: nothing of it is unpacked"
+    )]
+    Escapes {
+        /// The name.
+        name: String,
+    },
+    /// Two files of one name.
+    #[error("the archive has {name:?} twice: nothing of it is unpacked")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// More than any data set has, or than such an archive can honestly hold.
+    #[error("the archive holds more than {most} {what}: nothing of it is unpacked")]
+    TooLarge {
+        /// Bound.
+        most: u64,
+        /// Of what.
+        what: &'static str,
+    },
+    /// It is damaged, encrypted, or of a kind of compression that is not known.
+    #[error("{archive}: {source}", archive = archive.display())]
+    Damaged {
+        /// The file.
+        archive: PathBuf,
+        /// What the library says.
+        source: io::Error,
+    },
+    /// The file system refuses.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}

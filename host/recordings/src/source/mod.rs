@@ -1,0 +1,166 @@
+//! Published data sets: where they are, their download, and putting an archive in place.
+
+mod archive;
+mod catalogue;
+mod checksum;
+mod client;
+mod error;
+mod plan;
+mod transfer;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub use archive::Unpacked;
+pub use catalogue::{Address, SOURCES, Source, source};
+pub use checksum::Checksum;
+pub use error::{ArchiveError, FetchError};
+pub use plan::{Download, Plan, Servers, plan};
+
+use super::library::{LoadOptions, load};
+use super::readers::error::LoadError;
+use super::recording::DataSet;
+use execution::bounded_read::regular;
+use execution::progress;
+
+/// A file that has come whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Received {
+    /// The file.
+    pub path: PathBuf,
+    /// Whether a published checksum was compared.
+    pub verified: bool,
+    /// SHA-256 of what came.
+    pub sha256: Checksum,
+}
+
+/// Downloads the files of a plan into a folder; what is there in part is continued.
+///
+/// # Errors
+/// When a file cannot be had whole, or is not the published one.
+pub fn download(plan: &Plan, source: &Source, folder: &Path) -> Result<Vec<Received>, FetchError> {
+    fs::create_dir_all(folder).map_err(|error| FetchError::io(folder, error))?;
+    let files = plan.downloads.iter();
+    files.map(|of| one(of, source, folder)).collect()
+}
+
+fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchError> {
+    let bar = progress::bytes(of.size, &of.file);
+    let path = transfer::Transfer::new(of, source.page, folder, &bar).run()?;
+    bar.finish_and_clear();
+    let io = |error| FetchError::io(&path, error);
+    if let Some(expected) = &of.checksum {
+        let found = expected.same_of(&path).map_err(io)?;
+        if found != *expected {
+            fs::remove_file(&path).map_err(io)?;
+            return Err(FetchError::Checksum {
+                file: of.file.clone(),
+                expected: expected.clone(),
+                found,
+            });
+        }
+    }
+    Ok(Received {
+        verified: of.checksum.is_some(),
+        sha256: Checksum::sha256(&path).map_err(io)?,
+        path,
+    })
+}
+
+/// Puts archives, and files that are none, into a new folder: unpacked beside it first, and renamed when whole and with a
+/// recording of the data set.
+///
+/// # Errors
+/// When the folder is there already, a file cannot be unpacked, or none is a recording of the set; nothing is left then.
+pub fn put_in_place(
+    files: &[PathBuf],
+    folder: &Path,
+    data_set: DataSet,
+) -> Result<Unpacked, FetchError> {
+    free(folder)?;
+    for path in files {
+        let kind = fs::metadata(path).and_then(|metadata| regular(metadata.file_type()));
+        kind.map_err(|error| FetchError::io(path, error))?;
+    }
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let beside = folder.with_file_name(format!(".{name}.unpacking"));
+    let above = folder.parent().filter(|above| !above.exists());
+    let result = unpack_all(files, &beside);
+    let renamed = result.and_then(|unpacked| {
+        must_hold(&beside, data_set)?;
+        fs::rename(&beside, folder).map_err(|error| FetchError::io(folder, error))?;
+        Ok(unpacked)
+    });
+    if renamed.is_err() {
+        let _ = fs::remove_dir_all(&beside);
+        // As it was; a folder that somebody has put something into meanwhile stays.
+        let _ = above.map(fs::remove_dir);
+    }
+    renamed
+}
+
+/// Refuses a folder without a recording of the data set.
+fn must_hold(folder: &Path, data_set: DataSet) -> Result<(), FetchError> {
+    let options = LoadOptions {
+        data_sets: vec![data_set],
+        ..LoadOptions::default()
+    };
+    let other = |found: String| FetchError::OtherContent {
+        data_set: data_set.name(),
+        expected: data_set.recognised_by(),
+        found,
+    };
+    match load(folder, &options) {
+        Ok(library) if !library.recordings.is_empty() => Ok(()),
+        Ok(library) => Err(other(format!(
+            "{} damaged or unreadable files",
+            library.skipped.len()
+        ))),
+        Err(LoadError::NoRecordings { found, .. }) => Err(other(found)),
+        Err(error) => Err(other(error.line())),
+    }
+}
+
+/// Refuses a folder that is there already.
+///
+/// # Errors
+/// [`FetchError::Exists`].
+pub fn free(folder: &Path) -> Result<(), FetchError> {
+    if folder.exists() {
+        return Err(FetchError::Exists {
+            path: folder.to_owned(),
+        });
+    }
+    Ok(())
+}
+
+fn unpack_all(files: &[PathBuf], beside: &Path) -> Result<Unpacked, FetchError> {
+    // Left by a command that was killed.
+    if beside.exists() {
+        fs::remove_dir_all(beside).map_err(|error| FetchError::io(beside, error))?;
+    }
+    fs::create_dir_all(beside).map_err(|error| FetchError::io(beside, error))?;
+    let mut all = Unpacked::default();
+    for path in files {
+        let io = |error| FetchError::io(path, error);
+        let length = fs::metadata(path).map_err(io)?.len();
+        let own = if archive::is_archive(path).map_err(io)? || files.len() == 1 {
+            archive::unpack(path, beside, archive::Bounds::of(length))?
+        } else {
+            let to = beside.join(path.file_name().unwrap_or_default());
+            fs::copy(path, to).map_err(io)?;
+            Unpacked {
+                files: 1,
+                bytes: length,
+                left_out: 0,
+            }
+        };
+        all.files += own.files;
+        all.bytes += own.bytes;
+        all.left_out += own.left_out;
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,66 @@
+//! Steady holds: recordings of a single label.
+//!
+//! Random crops of them are joined, with or without rest between two gestures. The result has the
+//! changes between open and close that the public sets lack; they are abrupt, unlike those of a muscle.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use rand::RngExt;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+use shared::intent::Intent;
+
+use super::source::{Joined, Source};
+use crate::labels::runs::runs;
+
+/// Samples of a crop of a steady hold: 0.6 to 3 s.
+pub(super) const HOLD: Range<usize> = 120..601;
+/// How often rest comes between two steady gestures.
+const REST_BETWEEN: f64 = 0.6;
+
+/// Recordings of one steady label, by label; none is movement outside the vocabulary.
+pub(super) type Holds<'a> = BTreeMap<Option<Intent>, Vec<&'a Source<'a>>>;
+
+/// The steady holds among a subject's recordings.
+pub(super) fn holds<'a>(sources: &'a [Source<'a>]) -> Holds<'a> {
+    let mut holds: Holds<'a> = BTreeMap::new();
+    for source in sources {
+        if let [run] = runs(&source.labels)[..]
+            && (run.label.is_some() || source.is_other_movement())
+        {
+            holds.entry(run.label).or_default().push(source);
+        }
+    }
+    holds
+}
+
+/// Joins crops of holds; none if there are fewer than two labels.
+pub(super) fn walk(holds: &Holds<'_>, samples: usize, random: &mut ChaCha8Rng) -> Option<Joined> {
+    const RELAX: Option<Intent> = Some(Intent::Relax);
+    let gestures: Vec<Option<Intent>> = holds
+        .keys()
+        .copied()
+        .filter(|&label| label != RELAX)
+        .collect();
+    let rests = holds.contains_key(&RELAX);
+    if gestures.len() + usize::from(rests) < 2 {
+        return None;
+    }
+    let mut joined = Joined::default();
+    let mut label = *gestures.choose(random)?;
+    while joined.samples.len() < samples {
+        let source = holds[&label].choose(random)?;
+        let crop = source.crop(HOLD, random);
+        joined.append(source, crop, samples);
+
+        let others: Vec<_> = gestures.iter().copied().filter(|&g| g != label).collect();
+        let rest = rests && label != RELAX;
+        label = if rest && (others.is_empty() || random.random_bool(REST_BETWEEN)) {
+            RELAX
+        } else {
+            *others.choose(random)?
+        };
+    }
+    Some(joined)
+}

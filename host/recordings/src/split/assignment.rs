@@ -1,0 +1,184 @@
+//! Who gets which role: lists first, then the committed circles, then a draw.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rand::seq::SliceRandom;
+
+use super::circles::{Circles, in_circle, is_test};
+use super::error::SplitError;
+use super::{Split, folds};
+use crate::recording::{DataSet, Recording};
+use crate::seed;
+
+/// How roles are assigned.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Assignment<'a> {
+    /// Seed of every draw. A data set's draw does not depend on the others.
+    pub seed: u64,
+    /// Subjects and whole data sets to hold out.
+    pub held_out: &'a [String],
+    /// Share of a set's subjects to hold out where neither list nor circles say who.
+    pub held_out_share: f64,
+    /// Subjects and whole data sets to validate with.
+    pub validation: &'a [String],
+    /// Share of a set's subjects to validate with where neither list nor circles say who.
+    pub validation_share: f64,
+    /// Whether the committed circles of development assign roles too: not in a cross-validation, whose folds are listed.
+    pub circles: bool,
+}
+
+/// Assigns the subjects of the recordings to their roles.
+///
+/// In each data set the listed subjects are held out and validated with. A set without a listed subject takes those of
+/// the committed [`Circles`]; one that these do not name draws its share, at least one subject, from three subjects on.
+/// Test people have no role but that of test, unless they are listed as held out.
+///
+/// # Errors
+/// See [`SplitError`].
+pub fn assign<'r>(
+    recordings: impl IntoIterator<Item = &'r Recording>,
+    assignment: &Assignment<'_>,
+) -> Result<Split, SplitError> {
+    let subjects = folds::subjects(recordings);
+    let developer = |subject: &str| !is_test(subject);
+    let listed_out = expand("data.held_out", assignment.held_out, &subjects, developer)?;
+    let listed_in = expand(
+        "data.validation",
+        assignment.validation,
+        &subjects,
+        developer,
+    )?;
+    if let Some(&both) = listed_out.intersection(&listed_in).next() {
+        return Err(SplitError::TwoRoles(both.to_owned()));
+    }
+    if let Some(&test) = listed_in.iter().find(|subject| is_test(subject)) {
+        return Err(SplitError::TestPerson(test.to_owned()));
+    }
+    let mut split = Split::default();
+    for (&data_set, known) in &subjects {
+        let circles = Circles::of(data_set).filter(|_| assignment.circles);
+        let mut rest: Vec<&str> = known.clone();
+        let test = take(&mut rest, |subject| {
+            is_test(subject) && !listed_out.contains(subject)
+        });
+        let draw = |share, rest: &[&str]| {
+            let count = drawn(share, known.len(), rest.len());
+            let mut order: Vec<String> = rest.iter().map(|&subject| subject.to_owned()).collect();
+            order.shuffle(&mut seed::generator(assignment.seed, data_set.name()));
+            order.truncate(count);
+            order
+        };
+        // Whoever is listed to validate is not drawn to be held out.
+        let reserved = take(&mut rest, |subject| listed_in.contains(subject));
+        let held_out = choose(
+            &mut rest,
+            &listed_out,
+            circles.map(|circles| &circles.settings[..]),
+            |rest| draw(assignment.held_out_share, rest),
+        );
+        rest.extend(reserved);
+        let validation = choose(
+            &mut rest,
+            &listed_in,
+            circles.map(|circles| &circles.checkpoint[..]),
+            |rest| draw(assignment.validation_share, rest),
+        );
+        for (role, people) in [
+            (&mut split.test, test),
+            (&mut split.held_out, held_out),
+            (&mut split.validation, validation),
+            (&mut split.training, rest),
+        ] {
+            role.extend(people.into_iter().map(str::to_owned));
+        }
+    }
+    if split.training.is_empty() {
+        return Err(SplitError::NothingToTrainOn);
+    }
+    for role in [
+        &mut split.test,
+        &mut split.held_out,
+        &mut split.validation,
+        &mut split.training,
+    ] {
+        role.sort_unstable();
+    }
+    Ok(split)
+}
+
+/// Takes the subjects of one role out of `rest`: those listed, else those of the circle, else those drawn.
+fn choose<'s>(
+    rest: &mut Vec<&'s str>,
+    listed: &BTreeSet<&str>,
+    circle: Option<&[String]>,
+    draw: impl FnOnce(&[&str]) -> Vec<String>,
+) -> Vec<&'s str> {
+    let named = take(rest, |subject| listed.contains(subject));
+    match circle {
+        _ if !named.is_empty() => named,
+        Some(circle) => take(rest, |subject| in_circle(circle, subject)),
+        None => {
+            let drawn = draw(rest);
+            take(rest, |subject| drawn.iter().any(|name| name == subject))
+        }
+    }
+}
+
+/// Number of subjects to draw: the share of all known, at least one, at most all but one of the rest.
+fn drawn(share: f64, known: usize, rest: usize) -> usize {
+    if share <= 0.0 || known <= 2 {
+        return 0;
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a share of a count"
+    )]
+    let wanted = ((share * known as f64).round() as usize).max(1);
+    wanted.min(rest.saturating_sub(1))
+}
+
+/// Takes the subjects out of `rest` that `wanted` accepts.
+fn take<'s>(rest: &mut Vec<&'s str>, wanted: impl Fn(&str) -> bool) -> Vec<&'s str> {
+    rest.extract_if(.., |subject| wanted(subject)).collect()
+}
+
+/// The subjects that a list names: by themselves, or those of a data set that `of_set` accepts. `list` is its name in
+/// errors.
+///
+/// # Errors
+/// [`SplitError::Unknown`].
+pub fn expand<'s>(
+    list: &'static str,
+    names: &[String],
+    subjects: &BTreeMap<DataSet, Vec<&'s str>>,
+    of_set: impl Fn(&str) -> bool,
+) -> Result<BTreeSet<&'s str>, SplitError> {
+    let mut found = BTreeSet::new();
+    for name in names {
+        let whole_set = subjects.iter().find(|(set, _)| set.name() == name);
+        if let Some((_, people)) = whole_set {
+            found.extend(people.iter().filter(|subject| of_set(subject)));
+            continue;
+        }
+        let subject = subjects.values().flatten().find(|subject| *subject == name);
+        found.insert(*subject.ok_or_else(|| unknown(list, name, subjects))?);
+    }
+    Ok(found)
+}
+
+fn unknown(list: &'static str, name: &str, subjects: &BTreeMap<DataSet, Vec<&str>>) -> SplitError {
+    const SHOWN: usize = 3;
+    let sets = subjects.keys().map(|set| set.name());
+    let mut known: Vec<&str> = subjects.values().flatten().copied().chain(sets).collect();
+    known.sort_by_cached_key(|known| strsim::damerau_levenshtein(known, name));
+    known.truncate(SHOWN);
+    SplitError::Unknown {
+        list,
+        name: name.to_owned(),
+        nearest: known.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests;

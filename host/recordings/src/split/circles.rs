@@ -1,0 +1,106 @@
+//! The three circles of people: training, development, test. Named once, in `host/people.toml`, for every preset.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+use crate::recording::DataSet;
+
+/// The people of one data set outside training, as the data set names them.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Circles {
+    /// Development: choose the checkpoint and the aggregation mode.
+    #[serde(default)]
+    pub checkpoint: Vec<String>,
+    /// Development: settings are chosen by their scores.
+    #[serde(default)]
+    pub settings: Vec<String>,
+    /// Looked at once a release.
+    #[serde(default)]
+    pub test: Vec<String>,
+}
+
+static COMMITTED: LazyLock<BTreeMap<String, Circles>> = LazyLock::new(|| {
+    toml::from_str(include_str!("../../people.toml")).expect("a test reads the file")
+});
+
+impl Circles {
+    /// The committed circles of a data set; none for sets that the file does not name.
+    #[must_use]
+    pub fn of(data_set: DataSet) -> Option<&'static Self> {
+        COMMITTED.get(data_set.name())
+    }
+
+    /// The committed circles of all data sets, by the sets' names.
+    #[must_use]
+    pub fn all() -> &'static BTreeMap<String, Self> {
+        &COMMITTED
+    }
+}
+
+/// Whether a subject (`data-set/subject`) belongs to the test circle.
+#[must_use]
+pub fn is_test(subject: &str) -> bool {
+    let (set, _) = subject.split_once('/').unwrap_or_default();
+    COMMITTED
+        .get(set)
+        .is_some_and(|circles| in_circle(&circles.test, subject))
+}
+
+/// Whether a subject (`data-set/subject`) is a training person: of a set that the file names, and in none of its lists.
+#[must_use]
+pub fn is_training(subject: &str) -> bool {
+    let (set, _) = subject.split_once('/').unwrap_or_default();
+    COMMITTED.get(set).is_some_and(|circles| {
+        let lists = [&circles.checkpoint, &circles.settings, &circles.test];
+        !lists.iter().any(|circle| in_circle(circle, subject))
+    })
+}
+
+/// Whether a subject (`data-set/subject`) is one of a circle's people.
+pub(super) fn in_circle(circle: &[String], subject: &str) -> bool {
+    let person = subject
+        .split_once('/')
+        .map_or(subject, |(_, person)| person);
+    circle.iter().any(|name| name == person)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_in_two_circles() {
+        for (set, circles) in Circles::all() {
+            let mut people = [&circles.checkpoint[..], &circles.settings, &circles.test].concat();
+            let all = people.len();
+            assert!(all > 0, "{set}");
+            people.sort_unstable();
+            people.dedup();
+            assert_eq!(people.len(), all, "{set}");
+        }
+    }
+
+    #[test]
+    fn test_people_are_known_by_their_full_name() {
+        assert!(is_test("roshambo/06"));
+        assert!(!is_test("roshambo/03"));
+        assert!(!is_test("06"));
+    }
+
+    #[test]
+    fn whoever_a_named_set_does_not_list_is_trained_on() {
+        assert!(is_training("roshambo/01"));
+        for other in [
+            "roshambo/03",
+            "roshambo/06",
+            "roshambo/08",
+            "react-emg/anna",
+            "01",
+        ] {
+            assert!(!is_training(other), "{other}");
+        }
+    }
+}

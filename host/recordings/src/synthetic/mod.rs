@@ -1,0 +1,224 @@
+//! Synthetic recordings, so that everything runs without a data set.
+//!
+//! A simplified model of forearm EMG: every intent activates the electrodes in a pattern of its own,
+//! with crosstalk, and with gain and rotation by how a person wears the band; the activation rises
+//! and falls in ramps, with tremor and fatigue; the signal is noise of that amplitude, its
+//! neighbouring samples correlated as in real recordings. Labels are cues that the muscle follows
+//! late. Results on it show that the code works, nothing about people.
+
+mod cues;
+mod follower;
+mod wearer;
+
+use std::path::{Path, PathBuf};
+
+use shared::intent::{Intent, Vocabulary};
+use shared::stream::normalizer::Normalizer;
+use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
+
+use self::cues::cues;
+pub use self::follower::Follower;
+use self::wearer::Wearer;
+use super::labels::timing;
+use super::readers::formats::react_emg::MUSCLE_COLUMN;
+use super::recording::{DataSet, Recording, Timing};
+use super::seed::generator;
+use execution::run_folder::{RunError, write_whole};
+
+/// Number, length and content of synthetic recordings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SynthOptions {
+    /// People, `s1` and on.
+    pub subjects: usize,
+    /// Recordings of each.
+    pub recordings: usize,
+    /// Seconds of each recording.
+    pub seconds: usize,
+    /// Intents that occur.
+    pub vocabulary: Vocabulary,
+    /// Mean time from a cue to half of the muscle's ramp, in ms, 100..=500.
+    pub label_lag_ms: u32,
+    /// Seed of every draw; a recording does not depend on the number of others.
+    pub seed: u64,
+}
+
+impl Default for SynthOptions {
+    /// 8 people, 4 recordings of a minute each, three classes, the set's [nominal lag](DataSet::label_lag).
+    fn default() -> Self {
+        Self {
+            subjects: 8,
+            recordings: 4,
+            seconds: 60,
+            vocabulary: Vocabulary::Three,
+            label_lag_ms: DataSet::Synthetic.label_lag() as u32 * SAMPLE_PERIOD_MS,
+            seed: 42,
+        }
+    }
+}
+
+/// Generates the recordings in memory, ordered by person.
+#[must_use]
+pub fn generate(options: &SynthOptions) -> Vec<Recording> {
+    let mut recordings: Vec<_> = simulate(options).map(|(recording, _)| recording).collect();
+    timing::find(&mut recordings);
+    recordings
+}
+
+/// Generates the recordings and writes them below a folder, in ReactEMG's csv layout:
+/// `s3/s3_synthetic_1.csv`. Returns the paths.
+///
+/// A further column `synthetic_muscle` holds the intent that the muscle follows at each sample.
+///
+/// # Errors
+/// With the path that could not be written.
+pub fn write(options: &SynthOptions, folder: &Path) -> Result<Vec<PathBuf>, RunError> {
+    simulate(options)
+        .map(|(recording, muscle)| {
+            let person = recording.subject.rsplit('/').next().unwrap_or_default();
+            let folder = folder.join(person);
+            if let Err(source) = std::fs::create_dir_all(&folder) {
+                return Err(RunError::Io {
+                    path: folder,
+                    source,
+                });
+            }
+            let path = folder.join(format!("{}.csv", recording.name));
+            write_whole(&path, csv(&recording, &muscle).as_bytes())?;
+            Ok(path)
+        })
+        .collect()
+}
+
+/// The recordings, and the intent that the muscle follows at each of their samples.
+fn simulate(options: &SynthOptions) -> impl Iterator<Item = (Recording, Vec<Intent>)> {
+    let options = *options;
+    let samples = options.seconds * SAMPLE_RATE_HZ as usize;
+    (1..=options.subjects).flat_map(move |number| {
+        let person = format!("s{number}");
+        let wearer = Wearer::new(&mut generator(options.seed, &person), options.label_lag_ms);
+        (1..=options.recordings).map(move |index| {
+            let name = format!("{person}_synthetic_{index}");
+            let mut random = generator(options.seed, &name);
+            let cues = cues(options.vocabulary, samples, &mut random);
+            let (samples, muscle) = wearer.perform(&cues, &mut random);
+            let recording = Recording {
+                data_set: DataSet::Synthetic,
+                subject: format!("{}/{person}", DataSet::Synthetic.name()),
+                path: PathBuf::new(),
+                labels: cues.into_iter().map(Some).collect(),
+                samples,
+                notes: Vec::new(),
+                other_movement: Vec::new(),
+                name,
+                timing: Timing::Cues,
+                findings: Vec::new(),
+                wearer: Normalizer::new(),
+            };
+            (recording, muscle)
+        })
+    })
+}
+
+fn csv(recording: &Recording, muscle: &[Intent]) -> String {
+    let channels: String = (0..CHANNELS)
+        .map(|channel| format!(",emg_{channel}"))
+        .collect();
+    let mut text = format!("gt{channels},{MUSCLE_COLUMN}\n");
+    for ((sample, label), muscle) in recording.samples.iter().zip(&recording.labels).zip(muscle) {
+        text += &label.map_or("-1".to_owned(), |intent| intent.class().to_string());
+        for count in sample {
+            text += &format!(",{count}");
+        }
+        text += &format!(",{}\n", muscle.class());
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wearer::BIAS;
+    use super::*;
+    use crate::labels::lag;
+    use crate::library::{LoadOptions, load};
+
+    const SMALL: SynthOptions = SynthOptions {
+        subjects: 3,
+        recordings: 2,
+        seconds: 30,
+        vocabulary: Vocabulary::Six,
+        label_lag_ms: 250,
+        seed: 7,
+    };
+
+    #[test]
+    fn a_recording_depends_on_its_seed_and_not_on_the_others() {
+        let some = generate(&SMALL);
+        assert_eq!(some, generate(&SMALL));
+        let more = generate(&SynthOptions {
+            subjects: 5,
+            ..SMALL
+        });
+        assert_eq!(some[..], more[..some.len()]);
+        assert_ne!(some, generate(&SynthOptions { seed: 8, ..SMALL }));
+        assert_ne!(some[0].samples, some[1].samples);
+    }
+
+    #[test]
+    fn the_muscle_follows_its_label_by_the_lag() {
+        for label_lag_ms in [150, 250, 400] {
+            let options = SynthOptions {
+                label_lag_ms,
+                subjects: 8,
+                ..SMALL
+            };
+            let recordings = generate(&options);
+            let lag = lag::estimate(&recordings.iter().collect::<Vec<_>>()).unwrap();
+            let found = lag.lag_samples as u32 * SAMPLE_PERIOD_MS;
+            assert!(
+                found.abs_diff(label_lag_ms) <= 30,
+                "{label_lag_ms}: {lag:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn neighbouring_samples_correlate_as_real_ones() {
+        let recordings = generate(&SMALL);
+        let signal: Vec<f64> = recordings[0]
+            .samples
+            .iter()
+            .map(|sample| f64::from(sample[3]) - BIAS)
+            .collect();
+        let power: f64 = signal.iter().map(|x| x * x).sum();
+        let product: f64 = signal.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        assert!(
+            (-0.35..-0.15).contains(&(product / power)),
+            "{}",
+            product / power
+        );
+    }
+
+    #[test]
+    fn written_recordings_are_read_back_as_generated() {
+        let folder = std::env::temp_dir().join(format!("myointent-synth-{}", std::process::id()));
+        let paths = write(&SMALL, &folder).unwrap();
+        let library = load(&folder, &LoadOptions::default()).unwrap();
+        let generated = generate(&SMALL);
+        assert_eq!(
+            (paths.len(), library.recordings.len()),
+            (generated.len(), generated.len())
+        );
+        for (read, expected) in library.recordings.iter().zip(&generated) {
+            assert_eq!(read.data_set, DataSet::Synthetic);
+            assert_eq!(
+                (&read.subject, &read.name),
+                (&expected.subject, &expected.name)
+            );
+            assert_eq!(
+                (&read.samples, &read.labels),
+                (&expected.samples, &expected.labels)
+            );
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

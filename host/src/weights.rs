@@ -1,0 +1,152 @@
+//! Weights of models, as files of a run folder.
+
+use std::path::Path;
+
+use burn::module::{Module, ModuleVisitor, Param};
+use burn::store::ModuleRecord;
+use burn::tensor::{Bytes, Tensor};
+use serde::{Deserialize, Serialize};
+
+use execution::fingerprint::Fingerprint;
+use execution::run_folder::{Artefact, RunError, RunFolder};
+
+/// The part of an artefact that holds a model's weights.
+const PART: &str = "weights";
+
+/// What an artefact of a single model says of it.
+#[derive(Serialize, Deserialize)]
+struct Model {
+    /// Fingerprint of its weights.
+    weights: Fingerprint,
+}
+
+/// Weights of models in a run folder.
+pub trait Weights {
+    /// Writes a model's weights as `NAME.bpk`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    fn save_model(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+        model: &impl Module,
+    ) -> Result<(), RunError>;
+
+    /// Reads weights that were made from this into a model of the same shape.
+    ///
+    /// # Errors
+    /// [`RunError::NotOfThisRun`] if they were made from something else; when the file is missing, damaged or of
+    /// another shape.
+    fn load_model<M: Module>(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+        model: M,
+    ) -> Result<M, RunError>;
+
+    /// Fingerprint of weights that were made from this.
+    ///
+    /// # Errors
+    /// As [`Weights::load_model`].
+    fn weights_fingerprint(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+    ) -> Result<Fingerprint, RunError>;
+}
+
+impl Weights for RunFolder {
+    fn save_model(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+        model: &impl Module,
+    ) -> Result<(), RunError> {
+        let path = self.weights_path(name);
+        let about = Model {
+            weights: fingerprint(model),
+        };
+        let artefact = Artefact::new(made_from, &about)
+            .map_err(|error| RunError::content(&path, error))?
+            .with(PART, model_bytes(&path, model)?);
+        self.save_artefact(&path, &artefact)
+    }
+
+    fn load_model<M: Module>(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+        model: M,
+    ) -> Result<M, RunError> {
+        let path = self.weights_path(name);
+        let mut artefact = own(self, &path, made_from)?;
+        let bytes = artefact.take(PART);
+        let bytes = bytes.map_err(|reason| RunError::content(&path, reason))?;
+        load_model_bytes(&path, bytes, model)
+    }
+
+    fn weights_fingerprint(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+    ) -> Result<Fingerprint, RunError> {
+        let path = self.weights_path(name);
+        let about: Result<Model, _> = own(self, &path, made_from)?.about();
+        Ok(about
+            .map_err(|reason| RunError::content(&path, reason))?
+            .weights)
+    }
+}
+
+/// Artefact of a run folder that was made from this.
+fn own(folder: &RunFolder, path: &Path, made_from: Fingerprint) -> Result<Artefact, RunError> {
+    let artefact = folder.load_artefact(path)?;
+    if artefact.made_from == made_from {
+        Ok(artefact)
+    } else {
+        let path = path.to_owned();
+        Err(RunError::NotOfThisRun { path })
+    }
+}
+
+/// Fingerprint of the values of a model's weights, in the order in which the module visits them; not of a file of them,
+/// which also holds identifiers that are drawn anew for every model.
+#[must_use]
+pub(crate) fn fingerprint(model: &impl Module) -> Fingerprint {
+    Fingerprint::of_parts(|update| model.visit(&mut Values(update)))
+}
+
+struct Values<'a>(&'a mut dyn FnMut(&[u8]));
+
+impl ModuleVisitor for Values<'_> {
+    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
+        for value in param.val().into_data().iter::<f32>() {
+            (self.0)(&value.to_le_bytes());
+        }
+    }
+}
+
+/// A model's weights as bytes, for the file `path`.
+///
+/// # Errors
+/// When they cannot be written.
+pub(crate) fn model_bytes(path: &Path, model: &impl Module) -> Result<Vec<u8>, RunError> {
+    let bytes = model.clone().into_record().into_bytes();
+    let bytes = bytes.map_err(|error| RunError::content(path, error))?;
+    Ok(bytes.to_vec())
+}
+
+/// Reads weights from bytes of the file `path` into a model of the same shape.
+///
+/// # Errors
+/// When they are damaged or of another shape.
+pub(crate) fn load_model_bytes<M: Module>(
+    path: &Path,
+    bytes: Vec<u8>,
+    model: M,
+) -> Result<M, RunError> {
+    ModuleRecord::from_bytes(Bytes::from_bytes_vec(bytes))
+        .and_then(|record| model.try_load_record(record))
+        .map_err(|error| RunError::content(path, error))
+}
