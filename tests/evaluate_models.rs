@@ -7,7 +7,7 @@ mod small;
 use std::fs;
 use std::path::Path;
 
-use myointent::run::model_evaluation::{
+use evaluation::model_evaluation::{
     ModelEvaluation, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
 use presets::LabelLag;

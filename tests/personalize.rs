@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser as _;
+use evaluation::Measure;
 use myointent::cli::Cli;
-use myointent::evaluation::Measure;
 use myointent::run::personalize::{Person, judge};
 use myointent_tests::data;
 use recordings::synthetic::{self, SynthOptions};

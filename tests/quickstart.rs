@@ -6,8 +6,8 @@ mod small;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use evaluation::inference::{input, integer_logits};
 use myointent::cli::replay;
-use myointent::inference::{input, integer_logits};
 use shared::model::file::Model;
 use shared::uart_line::{Kind, Report};
 use small::{folder, myointent, recordings, small_preset};

@@ -5,13 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use myointent::evaluation::metric::event::latency::Latency;
-use myointent::evaluation::{
+use evaluation::inference::integer_logits;
+use evaluation::inference::outputs;
+use evaluation::metric::event::latency::Latency;
+use evaluation::{
     ALL, CONSTANT, Candidate, Difference, ENERGY, EnergyDetector, LookAhead, Measure, Score, Trial,
     Truth, constant, score_all,
 };
-use myointent::inference::integer_logits;
-use myointent::inference::outputs;
 use myointent_tests::{data, skip};
 use recordings::alignment::{open_hand, openings, template};
 use recordings::labels::compensation::Compensation;

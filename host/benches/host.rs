@@ -7,7 +7,7 @@ use std::time::Duration;
 use burn::tensor::Device;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use myointent::inference::integer_logits;
+use evaluation::inference::integer_logits;
 use myointent::student::learner::{StudentLearner, Teaching};
 use myointent::student::model::Student;
 use myointent::teacher::learner::TeacherLearner;

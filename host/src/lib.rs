@@ -4,11 +4,9 @@
 
 pub mod board;
 pub mod cli;
-pub mod evaluation;
 pub mod inference;
 pub mod live;
 pub mod record;
-pub mod report;
 pub mod run;
 pub mod student;
 pub mod teacher;

@@ -5,20 +5,12 @@ use std::path::Path;
 use burn::module::{Module, ModuleVisitor, Param};
 use burn::store::ModuleRecord;
 use burn::tensor::{Bytes, Tensor};
-use serde::{Deserialize, Serialize};
 
 use execution::fingerprint::Fingerprint;
-use execution::run_folder::{Artefact, RunError, RunFolder};
+use execution::run_folder::{Artefact, ModelInfo, RunError, RunFolder};
 
 /// The part of an artefact that holds a model's weights.
 const PART: &str = "weights";
-
-/// What an artefact of a single model says of it.
-#[derive(Serialize, Deserialize)]
-struct Model {
-    /// Fingerprint of its weights.
-    weights: Fingerprint,
-}
 
 /// Weights of models in a run folder.
 pub trait Weights {
@@ -44,16 +36,6 @@ pub trait Weights {
         made_from: Fingerprint,
         model: M,
     ) -> Result<M, RunError>;
-
-    /// Fingerprint of weights that were made from this.
-    ///
-    /// # Errors
-    /// As [`Weights::load_model`].
-    fn weights_fingerprint(
-        &self,
-        name: &str,
-        made_from: Fingerprint,
-    ) -> Result<Fingerprint, RunError>;
 }
 
 impl Weights for RunFolder {
@@ -64,7 +46,7 @@ impl Weights for RunFolder {
         model: &impl Module,
     ) -> Result<(), RunError> {
         let path = self.weights_path(name);
-        let about = Model {
+        let about = ModelInfo {
             weights: fingerprint(model),
         };
         let artefact = Artefact::new(made_from, &about)
@@ -80,33 +62,10 @@ impl Weights for RunFolder {
         model: M,
     ) -> Result<M, RunError> {
         let path = self.weights_path(name);
-        let mut artefact = own(self, &path, made_from)?;
+        let mut artefact = self.artefact_of(&path, made_from)?;
         let bytes = artefact.take(PART);
         let bytes = bytes.map_err(|reason| RunError::content(&path, reason))?;
         load_model_bytes(&path, bytes, model)
-    }
-
-    fn weights_fingerprint(
-        &self,
-        name: &str,
-        made_from: Fingerprint,
-    ) -> Result<Fingerprint, RunError> {
-        let path = self.weights_path(name);
-        let about: Result<Model, _> = own(self, &path, made_from)?.about();
-        Ok(about
-            .map_err(|reason| RunError::content(&path, reason))?
-            .weights)
-    }
-}
-
-/// Artefact of a run folder that was made from this.
-fn own(folder: &RunFolder, path: &Path, made_from: Fingerprint) -> Result<Artefact, RunError> {
-    let artefact = folder.load_artefact(path)?;
-    if artefact.made_from == made_from {
-        Ok(artefact)
-    } else {
-        let path = path.to_owned();
-        Err(RunError::NotOfThisRun { path })
     }
 }
 

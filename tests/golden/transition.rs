@@ -1,8 +1,8 @@
 //! Transition accuracy equals the reference's on all of its cases, verdict by verdict.
 
-use myointent::evaluation::metric::MetricError;
-use myointent::evaluation::metric::raw_accuracy::raw_accuracy;
-use myointent::evaluation::metric::transition::{Rule, TransitionScore, Windows, score};
+use evaluation::metric::MetricError;
+use evaluation::metric::raw_accuracy::raw_accuracy;
+use evaluation::metric::transition::{Rule, TransitionScore, Windows, score};
 use serde_json::Value;
 use shared::intent::Intent;
 

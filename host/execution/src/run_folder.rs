@@ -16,10 +16,10 @@ mod json;
 pub mod kill;
 mod lock;
 
-pub use artefact::Artefact;
+pub use artefact::{Artefact, ModelInfo};
 pub use durable::write_whole;
 pub use error::RunError;
-pub use json::Stamped;
+pub use json::{EpochMetrics, Stamped};
 use lock::Lock;
 pub use lock::utc;
 

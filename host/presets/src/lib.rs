@@ -4,18 +4,23 @@
 
 pub mod augmentation;
 mod check;
+pub mod config;
 #[cfg(test)]
 mod damage;
 pub mod distillation;
+pub mod lineage;
 pub mod masking;
 mod memory;
 #[cfg(any(test, feature = "testing"))]
 pub mod promises;
+pub mod resolve;
 pub mod schedule;
 mod source;
+mod streams;
 pub mod student;
 pub mod teacher;
 pub mod teacher_training;
+pub mod template;
 pub mod training;
 
 use serde::{Deserialize, Serialize};

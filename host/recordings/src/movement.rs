@@ -63,7 +63,6 @@ pub enum OtherMovement {
 }
 
 impl OtherMovement {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
     /// Whether the movement has no name.
     pub fn is_unknown(&self) -> bool {
         *self == Self::Unknown

@@ -6,8 +6,8 @@ use thiserror::Error;
 
 use execution::run_folder::{RunError, RunFolder};
 use myointent::run::StepError;
-use myointent::run::config::{CONFIG, ResolvedConfig};
-use myointent::run::resolve::ConfigError;
+use presets::config::{CONFIG, ResolvedConfig};
+use presets::resolve::ConfigError;
 
 use crate::baselines::training::TrainingError;
 

@@ -12,13 +12,13 @@ use shared::uart_line::flag;
 
 pub use backend::{Backend, BackendArguments, BackendError};
 
-use crate::report::labels::labels;
-use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
+use evaluation::report::labels::labels;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use presets::Preset;
+use presets::config::ResolvedConfig;
 use recordings::finding::grouped;
 pub use recordings::readers::excerpt::printable;
 use recordings::{Library, LoadError, LoadOptions, load, synthetic};

@@ -9,7 +9,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::record::told::Told;
 use crate::record::{Recorded, recorded};
-use crate::report::Table;
+use evaluation::report::Table;
 use recordings::Library;
 use recordings::finding::Group;
 pub use recordings::library::inspection::{Files, Inspection, SetInspection};

@@ -10,11 +10,11 @@ use serde::{Deserialize as _, Serialize};
 
 use crate::cli::arguments::{every_recording, warn_of_test_people};
 use crate::cli::output::{PAGE, first_line, refuse_unlike};
-use crate::report::labels::labels;
-use crate::report::model_report::{self, people_rows, tables};
-use crate::run::model_evaluation::{
+use evaluation::model_evaluation::{
     EvaluatedSubject, ModelResults, NamedModel, Selection, Turn, Worn, evaluate_models,
 };
+use evaluation::report::labels::labels;
+use evaluation::report::model_report::{self, people_rows, tables};
 use execution::progress;
 use execution::run_folder::write_whole;
 use recordings::finding::{Group, grouped};

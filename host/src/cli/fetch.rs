@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::contents::{Recordings, tables};
-use crate::report::Table;
+use evaluation::report::Table;
 use execution::progress;
 pub use recordings::readers::excerpt::printable;
 use recordings::source::{

@@ -11,13 +11,12 @@ use super::arguments::{
 };
 use super::evaluate_models::{PeopleArguments, warn};
 use super::output::{PAGE, refuse_unlike};
-use crate::report::MOST_ENTRIES;
-use crate::report::several::{Reported, ReportedModel, ReportedRun, tables, write};
-use crate::run::StepError;
 use crate::run::context::RunContext;
 use crate::run::evaluate::kept;
-use crate::run::model_evaluation::{NamedModel, Selection, evaluate_models};
 use crate::run::quantize::MODEL;
+use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
+use evaluation::report::MOST_ENTRIES;
+use evaluation::report::several::{Reported, ReportedModel, ReportedRun, tables, write};
 use execution::progress;
 use execution::run_folder::RunFolder;
 use recordings::Library;
@@ -145,10 +144,12 @@ fn model(
     let selection = arguments.people.selection();
     let evaluation = match evaluate(&selection) {
         // Of a tuned model and its owner's recordings: the page says so.
-        Err(StepError::NobodyToEvaluate { seen, .. }) if seen > 0 => evaluate(&Selection {
-            seen: true,
-            ..selection
-        }),
+        Err(evaluation::EvaluationError::NobodyToEvaluate { seen, .. }) if seen > 0 => {
+            evaluate(&Selection {
+                seen: true,
+                ..selection
+            })
+        }
         evaluation => evaluation,
     }?;
     warn(&evaluation.results);

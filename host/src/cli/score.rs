@@ -8,17 +8,17 @@ use anyhow::Context;
 use shared::intent::Intent;
 use shared::units::{SAMPLE_PERIOD_MS, SAMPLE_RATE_HZ};
 
-use crate::evaluation::metric::confusion::Confusion;
-use crate::evaluation::metric::event::activation::Rate;
-use crate::evaluation::metric::event::gesture::Gesture;
-use crate::evaluation::metric::event::latency::{Latency, LatencySummary};
-use crate::evaluation::metric::event::summary::SubjectEvents;
-use crate::evaluation::metric::event::{EventRule, RecordingEvents};
-use crate::evaluation::metric::offset;
-use crate::evaluation::metric::predicted_length;
-use crate::evaluation::metric::summary::RecordingScore;
-use crate::evaluation::metric::transition::{Change, Rule, TransitionStatus};
-use crate::report::Table;
+use evaluation::metric::confusion::Confusion;
+use evaluation::metric::event::activation::Rate;
+use evaluation::metric::event::gesture::Gesture;
+use evaluation::metric::event::latency::{Latency, LatencySummary};
+use evaluation::metric::event::summary::SubjectEvents;
+use evaluation::metric::event::{EventRule, RecordingEvents};
+use evaluation::metric::offset;
+use evaluation::metric::predicted_length;
+use evaluation::metric::summary::RecordingScore;
+use evaluation::metric::transition::{Change, Rule, TransitionStatus};
+use evaluation::report::Table;
 use recordings::labels::vocabulary;
 pub use recordings::readers::label_file::{self, Purpose};
 

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cli::arguments::every_recording;
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use crate::run::template::model_with_template;
+use evaluation::template::model_with_template;
 use execution::run_folder::write_whole;
 
 /// Arguments of `template`.

@@ -1,33 +1,11 @@
-//! Inference over whole recordings: the logits of a model at every patch.
-//!
-//! The output has one form for teacher, float student and integer student: after each patch, logits of
-//! that patch and of the five before it ([`LookBackLogits`](shared::model::LookBackLogits), newest
-//! first, unused classes 0). The code that smooths and scores them is the same for all models.
+//! Inference over whole recordings with the float models: the logits at every patch, in the form of
+//! [`evaluation::inference`].
 
-use shared::stream::normalizer::Normalizer;
-use shared::stream::preprocess::{Preprocessing, clean};
-use shared::units::{CleanSample, Sample};
-
-mod device;
-pub(crate) mod stream;
 mod student;
 mod teacher;
 
-pub use device::{integer_logits, outputs};
-pub(crate) use student::student_logits;
-pub(crate) use teacher::teacher_logits;
-
-/// The input of a model from the samples of a stream, from its beginning, preprocessed as the model was trained. What a
-/// board makes of the same samples.
-#[must_use]
-pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSample> {
-    let mut wearer = preprocessing.normalized.then(Normalizer::new);
-    let samples = samples.iter().map(|&sample| match &mut wearer {
-        Some(wearer) => wearer.push(sample),
-        None => sample,
-    });
-    clean(samples, preprocessing.median).collect()
-}
+pub use student::student_logits;
+pub use teacher::teacher_logits;
 
 #[cfg(test)]
 mod tests;

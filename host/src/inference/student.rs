@@ -14,7 +14,7 @@ use recordings::lead_in::padded;
 /// The stream is processed in pieces, each preceded by a window of context. The receptive field is shorter
 /// than a window, so the logits are those of one pass over the whole stream.
 #[must_use]
-pub(crate) fn student_logits(
+pub fn student_logits(
     model: &Student,
     emg: &[CleanSample],
     device: &Device,

@@ -15,7 +15,7 @@ use recordings::lead_in::padded;
 /// As in the paper, the window that ends at a patch is processed by itself. The logits of a patch are the mean
 /// over its samples, without the MASK class. `shape` is that of the model; its window has 60 to 600 samples.
 #[must_use]
-pub(crate) fn teacher_logits(
+pub fn teacher_logits(
     model: &Teacher,
     shape: WindowShape,
     emg: &[CleanSample],

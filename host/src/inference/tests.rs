@@ -10,9 +10,10 @@ use shared::model::file::Model;
 use shared::model::file::random::random_model;
 use shared::units::{CHANNELS, CleanSample, PATCH};
 
-use super::{integer_logits, student_logits, teacher_logits};
+use super::{student_logits, teacher_logits};
 use crate::student::model::StudentConfig;
 use crate::teacher::model::TeacherConfig;
+use evaluation::inference::integer_logits;
 use shared::model::dimensions::Companding;
 
 /// Samples of the recording; not a multiple of a patch.

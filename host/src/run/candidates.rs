@@ -1,15 +1,12 @@
 //! The models of a run and their logits over trials.
 
-use rayon::prelude::*;
 use shared::model::LookBackLogits;
-use shared::model::file::Model;
 use shared::units::CleanSample;
 
 use super::context::RunContext;
-use super::error::StepError;
-use crate::evaluation::{Candidate, Trial};
-use crate::inference::{integer_logits, student_logits, teacher_logits};
+use crate::inference::{student_logits, teacher_logits};
 use crate::student::model::Student;
+use evaluation::{Candidate, Trial};
 use execution::parallel;
 use execution::run_folder::RunError;
 
@@ -40,25 +37,6 @@ pub(super) fn student_candidate(
     let device = context.inference_device();
     candidate(context, name, trials, |emg| {
         student_logits(student, emg, &device)
-    })
-}
-
-/// The logits of a model file's integer student over all trials.
-pub(super) fn integer_candidate(
-    name: &str,
-    model: &Model<'_>,
-    trials: &[Trial],
-) -> Result<Candidate, StepError> {
-    let logits = trials
-        .par_iter()
-        .map(|trial| integer_logits(model, &trial.input(model.header.preprocessing)))
-        .collect::<Result<_, _>>()?;
-    Ok(Candidate {
-        name: name.to_owned(),
-        looks_back: true,
-        logits,
-        entry_margins: model.header.smoother.entry_margins,
-        other_margin: model.header.smoother.other_margin,
     })
 }
 

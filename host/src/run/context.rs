@@ -6,16 +6,15 @@ use std::sync::Arc;
 use burn::module::Module as _;
 use burn::tensor::Device;
 
-use super::config::ResolvedConfig;
-use super::lineage;
 use crate::student::model::Student;
-use crate::teacher;
 use crate::teacher::model::Teacher;
 use crate::training::fit::{CHECKPOINT_EVERY, Training};
 use crate::weights::Weights as _;
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::run_folder::{RunError, RunFolder};
+use presets::config::ResolvedConfig;
+use presets::lineage;
 use recordings::Library;
 
 /// A run: its folder, its configuration, its recordings and the device that it computes on.

@@ -10,7 +10,6 @@ use super::soft_targets::soft_targets;
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
-use crate::teacher;
 use crate::training::fit::fit;
 use presets::distillation::{self, MEMBERS};
 use recordings::corpus::Corpus;

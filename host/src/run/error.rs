@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use presets::resolve::ConfigError;
 use shared::model::file::ModelError;
-use shared::stream::smoother::SettingsError;
 use thiserror::Error;
 
-use crate::evaluation::EvaluationError;
 use crate::teacher::checkpoint::CheckpointError;
+use evaluation::EvaluationError;
 use execution::run_folder::RunError;
 use recordings::split::SplitError;
 
@@ -27,24 +27,6 @@ pub enum StepError {
         "no labelled recording of a held-out subject was found: name subjects under data.held_out"
     )]
     NoTrials,
-    /// Model files of different classes side by side.
-    #[error("{first} and {other} have different classes: evaluate them one at a time")]
-    DifferentClasses {
-        /// A model.
-        first: String,
-        /// One of other classes.
-        other: String,
-    },
-    /// Nobody is left to evaluate on.
-    #[error(
-        "no labelled recording is left: {seen} people were seen by the model in training (--seen evaluates them too), {test} are test people (--test-people)"
-    )]
-    NobodyToEvaluate {
-        /// People left out because a model has seen them.
-        seen: usize,
-        /// Test people left out.
-        test: usize,
-    },
     /// A model that has seen somebody whom it is evaluated on.
     #[error(
         "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"
@@ -54,24 +36,6 @@ pub enum StepError {
         model: String,
         /// Somebody whom it has seen.
         subject: String,
-    },
-    /// Nobody can be aligned.
-    #[error(
-        "none of {people} people opens the hand twice in these recordings: leave out --align, or give others"
-    )]
-    NobodyOpens {
-        /// People who could be evaluated otherwise.
-        people: usize,
-    },
-    /// Too few people for an alignment template.
-    #[error(
-        "{found} of the people whom the model has seen open the hand in these recordings, {expected} are needed: give the recordings that it was trained on"
-    )]
-    NoTemplate {
-        /// Fewest people.
-        expected: usize,
-        /// People found.
-        found: usize,
     },
     /// An unknown name.
     #[error(transparent)]
@@ -85,6 +49,9 @@ pub enum StepError {
         /// File of the teacher's weights.
         path: PathBuf,
     },
+    /// The configuration cannot be made.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
     /// The checkpoint to start from cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
@@ -119,9 +86,6 @@ pub enum StepError {
     /// The model file is invalid.
     #[error("the model file is refused")]
     Model(#[from] ModelError),
-    /// The settings in the model file are for no board.
-    #[error("the smoother's settings in the model file are refused")]
-    Smoother(#[from] SettingsError),
     /// The models cannot be evaluated.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),

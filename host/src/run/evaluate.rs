@@ -1,70 +1,28 @@
 //! Step 4: evaluation of every model of the run on the held-out subjects.
 
-use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
 use shared::model::file::Model;
 
 use super::aggregation::aggregation;
-use super::candidates::{integer_candidate, student_candidate, teacher_candidate};
-use super::config::ResolvedConfig;
+use super::candidates::{student_candidate, teacher_candidate};
 use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
-use super::trials;
-use crate::evaluation::{
-    Candidate, Cued, EnergyDetector, Group, LookAhead, Measure, Score, Trial, Truth, constant,
+use evaluation::integer_candidate;
+use evaluation::trials;
+use evaluation::{
+    Candidate, EnergyDetector, Group, LookAhead, Measure, Trial, Truth, constant,
     cued, score_all,
 };
-use crate::teacher;
 use execution::progress;
 use execution::run_folder::RunError;
+use presets::config::ResolvedConfig;
 use presets::distillation;
-use recordings::{DataSet, Library};
+use recordings::Library;
 
-/// The teacher's name in tables.
-pub const TEACHER: &str = "teacher";
-/// The float student's name in tables.
-pub const STUDENT: &str = "float student";
-/// The integer student's name in tables; it is what devices run.
-pub const INTEGER: &str = "integer student";
-/// The name in tables of a float student trained on the labels alone.
-pub const LABELS_ONLY: &str = "student without teacher";
-/// The name in tables of the same student in integers.
-pub const INTEGER_LABELS_ONLY: &str = "integer student without teacher";
-
-/// Name of [`Results`] in a run folder.
-pub const RESULTS: &str = "results.json";
-
-/// Scores of several models, as `results.json` keeps them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Results {
-    /// Held-out subjects, as `data-set/subject`.
-    pub held_out: Vec<String>,
-    /// The model file's aggregation mode.
-    pub aggregation: LookAhead,
-    /// Gestures that the held-out subjects were asked for, and how many are scored. Results of earlier versions have none.
-    #[serde(default)]
-    pub gestures: BTreeMap<DataSet, Cued>,
-    /// Scores on recordings as published.
-    pub published: Vec<Score>,
-    /// Scores on spliced recordings of the same subjects.
-    pub spliced: Vec<Score>,
-}
-
-/// What was evaluated: the trials and every model's logits over them.
-pub struct Evaluation {
-    /// Recordings as published.
-    pub trials: Vec<Trial>,
-    /// Every model of the run.
-    pub candidates: Vec<Candidate>,
-    /// The model file's aggregation mode.
-    pub aggregation: LookAhead,
-    /// Whether all models are the run's own, so that the results are kept in its folder.
-    pub is_kept: bool,
-    /// The model file, if there is one.
-    pub model: Option<Vec<u8>>,
-}
+pub use evaluation::results::{
+    Evaluation, INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, RESULTS, Results, STUDENT, TEACHER,
+};
 
 /// Computes the logits of further models, which are evaluated beside the run's own.
 pub type MoreCandidates<'a> = &'a dyn Fn(&[Trial]) -> Result<Vec<Candidate>, StepError>;

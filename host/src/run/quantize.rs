@@ -10,16 +10,16 @@ use shared::units::{HOLD, LOOK_AHEAD};
 use super::aggregation::aggregation;
 use super::context::RunContext;
 use super::error::StepError;
-use crate::evaluation::LookAhead;
 use crate::student::model::Student;
 use crate::student::quantization;
+use evaluation::LookAhead;
 use execution::bounded_read;
 use execution::fingerprint::Fingerprint;
 use execution::run_folder::write_whole;
 use presets::distillation;
 
-/// Name of the model file in a run folder.
-pub const MODEL: &str = "student.intent";
+pub use evaluation::results::MODEL;
+
 /// Name of the file that keeps the [`Figure`]s of the model file in a run folder.
 const FIGURES: &str = "figures.json";
 

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use super::context::RunContext;
 use super::error::StepError;
-use super::lineage;
 use super::preflight::refuse_impossible;
 use crate::teacher;
 use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
 use crate::weights::Weights as _;
 use execution::progress;
+use presets::lineage;
 
 /// Trains the teacher.
 ///

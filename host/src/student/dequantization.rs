@@ -75,8 +75,9 @@ mod tests {
     use shared::units::CHANNELS;
 
     use super::*;
-    use crate::inference::{integer_logits, student_logits};
+    use crate::inference::student_logits;
     use crate::student::quantization::quantize;
+    use evaluation::inference::integer_logits;
 
     fn parts() -> ModelParts {
         let dimensions = Dimensions {

@@ -6,9 +6,10 @@ use burn::tensor::Bytes;
 use serde::{Deserialize, Serialize};
 
 use super::epoch::{Start, Taken};
-use super::metrics::{EpochMetrics, KeptMeans, RunningMeans};
+use super::metrics::{KeptMeans, RunningMeans};
 use crate::weights::{load_model_bytes, model_bytes};
 use execution::fingerprint::Fingerprint;
+use execution::run_folder::EpochMetrics;
 use execution::run_folder::{Artefact, RunError, RunFolder, write_whole};
 
 const MODEL: &str = "model";

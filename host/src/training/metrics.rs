@@ -2,26 +2,8 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
 
 use super::learner::WeightedMetric;
-
-/// One line of `NAME.jsonl`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct EpochMetrics {
-    /// Epoch, from 1 on.
-    pub epoch: usize,
-    /// Optimizer steps so far.
-    pub step: usize,
-    /// Learning rate of the epoch's last step.
-    pub learning_rate: f64,
-    /// Metrics of training, means over the epoch.
-    pub train: Vec<(String, f64)>,
-    /// The loss that selects the checkpoint.
-    pub validation_loss: f64,
-    /// Metrics of validation.
-    pub validation: Vec<(String, f64)>,
-}
 
 /// Weighted means by name, in the order of first appearance.
 #[derive(Default)]

@@ -18,6 +18,13 @@ use crate::fingerprint::Fingerprint;
 
 const MAGIC: &[u8] = b"myointent artefact 1\n";
 
+/// Description of a model in its artefact.
+#[derive(Serialize, Deserialize)]
+pub struct ModelInfo {
+    /// Fingerprint of its weights.
+    pub weights: Fingerprint,
+}
+
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
     made_from: Fingerprint,
@@ -148,6 +155,36 @@ impl RunFolder {
     pub fn load_artefact(&self, path: &Path) -> Result<Artefact, RunError> {
         let bytes = fs::read(path).map_err(|source| RunError::io(path, source))?;
         Artefact::decode(&bytes).map_err(|reason| RunError::content(path, reason))
+    }
+
+    /// Reads a binary file that was made from this.
+    ///
+    /// # Errors
+    /// [`RunError::NotOfThisRun`] if it was made from something else; when it is missing or damaged.
+    pub fn artefact_of(&self, path: &Path, made_from: Fingerprint) -> Result<Artefact, RunError> {
+        let artefact = self.load_artefact(path)?;
+        if artefact.made_from == made_from {
+            Ok(artefact)
+        } else {
+            let path = path.to_owned();
+            Err(RunError::NotOfThisRun { path })
+        }
+    }
+
+    /// Fingerprint of a model's weights that were made from this.
+    ///
+    /// # Errors
+    /// As [`RunFolder::artefact_of`].
+    pub fn weights_fingerprint(
+        &self,
+        name: &str,
+        made_from: Fingerprint,
+    ) -> Result<Fingerprint, RunError> {
+        let path = self.weights_path(name);
+        let about: Result<ModelInfo, _> = self.artefact_of(&path, made_from)?.about();
+        Ok(about
+            .map_err(|reason| RunError::content(&path, reason))?
+            .weights)
     }
 }
 

@@ -96,3 +96,20 @@ impl RunFolder {
         }
     }
 }
+
+/// Metrics of an epoch: a line of a training's `NAME.jsonl`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct EpochMetrics {
+    /// Epoch, from 1 on.
+    pub epoch: usize,
+    /// Optimizer steps so far.
+    pub step: usize,
+    /// Learning rate of the epoch's last step.
+    pub learning_rate: f64,
+    /// Metrics of training, means over the epoch.
+    pub train: Vec<(String, f64)>,
+    /// The loss that selects the checkpoint.
+    pub validation_loss: f64,
+    /// Metrics of validation.
+    pub validation: Vec<(String, f64)>,
+}

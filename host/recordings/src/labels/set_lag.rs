@@ -1,6 +1,7 @@
 //! How the labels of one data set are compensated for their lag: by what its recordings show, and on whom a constant was
 //! estimated.
 
+use std::collections::BTreeMap;
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -203,6 +204,18 @@ impl fmt::Display for Lag {
 
 fn counted(count: usize, one: &str, several: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { several })
+}
+
+/// How the labels of each data set are compensated for their lag; a constant is estimated on training people.
+pub fn lags(
+    recordings: &[&Recording],
+    label_lag: LabelLag,
+    is_training: &dyn Fn(&str) -> bool,
+) -> BTreeMap<DataSet, Lag> {
+    crate::by_data_set(recordings.iter().copied())
+        .into_iter()
+        .map(|(data_set, own)| (data_set, Lag::of(data_set, &own, label_lag, is_training)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -10,9 +10,9 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use myointent::cli::arguments::{BackendArguments, DataArguments, open_run};
-use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
 use presets::Preset;
+use presets::config::ResolvedConfig;
 
 use crate::baselines::Baseline;
 use crate::baselines::settings::find_preset;

@@ -12,7 +12,7 @@ use clap::Args;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use myointent::cli::arguments::{BackendArguments, DataArguments, warn_of_test_people};
-use myointent::run::resolve::{ConfigError, test_people};
+use presets::resolve::{ConfigError, test_people};
 
 use self::contenders::{Compared, contenders, presets};
 use self::output::{Tables, merged};

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
+use evaluation::model_evaluation::{NamedModel, beside};
+use evaluation::report::run_report::{self, REPORT};
+use evaluation::report::scores::tables;
 use myointent::cli::arguments::{BackendArguments, open_run};
-use myointent::report::run_report::{self, REPORT};
-use myointent::report::scores::tables;
 use myointent::run::evaluate::evaluate;
-use myointent::run::model_evaluation::{NamedModel, beside};
 use myointent::run::quantize::ModelFile;
 
 use crate::baselines::inference::candidates;
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Ok(more)
     })?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &judged, &page)?;
+    run_report::write(&context.folder, &context.config, &results, &judged, &page)?;
     let mut out = std::io::stdout().lock();
     for table in tables(&results) {
         writeln!(out, "{}", table.plain())?;

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum as _;
 
-use myointent::evaluation::{CONSTANT, ENERGY};
+use evaluation::{CONSTANT, ENERGY};
 use presets::Preset;
 
 use super::teacher::PaperTeacher;

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use myointent::evaluation::metric::event::activation::Rate;
-use myointent::evaluation::metric::event::latency;
-use myointent::evaluation::metric::event::summary::{EventSummary, SubjectEvents};
-use myointent::evaluation::metric::offset;
-use myointent::evaluation::metric::summary::{SubjectScore, Summary};
-use myointent::evaluation::{ALL, Group, LookAhead, Score, Truth};
+use evaluation::metric::event::activation::Rate;
+use evaluation::metric::event::latency;
+use evaluation::metric::event::summary::{EventSummary, SubjectEvents};
+use evaluation::metric::offset;
+use evaluation::metric::summary::{SubjectScore, Summary};
+use evaluation::{ALL, Group, LookAhead, Score, Truth};
 
 use super::job_scores::FoldScore;
 use super::merged::Origin;

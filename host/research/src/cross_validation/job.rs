@@ -7,18 +7,17 @@ use std::sync::Arc;
 use burn::tensor::Device;
 use shared::model::LookBackLogits;
 
+use evaluation::model_evaluation::trials_of;
+use evaluation::{ALL, Candidate, LookAhead, Trial, Truth, score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::{RunFolder, weights_file};
-use myointent::evaluation::{ALL, Candidate, LookAhead, Trial, Truth, score};
 use myointent::run::StepError;
-use myointent::run::config::ResolvedConfig;
 use myointent::run::context::RunContext;
-use myointent::run::model_evaluation::trials_of;
-use myointent::run::resolve::{FoldChoice, fold_people, test_people};
-use myointent::teacher;
 use presets::EntryMargins;
+use presets::config::ResolvedConfig;
+use presets::resolve::{FoldChoice, fold_people, test_people};
 use recordings::Library;
 use recordings::folds::Protocol;
 use recordings::split::Role;
@@ -179,7 +178,7 @@ impl CrossValidation<'_> {
                 let only = start.name();
                 return Err(JobError::NoStart { path, only });
             }
-            config.start_from(&path)?;
+            myointent::run::start::start_from(&mut config, &path)?;
         }
         Ok(config)
     }

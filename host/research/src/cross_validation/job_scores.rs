@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use myointent::evaluation::{LookAhead, Score};
+use evaluation::{LookAhead, Score};
 
 use super::gate::Gate;
 

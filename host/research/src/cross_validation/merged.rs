@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use myointent::evaluation::metric::event::latency::{self, LatencySummary};
-use myointent::evaluation::metric::event::summary::Raised;
-use myointent::evaluation::{Group, LookAhead, Measure, Score};
+use evaluation::metric::event::latency::{self, LatencySummary};
+use evaluation::metric::event::summary::Raised;
+use evaluation::{Group, LookAhead, Measure, Score};
 
 use super::gate::Gate;
 use super::job_scores::FoldScore;

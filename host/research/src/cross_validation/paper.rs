@@ -1,9 +1,9 @@
 //! The paper's tables, in its form: mean (sample deviation) over people, without look-ahead and with 0.25 s.
 
-use myointent::evaluation::metric::offset;
-use myointent::evaluation::{Group, LookAhead, Measure};
-use myointent::report::Table;
-use myointent::report::cell;
+use evaluation::metric::offset;
+use evaluation::report::Table;
+use evaluation::report::cell;
+use evaluation::{Group, LookAhead, Measure};
 use recordings::statistics::MeanSd;
 
 use super::merged::{Merged, Section};

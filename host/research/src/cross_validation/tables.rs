@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use myointent::evaluation::{Difference, Group, LookAhead, Measure};
-use myointent::report::Table;
-use myointent::report::cell;
+use evaluation::report::Table;
+use evaluation::report::cell;
+use evaluation::{Difference, Group, LookAhead, Measure};
 use recordings::statistics::{Interval, MeanSd};
 
 use super::merged::{Merged, Section};
@@ -232,7 +232,7 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use myointent::evaluation::{CONSTANT, Trial, Truth, constant, score};
+    use evaluation::{CONSTANT, Trial, Truth, constant, score};
     use recordings::DataSet;
     use shared::intent::{Intent, Vocabulary};
 

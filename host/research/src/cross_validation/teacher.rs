@@ -1,7 +1,7 @@
 //! The teachers of the paper's tables: that of a preset, with other windows, and with other recordings to learn from.
 
-use myointent::run::config::ResolvedConfig;
 use presets::Preset;
+use presets::config::ResolvedConfig;
 use recordings::{DataSet, Library};
 
 /// The data set that pre-training on all others is judged by.

@@ -1,11 +1,11 @@
 //! Training of a job, and its logits over the trials.
 
-use myointent::evaluation::{Candidate, Trial, constant};
+use evaluation::model_evaluation::{NamedModel, beside};
+use evaluation::{Candidate, Trial, constant};
 use myointent::run::candidates::teacher_candidate;
 use myointent::run::context::RunContext;
 use myointent::run::distill::distill;
 use myointent::run::evaluate::energy_detector;
-use myointent::run::model_evaluation::{NamedModel, beside};
 use myointent::run::quantize::{MODEL, quantize};
 use myointent::run::train::train;
 use shared::intent::MAX_CLASSES;
@@ -35,7 +35,7 @@ impl CrossValidation<'_> {
                     bytes: quantize(context, &context.folder.file(MODEL))?,
                 };
                 let trials = trials();
-                Ok((beside(&model, &trials)?, trials))
+                Ok((beside(&model, &trials).map_err(myointent::run::StepError::from)?, trials))
             }
             Kind::Teacher(teacher) => {
                 train(context)?;

@@ -4,11 +4,11 @@ use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
 use shared::model::file::Model;
 
+use evaluation::{Measure, Score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
-use myointent::evaluation::{Measure, Score};
 use myointent::run::personalize::{
     ABOVE_CONSTANT, Part, Person, PersonalizeError, TuningSettings, exchange, judge,
     judge_constant, tune, worse,

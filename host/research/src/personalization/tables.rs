@@ -1,7 +1,7 @@
 //! Tables of the measurement.
 
-use myointent::evaluation::{Difference, Measure};
-use myointent::report::Table;
+use evaluation::report::Table;
+use evaluation::{Difference, Measure};
 
 use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
 

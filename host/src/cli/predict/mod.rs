@@ -17,14 +17,15 @@ use super::arguments::BackendArguments;
 use super::replay::one_recording;
 use crate::cli::output::{first_line, refuse_unlike};
 use crate::cli::read_model;
-use crate::evaluation::smooth;
-use crate::inference::{input, integer_logits, student_logits, teacher_logits};
-use crate::run::config::ResolvedConfig;
+use crate::inference::{student_logits, teacher_logits};
 use crate::run::context::{RunContext, load_student, load_teacher};
 use crate::teacher::model::TeacherInput;
 use crate::training::tensor::read_back;
+use evaluation::inference::{input, integer_logits};
+use evaluation::smooth;
 use execution::run_folder::{RunFolder, write_whole};
 use presets::augmentation::Variation;
+use presets::config::ResolvedConfig;
 use presets::distillation;
 use recordings::npy::{self, Values};
 

@@ -8,11 +8,11 @@ use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, open_run, warn_of_test_people};
 use crate::cli::evaluate_models;
-use crate::report::labels::labels;
-use crate::report::run_report::{self, REPORT};
-use crate::report::scores::tables;
 use crate::run::evaluate::{evaluate, no_more};
 use crate::run::quantize::ModelFile;
+use evaluation::report::labels::labels;
+use evaluation::report::run_report::{self, REPORT};
+use evaluation::report::scores::tables;
 use recordings::split::circles::is_test;
 
 /// Arguments of `evaluate`.
@@ -73,7 +73,13 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (results, evaluation) = evaluate(&context, model.as_ref(), &no_more)?;
     let page = context.folder.file(REPORT);
     if evaluation.is_kept {
-        run_report::write(&context, &results, &evaluation, &page)?;
+        run_report::write(
+            &context.folder,
+            &context.config,
+            &results,
+            &evaluation,
+            &page,
+        )?;
     }
     let mut out = std::io::stdout().lock();
     if arguments.json {

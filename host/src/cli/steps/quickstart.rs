@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
-use crate::report::run_report::{self, REPORT};
-use crate::report::scores::{summary, tables};
-use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
 use crate::run::distill::distill;
 use crate::run::evaluate::{INTEGER, Results, evaluate, no_more};
 use crate::run::quantize::{MODEL, ModelFile, quantize};
 use crate::run::train::train;
+use evaluation::report::run_report::{self, REPORT};
+use evaluation::report::scores::{summary, tables};
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use presets::Preset;
+use presets::config::ResolvedConfig;
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]
@@ -77,7 +77,13 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // Again, now with the scores in the header.
     quantize(&context, &model)?;
     let page = context.folder.file(REPORT);
-    run_report::write(&context, &results, &evaluation, &page)?;
+    run_report::write(
+        &context.folder,
+        &context.config,
+        &results,
+        &evaluation,
+        &page,
+    )?;
 
     let mut out = std::io::stdout().lock();
     if arguments.verbose {
@@ -174,11 +180,11 @@ fn log_start(context: &RunContext) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::metric::event::summary::SubjectEvents;
-    use crate::evaluation::metric::event::{EventRule, RecordingEvents};
-    use crate::evaluation::metric::offset;
-    use crate::evaluation::metric::summary::SubjectScore;
-    use crate::evaluation::{ALL, CONSTANT, ENERGY, LookAhead, Score};
+    use evaluation::metric::event::summary::SubjectEvents;
+    use evaluation::metric::event::{EventRule, RecordingEvents};
+    use evaluation::metric::offset;
+    use evaluation::metric::summary::SubjectScore;
+    use evaluation::{ALL, CONSTANT, ENERGY, LookAhead, Score};
     use shared::intent::Intent;
 
     fn score(model: &str, look_ahead: LookAhead, data_set: &str) -> Score {

@@ -1,20 +1,20 @@
 //! `myointent train`: the teacher.
 
+use crate::run::start::start_from;
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
-use crate::run::config::ResolvedConfig;
 use crate::run::context::RunContext;
-use crate::run::resolve::FoldChoice;
 use crate::run::train;
-use crate::teacher;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use presets::Preset;
+use presets::config::ResolvedConfig;
+use presets::resolve::FoldChoice;
 use recordings::Library;
 use recordings::folds::Protocol;
 
@@ -112,7 +112,7 @@ fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
         fold.map(|(protocol, number)| FoldChoice { protocol, number }),
     )?;
     if let Some(start) = &arguments.from {
-        config.start_from(start)?;
+        start_from(&mut config, start)?;
     }
     Ok((config, library))
 }

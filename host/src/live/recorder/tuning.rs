@@ -5,10 +5,10 @@ use std::sync::mpsc;
 
 use super::Running;
 use super::told::{free, install};
-use crate::evaluation::Measure;
 use crate::live::event::Event;
 use crate::live::outcome::{Row, Tuning};
 use crate::run::personalize::{Personalized, TuningSettings, personalize};
+use evaluation::Measure;
 use execution::interrupt::Interrupt;
 use execution::run_folder::write_whole;
 use recordings::{LoadOptions, load};

@@ -12,10 +12,10 @@ use shared::uart_line::alignment::AlignmentReport;
 use shared::units::{Millis, PATCH, Sample, SampleIndex};
 
 use super::{Context, Request};
-use crate::inference::stream::pipeline;
 use crate::live::event::Event;
 use crate::live::hub::Hub;
 use crate::live::scores::{Observed, Outputs};
+use evaluation::inference::stream::pipeline;
 
 /// A pipeline whose encoder is observed.
 pub(super) struct Scored<'r, E: Encode> {

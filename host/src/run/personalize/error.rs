@@ -3,8 +3,8 @@
 use shared::model::file::ModelError;
 use thiserror::Error;
 
-use crate::evaluation::EvaluationError;
 use crate::run::StepError;
+use evaluation::EvaluationError;
 use execution::run_folder::RunError;
 
 /// Why a model cannot be tuned on a person's recordings.

@@ -6,9 +6,9 @@ use shared::model::file::Model;
 
 use super::error::{Exchange, PersonalizeError};
 use super::person::{Own, Person};
-use crate::evaluation::{Candidate, Trial, confusion};
-use crate::run::candidates::integer_candidate;
-use crate::run::model_evaluation::look_ahead;
+use evaluation::integer_candidate;
+use evaluation::model_evaluation::look_ahead;
+use evaluation::{Candidate, Trial, confusion};
 
 /// Balanced accuracy that an exchange has to explain.
 const EXPLAINED: f64 = 0.1;

@@ -5,10 +5,10 @@ use shared::model::file::Model;
 
 use super::error::PersonalizeError;
 use super::part::Part;
-use crate::evaluation::{Candidate, LookAhead, Score, Trial, Truth, constant, score};
 use crate::run::StepError;
-use crate::run::candidates::integer_candidate;
-use crate::run::model_evaluation::look_ahead;
+use evaluation::integer_candidate;
+use evaluation::model_evaluation::look_ahead;
+use evaluation::{Candidate, LookAhead, Score, Trial, Truth, constant, score};
 
 /// Scores of a model file, `name` in tables, on a part of a person's recordings: integer arithmetic, its own look-ahead,
 /// lag-compensated labels.

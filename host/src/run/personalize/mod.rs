@@ -22,7 +22,7 @@ pub use self::person::Person;
 use self::rule::is_constant;
 pub use self::rule::{ABOVE_CONSTANT, Worse, worse};
 pub use self::tuning::{TuningSettings, tune};
-use crate::evaluation::Score;
+use evaluation::Score;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use recordings::Library;

@@ -8,7 +8,7 @@ use shared::units::{SAMPLE_RATE_HZ, WINDOW};
 
 use super::error::PersonalizeError;
 use super::person::Person;
-use crate::evaluation::Trial;
+use evaluation::Trial;
 use recordings::{Movement, Recording, runs};
 
 /// Share that is held back: one over this.

@@ -5,8 +5,8 @@ use shared::model::file::Header;
 use shared::units::Sample;
 
 use super::error::PersonalizeError;
-use crate::evaluation::Trial;
-use crate::run::trials::trial;
+use evaluation::Trial;
+use evaluation::trials::trial;
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::Lag;
 use recordings::split::circles;

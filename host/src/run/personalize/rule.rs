@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
-use crate::evaluation::metric::event::activation::Rate;
-use crate::evaluation::metric::event::summary::Raised;
-use crate::evaluation::{Measure, Score};
+use evaluation::metric::event::activation::Rate;
+use evaluation::metric::event::summary::Raised;
+use evaluation::{Measure, Score};
 
 /// Measures none of which may fall.
 const NEVER_LOWER: [(Measure, &str); 3] = [
@@ -139,8 +139,8 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::evaluation::metric::event::summary::SubjectEvents;
-    use crate::evaluation::metric::summary::SubjectScore;
+    use evaluation::metric::event::summary::SubjectEvents;
+    use evaluation::metric::summary::SubjectScore;
 
     /// What a person's score is of.
     #[derive(Clone)]

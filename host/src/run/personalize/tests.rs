@@ -68,7 +68,7 @@ fn turns(times: usize) -> Recording {
 
 /// Numbers of the samples of each recording that have a label in a part.
 fn labelled(part: &Part<'_>) -> Vec<(usize, usize)> {
-    let span = |trial: &crate::evaluation::Trial| {
+    let span = |trial: &evaluation::Trial| {
         let labels = &trial.lag_compensated;
         let first = labels.iter().position(Option::is_some).unwrap();
         let last = labels.iter().rposition(Option::is_some).unwrap();

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use evaluation::LookAhead;
+use evaluation::report::Table;
 use execution::run_folder::write_whole;
-use myointent::evaluation::LookAhead;
-use myointent::report::Table;
 
 use crate::cross_validation::{
     Contender, FoldScore, Gate, JobScores, Merged, Origin, differences, movements, paper_tables,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde_json::Value;
 use shared::intent::Intent;
 
-use crate::evaluation::metric::transition::Rule;
+use evaluation::metric::transition::Rule;
 
 type Label = Option<Intent>;
 

@@ -1,0 +1,98 @@
+//! A model under evaluation.
+
+use crate::EvaluationError;
+use crate::Trial;
+use crate::inference::integer_logits;
+use rayon::iter::IntoParallelRefIterator;
+use rayon::iter::ParallelIterator;
+use shared::intent::MAX_CLASSES;
+use shared::model::LookBackLogits;
+use shared::model::file::Model;
+use shared::stream::smoother::Settings;
+
+use super::condition::LookAhead;
+
+/// A model under evaluation: its logits over every trial.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Name in tables.
+    pub name: String,
+    /// Whether it gives logits of past patches too. Without them a label cannot be based on later windows, so there
+    /// is no look-ahead.
+    pub looks_back: bool,
+    /// Logits at each patch of each trial, in the order of the trials.
+    pub logits: Vec<Vec<LookBackLogits>>,
+    /// Its confidence gate ([`Settings::entry_margins`]).
+    pub entry_margins: [f32; MAX_CLASSES],
+    /// Its margin over movement outside the vocabulary ([`Settings::other_margin`]); none if it does not know such movement.
+    pub other_margin: Option<f32>,
+}
+
+impl Candidate {
+    /// The look-ahead conditions that it can be evaluated under.
+    pub(crate) fn conditions(&self) -> impl Iterator<Item = LookAhead> {
+        LookAhead::ALL
+            .into_iter()
+            .filter(|&look_ahead| self.looks_back || look_ahead == LookAhead::None)
+    }
+
+    /// The smoother's settings under a condition.
+    #[must_use]
+    pub(crate) fn settings(&self, look_ahead: LookAhead) -> Settings {
+        Settings {
+            entry_margins: self.entry_margins,
+            other_margin: self.other_margin,
+            ..look_ahead.settings()
+        }
+    }
+
+    /// The condition `wanted`, or no look-ahead where that is all it can do.
+    #[must_use]
+    pub(crate) fn condition(&self, wanted: LookAhead) -> LookAhead {
+        if self.looks_back {
+            wanted
+        } else {
+            LookAhead::None
+        }
+    }
+}
+
+/// The logits of a model file's integer student over all trials.
+pub fn integer_candidate(
+    name: &str,
+    model: &Model<'_>,
+    trials: &[Trial],
+) -> Result<Candidate, EvaluationError> {
+    let logits = trials
+        .par_iter()
+        .map(|trial| integer_logits(model, &trial.input(model.header.preprocessing)))
+        .collect::<Result<_, _>>()?;
+    Ok(Candidate {
+        name: name.to_owned(),
+        looks_back: true,
+        logits,
+        entry_margins: model.header.smoother.entry_margins,
+        other_margin: model.header.smoother.other_margin,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_without_past_patches_is_evaluated_without_look_ahead_alone() {
+        let conditions = |looks_back| {
+            let candidate = Candidate {
+                name: "any".to_owned(),
+                looks_back,
+                logits: Vec::new(),
+                entry_margins: [0.0; MAX_CLASSES],
+                other_margin: None,
+            };
+            candidate.conditions().collect::<Vec<_>>()
+        };
+        assert_eq!(conditions(false), [LookAhead::None]);
+        assert_eq!(conditions(true), LookAhead::ALL);
+    }
+}

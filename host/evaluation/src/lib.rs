@@ -1,0 +1,35 @@
+//! Evaluation: from a model's logits over whole recordings to labels and to scores of these labels.
+
+#![deny(missing_docs)]
+
+mod candidate;
+mod condition;
+mod cued;
+mod difference;
+mod error;
+mod floor;
+mod group;
+pub mod inference;
+mod measure;
+pub mod metric;
+pub mod model_evaluation;
+pub mod report;
+pub mod results;
+mod score;
+mod smoothing;
+pub mod template;
+mod trial;
+pub mod trials;
+
+pub use candidate::{Candidate, integer_candidate};
+pub use condition::{LookAhead, Truth};
+pub use cued::{Cued, cued};
+pub use difference::Difference;
+pub use error::EvaluationError;
+pub use floor::{CONSTANT, ENERGY, EnergyDetector, constant};
+pub use group::Group;
+pub use measure::Measure;
+pub use score::{ALL, BUFFERS, Score, score, score_all};
+pub use score::{confusion, gestures};
+pub use smoothing::smooth;
+pub use trial::Trial;

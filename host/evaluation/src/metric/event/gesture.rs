@@ -1,0 +1,158 @@
+//! Gestures, and whether each is recognised.
+//!
+//! A gesture is a run of one active label A (any but relax) in the truth, `onset..end`, whose onset is in the
+//! recording: the sample before it is labelled. It owns the samples from `tolerance` before its onset until
+//! `tolerance` after its end, or until `tolerance` before the onset of the next one, or until the truth becomes unknown.
+//! A gesture that the end of the labels cuts to less than four times the tolerance is not counted.
+//!
+//! It is recognised if among its samples
+//! * a run of emitted labels A begins and is held: without an interruption it covers, from the onset on and within the
+//!   gesture's own samples, at least half as many samples as the gesture lasts; and
+//! * no run of another active label begins.
+//!
+//! A label that was there before and stays is no recognition: nothing tells the user that the gesture was seen.
+//! Nor is a label that comes by chance somewhere in a long gesture.
+//! Latency = first sample of the run that is held - onset; negative within the tolerance before the onset.
+
+use std::ops::Range;
+
+use shared::intent::Intent;
+
+use super::{EventRule, active, runs};
+use crate::metric::stretches;
+
+/// A gesture of the truth. All positions are samples of the recording.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub struct Gesture {
+    /// Its label.
+    #[serde(serialize_with = "by_name")]
+    pub label: Intent,
+    /// From its onset to its end.
+    pub span: Range<usize>,
+    /// Whether it is recognised, or why not.
+    pub verdict: Verdict,
+    /// Emission of its label minus onset, in samples, if it is recognised.
+    pub latency: Option<i32>,
+}
+
+/// Whether a gesture is recognised, or why not.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Recognised.
+    Recognised,
+    /// Another active label began.
+    OtherLabel,
+    /// Its label began and was not held.
+    NotHeld,
+    /// Its label did not begin.
+    NoLabel,
+}
+
+impl Verdict {
+    /// Explanation for a user.
+    #[must_use]
+    pub const fn reason(self) -> &'static str {
+        match self {
+            Self::Recognised => "recognised",
+            Self::OtherLabel => "another gesture's label was emitted",
+            Self::NotHeld => "its label was emitted and not held",
+            Self::NoLabel => "its label was not emitted",
+        }
+    }
+}
+
+/// A gesture of the truth and the samples that it owns.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Owner {
+    label: Intent,
+    span: Range<usize>,
+    /// The samples that it owns.
+    pub(super) samples: Range<usize>,
+    /// Whether it is counted: its onset is in the recording and enough of it too.
+    counted: bool,
+}
+
+/// The runs of active labels in the truth, in order, with the samples that they own; these do not overlap.
+pub(super) fn owners(truth: &[Option<Intent>], rule: &EventRule) -> Vec<Owner> {
+    let mut owners: Vec<Owner> = Vec::new();
+    for stretch in stretches(truth) {
+        let first = owners.len();
+        for (label, run) in runs(&truth[stretch.clone()]) {
+            let Some(label) = active(label) else { continue };
+            let span = stretch.start + run.start..stretch.start + run.end;
+            let from = span.start.saturating_sub(rule.tolerance);
+            let cut = span.end == stretch.end && span.len() < 4 * rule.tolerance;
+            if let Some(before) = owners[first..].last_mut() {
+                before.samples.end = before.samples.end.min(from.max(before.samples.start));
+            }
+            owners.push(Owner {
+                label,
+                samples: from.max(stretch.start)..(span.end + rule.tolerance).min(stretch.end),
+                counted: span.start > stretch.start && !cut,
+                span,
+            });
+        }
+    }
+    owners
+}
+
+/// The gestures of the truth, judged by the labels emitted.
+///
+/// Both sequences have one length.
+#[must_use]
+pub fn gestures(
+    truth: &[Option<Intent>],
+    emitted: &[Option<Intent>],
+    rule: &EventRule,
+) -> Vec<Gesture> {
+    let emitted_runs: Vec<_> = runs(emitted)
+        .filter_map(|(label, run)| Some((active(label)?, run)))
+        .collect();
+    owners(truth, rule)
+        .into_iter()
+        .filter(|owner| owner.counted)
+        .map(|owner| judge(owner, &emitted_runs))
+        .collect()
+}
+
+fn judge(owner: Owner, emitted: &[(Intent, Range<usize>)]) -> Gesture {
+    let Owner {
+        label,
+        span,
+        samples,
+        ..
+    } = owner;
+    let begun = || {
+        emitted
+            .iter()
+            .filter(|(_, run)| samples.contains(&run.start))
+    };
+    let held = |run: &Range<usize>| {
+        let covered = run.end.min(samples.end);
+        2 * covered.saturating_sub(run.start.max(span.start)) >= span.len()
+    };
+    let first = begun().find(|(own, run)| *own == label && held(run));
+    let verdict = if begun().any(|(other, _)| *other != label) {
+        Verdict::OtherLabel
+    } else if first.is_some() {
+        Verdict::Recognised
+    } else if begun().next().is_some() {
+        Verdict::NotHeld
+    } else {
+        Verdict::NoLabel
+    };
+    let latency = first
+        .filter(|_| verdict == Verdict::Recognised)
+        .map(|(_, run)| run.start as i32 - span.start as i32);
+    Gesture {
+        label,
+        span,
+        verdict,
+        latency,
+    }
+}
+
+fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(intent.name())
+}

@@ -1,0 +1,95 @@
+//! Metrics of a predicted label sequence: a file per metric, its formula first.
+//!
+//! Every metric takes truth and prediction as one label per sample: none where the truth is unknown, or
+//! where nothing was emitted.
+
+pub mod balanced_accuracy;
+pub mod confusion;
+pub mod event;
+pub mod offset;
+pub mod raw_accuracy;
+pub mod summary;
+pub mod transition;
+
+use std::ops::Range;
+
+use shared::intent::Intent;
+
+/// Why two label sequences cannot be compared.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum MetricError {
+    /// Sequences of different length.
+    #[error("expected as many predicted labels as true ones ({truth}), found {prediction}")]
+    Length {
+        /// Labels of the truth.
+        truth: usize,
+        /// Labels of the prediction.
+        prediction: usize,
+    },
+    /// A buffer too narrow to contain a change.
+    #[error("expected a buffer of at least 2 samples, found {0}")]
+    NarrowBuffer(usize),
+    /// A true label of a single sample: its change cannot have a buffer.
+    #[error(
+        "expected true labels of at least two samples, found one of a single sample at {at}: \
+         join it to its neighbours"
+    )]
+    SingleSampleLabel {
+        /// The sample.
+        at: usize,
+    },
+}
+
+/// The stretches of a truth without unlabelled samples, as long as possible.
+///
+/// Each is scored as a recording of its own, because the reference cuts unlabelled parts out. The
+/// predictions are those of the whole recording.
+fn stretches(truth: &[Option<Intent>]) -> Vec<Range<usize>> {
+    let mut start = 0;
+    let mut found = Vec::new();
+    for chunk in truth.chunk_by(|a, b| a.is_some() == b.is_some()) {
+        let end = start + chunk.len();
+        if chunk[0].is_some() {
+            found.push(start..end);
+        }
+        start = end;
+    }
+    found
+}
+
+/// Number of samples up to the last one with a prediction.
+///
+/// With look-ahead, the last samples of a recording never get a label. The reference removes them before
+/// it scores.
+#[must_use]
+pub fn predicted_length(prediction: &[Option<Intent>]) -> usize {
+    prediction
+        .iter()
+        .rposition(Option::is_some)
+        .map_or(0, |last| last + 1)
+}
+
+fn same_length(truth: &[Option<Intent>], prediction: &[Option<Intent>]) -> Result<(), MetricError> {
+    if truth.len() == prediction.len() {
+        Ok(())
+    } else {
+        Err(MetricError::Length {
+            truth: truth.len(),
+            prediction: prediction.len(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_lie_between_unlabelled_samples() {
+        let (r, o) = (Some(Intent::Relax), Some(Intent::Open));
+        assert_eq!(stretches(&[None, r, o, None, None, o]), [1..3, 5..6]);
+        assert!(stretches(&[None]).is_empty());
+        assert_eq!(predicted_length(&[None, r, None]), 2);
+        assert_eq!(predicted_length(&[None]), 0);
+    }
+}

@@ -1,0 +1,309 @@
+//! Transition accuracy = changes of the truth that the prediction follows / changes of the truth.
+//!
+//! The prediction follows a change if, within a buffer around it, it goes from the old label A to the
+//! new label B and shows nothing else, and then stays B up to the next buffer (the maintenance).
+//!
+//! Source: ReactEMG (arXiv 2506.19815) and its released evaluation code, special cases included: the
+//! results are equal on all of the reference's cases (tests/golden/transition.rs).
+
+mod status;
+mod windows;
+
+use std::ops::Range;
+
+use shared::intent::Intent;
+
+use super::{MetricError, same_length, stretches};
+pub use status::TransitionStatus;
+use status::status;
+pub use windows::Windows;
+
+/// A predicted or true label; none: nothing emitted, or unknown.
+type Label = Option<Intent>;
+
+/// The rule that decides whether the prediction follows a change from label A to label B.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Rule {
+    /// Width of the buffer in samples, both sides together; half of it lies on each side.
+    pub buffer: usize,
+    /// Once B has been predicted, nothing but B may follow; and the buffer may not start with B.
+    pub strict: bool,
+    /// Relax is also allowed, in the buffer and in the maintenance.
+    pub allow_relax: bool,
+}
+
+impl Default for Rule {
+    /// The paper's: half a second on each side, not strict, relax not allowed.
+    fn default() -> Self {
+        Self {
+            buffer: 200,
+            strict: false,
+            allow_relax: false,
+        }
+    }
+}
+
+/// One change of the truth. All positions are samples of the whole sequence.
+#[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
+pub struct Change {
+    /// First sample of the new label.
+    pub at: usize,
+    /// Name of the old label.
+    #[serde(serialize_with = "by_name")]
+    pub from: Intent,
+    /// Name of the new label.
+    #[serde(serialize_with = "by_name")]
+    pub to: Intent,
+    /// Buffer: where the prediction has to change.
+    pub buffer: Range<usize>,
+    /// Maintenance: where it has to hold; may be empty.
+    pub maintenance: Range<usize>,
+    /// Whether the prediction follows, or why not.
+    pub status: TransitionStatus,
+    /// Predicted minus true time in samples, if the prediction follows; positive: late.
+    pub offset: Option<i32>,
+}
+
+/// All changes of one truth.
+#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize)]
+pub struct TransitionScore {
+    /// Changes in order of time.
+    pub changes: Vec<Change>,
+    /// Labelled stretches without any change, and how many of them are predicted without an error.
+    /// They do not enter the accuracy.
+    pub constant: ConstantStretches,
+}
+
+/// Labelled stretches without a change.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize)]
+pub struct ConstantStretches {
+    /// Their number.
+    pub count: usize,
+    /// Number of those predicted correctly at every sample.
+    pub held: usize,
+}
+
+impl TransitionScore {
+    /// Changes in the truth.
+    #[must_use]
+    pub const fn events(&self) -> usize {
+        self.changes.len()
+    }
+
+    /// Changes that the prediction follows.
+    #[must_use]
+    pub fn correct(&self) -> usize {
+        self.changes
+            .iter()
+            .filter(|change| change.status == TransitionStatus::Ok)
+            .count()
+    }
+
+    /// `correct / events`; none without a change.
+    #[must_use]
+    pub fn accuracy(&self) -> Option<f64> {
+        (self.events() > 0).then(|| self.correct() as f64 / self.events() as f64)
+    }
+
+    /// Signed offsets, in samples, of the changes that have one.
+    pub fn offsets(&self) -> impl Iterator<Item = i32> {
+        self.changes.iter().filter_map(|change| change.offset)
+    }
+}
+
+/// Checks every change of the truth.
+///
+/// Each labelled stretch of the truth is scored as a recording of its own.
+///
+/// # Errors
+/// [`MetricError::Length`] if the sequences differ in length; [`MetricError::NarrowBuffer`] below
+/// 2 samples;
+/// [`MetricError::SingleSampleLabel`] if a true label between two changes lasts one sample.
+pub fn score(
+    truth: &[Label],
+    prediction: &[Label],
+    rule: &Rule,
+) -> Result<TransitionScore, MetricError> {
+    same_length(truth, prediction)?;
+    if rule.buffer < 2 {
+        return Err(MetricError::NarrowBuffer(rule.buffer));
+    }
+    let mut score = TransitionScore::default();
+    for stretch in stretches(truth) {
+        let truth: Vec<Intent> = truth[stretch.clone()].iter().copied().flatten().collect();
+        let prediction = &prediction[stretch.clone()];
+        let windows = Windows::new(&truth, rule.buffer);
+        if windows.changes.is_empty() {
+            score.constant.count += 1;
+            let held = truth.iter().zip(prediction).all(|(&t, &p)| p == Some(t));
+            score.constant.held += usize::from(held);
+        }
+        for index in 0..windows.changes.len() {
+            let mut change = check(&truth, prediction, &windows, index, rule).map_err(|at| {
+                MetricError::SingleSampleLabel {
+                    at: stretch.start + at,
+                }
+            })?;
+            change.at += stretch.start;
+            for range in [&mut change.buffer, &mut change.maintenance] {
+                *range = range.start + stretch.start..range.end + stretch.start;
+            }
+            score.changes.push(change);
+        }
+    }
+    Ok(score)
+}
+
+/// Checks one change; the error is the first sample of a label too short to have a buffer.
+fn check(
+    truth: &[Intent],
+    prediction: &[Label],
+    windows: &Windows,
+    index: usize,
+    rule: &Rule,
+) -> Result<Change, usize> {
+    let at = windows.changes[index];
+    let (buffer, maintenance) = (&windows.buffers[index], &windows.maintenance[index]);
+    if !buffer.contains(&at) || buffer.start == at {
+        return Err(at);
+    }
+    let (from, to) = (truth[at - 1], truth[at]);
+    let near = &prediction[buffer.clone()];
+    let later = &prediction[maintenance.clone()];
+    let status = status(from, to, near, later, rule);
+    let offset = (status == TransitionStatus::Ok)
+        .then(|| offset(prediction, at, Some(from), Some(to), rule.buffer / 2))
+        .flatten();
+    Ok(Change {
+        at,
+        from,
+        to,
+        buffer: buffer.clone(),
+        maintenance: maintenance.clone(),
+        status,
+        offset,
+    })
+}
+
+/// Offset of the nearest predicted change from A to B within half a buffer of the true one, the earliest on ties.
+fn offset(prediction: &[Label], at: usize, from: Label, to: Label, half: usize) -> Option<i32> {
+    let last_old = at - 1;
+    let range = last_old.saturating_sub(half)..(prediction.len() - 1).min(last_old + half);
+    let distance = |sample: usize| sample as i32 - last_old as i32;
+    let straight = range
+        .clone()
+        .filter(|&i| prediction[i] == from && prediction[i + 1] == to)
+        .map(distance)
+        .min_by_key(|offset| offset.abs());
+    // There is none only where relax lies between A and B: then the first B, as in the reference.
+    straight.or_else(|| range.clone().find(|&i| prediction[i] == to).map(distance))
+}
+
+fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(intent.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const R: Label = Some(Intent::Relax);
+    const O: Label = Some(Intent::Open);
+    const C: Label = Some(Intent::Close);
+
+    fn sequence(runs: &[(Label, usize)]) -> Vec<Label> {
+        runs.iter()
+            .flat_map(|&(label, count)| vec![label; count])
+            .collect()
+    }
+
+    fn status(truth: &[(Label, usize)], prediction: &[(Label, usize)]) -> TransitionStatus {
+        let score = score(&sequence(truth), &sequence(prediction), &Rule::default()).unwrap();
+        score.changes[0].status
+    }
+
+    #[test]
+    fn a_delay_below_half_the_buffer_follows_and_half_does_not() {
+        let truth = [(R, 500), (O, 500)];
+        assert_eq!(status(&truth, &[(R, 599), (O, 401)]), TransitionStatus::Ok);
+        assert_eq!(
+            status(&truth, &[(R, 600), (O, 400)]),
+            TransitionStatus::NoChangeInBuffer
+        );
+        assert_eq!(status(&truth, &[(R, 401), (O, 599)]), TransitionStatus::Ok);
+        assert_eq!(
+            status(&truth, &[(R, 400), (O, 600)]),
+            TransitionStatus::NoChangeInBuffer
+        );
+    }
+
+    #[test]
+    fn each_failure_has_its_reason() {
+        let truth = [(R, 500), (O, 500)];
+        let third = [(R, 480), (C, 30), (O, 490)];
+        assert_eq!(status(&truth, &third), TransitionStatus::BufferOtherClass);
+        let silent = [(R, 480), (None, 30), (O, 490)];
+        assert_eq!(status(&truth, &silent), TransitionStatus::BufferOtherClass);
+        let dropped = [(R, 500), (O, 400), (R, 100)];
+        assert_eq!(
+            status(&truth, &dropped),
+            TransitionStatus::MaintenanceNotHeld
+        );
+    }
+
+    #[test]
+    fn unlabelled_stretches_divide_the_truth() {
+        let truth = sequence(&[
+            (R, 300),
+            (O, 300),
+            (None, 200),
+            (R, 300),
+            (C, 300),
+            (None, 10),
+        ]);
+        let prediction = sequence(&[(R, 310), (O, 490), (R, 290), (C, 320)]);
+        let score = score(&truth, &prediction, &Rule::default()).unwrap();
+        let found: Vec<_> = score
+            .changes
+            .iter()
+            .map(|c| (c.at, c.status, c.offset, c.maintenance.end))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                (300, TransitionStatus::Ok, Some(10), 600),
+                (1100, TransitionStatus::Ok, Some(-10), 1400)
+            ]
+        );
+        assert_eq!(score.accuracy(), Some(1.0));
+    }
+
+    #[test]
+    fn a_truth_of_one_label_is_no_event() {
+        let score = score(&[R; 50], &[R; 50], &Rule::default()).unwrap();
+        assert_eq!((score.events(), score.accuracy()), (0, None));
+        assert_eq!(score.constant, ConstantStretches { count: 1, held: 1 });
+    }
+
+    #[test]
+    fn a_label_of_one_sample_is_refused_with_its_place() {
+        let truth = sequence(&[(R, 300), (O, 1), (R, 300)]);
+        let error = score(&truth, &truth, &Rule::default()).unwrap_err();
+        assert_eq!(error, MetricError::SingleSampleLabel { at: 300 });
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_sequences_are_scored_or_refused(
+            labels in proptest::collection::vec((0..4usize, 0..4usize), 1..200),
+            buffer in 0..80usize,
+            strict: bool,
+            allow_relax: bool,
+        ) {
+            let intent = |class| if class == 3 { None } else { Intent::from_class(class) };
+            let (truth, prediction): (Vec<_>, Vec<_>) =
+                labels.into_iter().map(|(t, p)| (intent(t), intent(p))).unzip();
+            let _ = score(&truth, &prediction, &Rule { buffer, strict, allow_relax });
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Evaluation of model files on any recordings, without a run folder.
+
+mod alignment;
+mod named_model;
+mod subjects;
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::intent::Vocabulary;
+use shared::model::file::{Model, SmootherDefaults};
+use shared::stream::alignment::Alignment;
+use shared::stream::smoother::AggregationMode;
+use shared::units::Sample;
+
+pub use self::alignment::{ALIGNED, AlignedSubject, Turn, Worn};
+use self::alignment::{Aligned, align, aligned_candidate, leave_out_openings, openings_of};
+use self::named_model::common_vocabulary;
+pub use self::named_model::{NamedModel, beside};
+pub use self::subjects::EvaluatedSubject;
+use self::subjects::subjects;
+use super::trials::trial;
+use crate::EvaluationError;
+use crate::integer_candidate;
+use crate::{
+    Candidate, Cued, EnergyDetector, LookAhead, Score, Trial, Truth, constant, cued, score,
+};
+use recordings::labels::lag::LabelLag;
+use recordings::labels::set_lag::Lag;
+use recordings::labels::set_lag::lags;
+use recordings::losses::bridge_lost_notifications;
+use recordings::split::circles;
+use recordings::{DataSet, Library, Recording};
+
+/// Whom to evaluate on, and how they wear the armband.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Subjects (`data-set/subject`) and whole data sets; everybody if empty. Whoever is named is evaluated, seen or
+    /// not; test people only by their own names.
+    pub subjects: Vec<String>,
+    /// Also those whom one of the models was trained on or validated with.
+    pub seen: bool,
+    /// Also test people.
+    pub test: bool,
+    /// How they wear it.
+    pub worn: Worn,
+    /// Whether each model is also evaluated after alignment. Only people who open the hand twice are then, and those openings
+    /// are not scored.
+    pub align: bool,
+    /// Whether alignments are told on which arm the armband is.
+    pub arm_told: bool,
+    /// Percent of the notifications that are lost and bridged, 0 to 66.
+    pub lost_percent: u8,
+    /// How labels are compensated for their lag.
+    pub label_lag: LabelLag,
+}
+
+/// A model in the results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EvaluatedModel {
+    /// Name in tables.
+    pub name: String,
+    /// Look-ahead and aggregation mode of the file.
+    pub look_ahead: LookAhead,
+    /// Revision of the program that trained it.
+    pub git_revision: String,
+    /// Seed of its training.
+    pub seed: u64,
+    /// CRC-32 at the end of the file, which identifies it.
+    pub checksum: String,
+}
+
+/// Scores of model files on recordings, each at its own look-ahead; lag-compensated labels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelResults {
+    /// The models.
+    pub models: Vec<EvaluatedModel>,
+    /// Whom they were evaluated on.
+    pub subjects: Vec<EvaluatedSubject>,
+    /// People left out because a model has seen them.
+    pub left_out_seen: Vec<String>,
+    /// Test people left out.
+    pub left_out_test: Vec<String>,
+    /// People left out because they do not open the hand twice, if alignment was asked for.
+    pub left_out_openings: Vec<String>,
+    /// How the armband was worn.
+    pub worn: Worn,
+    /// What alignment made of it, for each model and person; empty if it was not asked for.
+    pub alignments: Vec<AlignedSubject>,
+    /// Percent of the notifications that were lost and bridged.
+    pub lost_percent: u8,
+    /// How labels were compensated for their lag.
+    pub lags: BTreeMap<DataSet, Lag>,
+    /// Gestures that the evaluated people were asked for, and how many are scored.
+    pub gestures: BTreeMap<DataSet, Cued>,
+    /// A row for each model and floor, for each data set and over all of them.
+    pub scores: Vec<Score>,
+}
+
+/// Results, and what they were computed from.
+pub struct ModelEvaluation {
+    /// The results.
+    pub results: ModelResults,
+    /// The recordings.
+    pub trials: Vec<Trial>,
+    /// Models and floors.
+    pub candidates: Vec<Candidate>,
+    /// Classes of the models.
+    pub vocabulary: Vocabulary,
+}
+
+/// Evaluates model files on the recordings of a library.
+///
+/// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. Labels
+/// are compensated for their lag as the selection says, by default cue by cue; a constant lag of a data set is estimated on
+/// its training people (`host/people.toml`); labels that mark the muscle's activity have none. The energy detector is the default one, since there are no training people.
+///
+/// # Errors
+/// When a model is refused, models have different classes, a name is unknown, or nobody is left.
+///
+/// # Panics
+/// If the selection loses more than 66 % of the notifications.
+pub fn evaluate_models(
+    models: &[NamedModel],
+    library: &Library,
+    selection: &Selection,
+) -> Result<ModelEvaluation, EvaluationError> {
+    let parsed = models
+        .iter()
+        .map(|model| Ok(Model::parse(&model.bytes)?))
+        .collect::<Result<Vec<_>, EvaluationError>>()?;
+    let vocabulary = common_vocabulary(models, &parsed)?;
+    let labelled = labelled(library, vocabulary);
+    let (mut subjects, left_out) = subjects(models, &parsed, &labelled, selection)?;
+    let lags = lags(&labelled, selection.label_lag, &circles::is_training);
+    let worn: BTreeMap<String, Alignment> = subjects
+        .iter()
+        .enumerate()
+        .map(|(number, own)| (own.subject.clone(), selection.worn.of(number)))
+        .collect();
+    let mut trials = trials(&labelled, &worn, vocabulary, &lags, selection.lost_percent);
+    let mut gestures = cued(&trials);
+    let named: Vec<(&NamedModel, &Model<'_>)> = models.iter().zip(&parsed).collect();
+    let mut left_out_openings = Vec::new();
+    let mut aligned = Aligned::default();
+    if selection.align {
+        let people = openings_of(&trials);
+        (subjects, left_out_openings) = subjects
+            .into_iter()
+            .partition(|own| people.contains_key(&own.subject));
+        if subjects.is_empty() {
+            return Err(EvaluationError::NobodyOpens {
+                people: left_out_openings.len(),
+            });
+        }
+        aligned = align(&named, &people, &worn, selection.arm_told)?;
+        gestures = cued(
+            trials
+                .iter()
+                .filter(|own| people.contains_key(&own.subject)),
+        );
+        leave_out_openings(&mut trials, &people, &aligned.taken);
+        trials.retain(|trial| people.contains_key(&trial.subject));
+    }
+    let mut candidates = models
+        .iter()
+        .zip(&parsed)
+        .map(|(model, parsed)| integer_candidate(&model.name, parsed, &trials))
+        .collect::<Result<Vec<_>, _>>()?;
+    for ((model, parsed), own) in named.iter().zip(&aligned.found) {
+        candidates.push(aligned_candidate(&model.name, parsed, &trials, own)?);
+    }
+    candidates.push(constant(&trials));
+    candidates.push(EnergyDetector::default().candidate(&trials));
+    let models: Vec<EvaluatedModel> = models
+        .iter()
+        .zip(&parsed)
+        .map(|(model, parsed)| evaluated_model(model, parsed))
+        .collect();
+    let mut scores = Vec::new();
+    for (at, candidate) in candidates.iter().enumerate() {
+        // Models, the same aligned, floors.
+        let mut repeated = models
+            .iter()
+            .cycle()
+            .take(models.len() + aligned.found.len());
+        let look_ahead = repeated
+            .nth(at)
+            .map_or(LookAhead::None, |model| model.look_ahead);
+        scores.extend(score(
+            candidate,
+            &trials,
+            vocabulary,
+            look_ahead,
+            Truth::LagCompensated,
+        )?);
+    }
+    Ok(ModelEvaluation {
+        results: ModelResults {
+            models,
+            subjects,
+            left_out_seen: left_out.seen,
+            left_out_test: left_out.test,
+            left_out_openings: left_out_openings
+                .into_iter()
+                .map(|own| own.subject)
+                .collect(),
+            worn: selection.worn,
+            alignments: aligned.results,
+            lost_percent: selection.lost_percent,
+            lags,
+            gestures,
+            scores,
+        },
+        trials,
+        candidates,
+        vocabulary,
+    })
+}
+
+/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them; a constant lag is
+/// estimated on the training people that are given.
+#[must_use]
+pub fn trials_of(
+    library: &Library,
+    vocabulary: Vocabulary,
+    people: &[String],
+    is_training: &dyn Fn(&str) -> bool,
+) -> Vec<Trial> {
+    let labelled = labelled(library, vocabulary);
+    let lags = lags(&labelled, LabelLag::default(), is_training);
+    let worn = people
+        .iter()
+        .map(|subject| (subject.clone(), Alignment::NONE))
+        .collect();
+    trials(&labelled, &worn, vocabulary, &lags, 0)
+}
+
+/// Recordings that models of a vocabulary can be evaluated on.
+fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
+    let recordings = library.recordings.iter();
+    recordings
+        .filter(|recording| recording.can_be_evaluated(vocabulary))
+        .collect()
+}
+
+/// The recordings of the evaluated people, the armband worn so, with so many percent of the notifications lost.
+fn trials(
+    labelled: &[&Recording],
+    worn: &BTreeMap<String, Alignment>,
+    vocabulary: Vocabulary,
+    lags: &BTreeMap<DataSet, Lag>,
+    lost_percent: u8,
+) -> Vec<Trial> {
+    labelled
+        .par_iter()
+        .filter_map(|recording| Some((recording, worn.get(&recording.subject)?.inverse())))
+        .map(|(recording, placed)| {
+            let name = format!("{}/{}", recording.subject, recording.name);
+            let arrange = |samples: &mut Vec<Sample>| {
+                recording.data_set.align(samples);
+                for sample in &mut *samples {
+                    *sample = placed.apply(*sample);
+                }
+                bridge_lost_notifications(samples, lost_percent, &name);
+            };
+            let compensation = lags[&recording.data_set].of_recording(recording);
+            trial(recording, arrange, vocabulary, compensation)
+        })
+        .collect()
+}
+
+fn evaluated_model(model: &NamedModel, parsed: &Model<'_>) -> EvaluatedModel {
+    let smoother = &parsed.header.smoother;
+    let provenance = &parsed.header.provenance;
+    let checksum = model.bytes[..parsed.length].last_chunk::<4>();
+    EvaluatedModel {
+        name: model.name.clone(),
+        look_ahead: look_ahead(smoother),
+        git_revision: provenance.git_revision.to_owned(),
+        seed: provenance.seed,
+        checksum: checksum.map_or_else(String::new, |bytes| {
+            format!("{:08x}", u32::from_le_bytes(*bytes))
+        }),
+    }
+}
+
+/// Look-ahead and aggregation mode of a model file.
+pub const fn look_ahead(smoother: &SmootherDefaults) -> LookAhead {
+    match (smoother.look_ahead, smoother.aggregation) {
+        (0, _) => LookAhead::None,
+        (_, AggregationMode::AllRowsFrom) => LookAhead::AllRows,
+        (_, AggregationMode::SameInstant) => LookAhead::SameInstant,
+    }
+}

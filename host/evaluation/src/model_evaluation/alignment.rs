@@ -1,0 +1,245 @@
+//! How people wear the armband, and what alignment makes of it.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::intent::Intent;
+use shared::model::encoder::HostEncoder;
+use shared::model::file::Model;
+use shared::stream::alignment::{Alignment, Arm};
+use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
+use shared::uart_line::line::Line;
+use shared::units::{CHANNELS, Sample};
+
+use super::named_model::NamedModel;
+use crate::EvaluationError;
+use crate::inference::integer_logits;
+use crate::inference::stream::{feed, pipeline};
+use crate::{Candidate, Trial};
+use recordings::alignment::{Openings, openings};
+
+/// What is added to the name of a model that is evaluated after alignment.
+pub const ALIGNED: &str = ", aligned";
+
+/// How the armband sits, after the data set's own frame is accounted for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Worn {
+    /// Places that it is turned by.
+    pub turn: Turn,
+    /// Whether it is on the other arm.
+    pub mirrored: bool,
+}
+
+/// Places that armbands are turned by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Turn {
+    /// All by the same number, 0 to 7.
+    By(u8),
+    /// By 0 to 7 in turn, from person to person in alphabetical order.
+    Any,
+}
+
+impl Default for Turn {
+    fn default() -> Self {
+        Self::By(0)
+    }
+}
+
+impl Worn {
+    /// The placement of a person; `number` is the place in the alphabetical order.
+    pub(super) fn of(self, number: usize) -> Alignment {
+        let turn = match self.turn {
+            Turn::By(turn) => turn,
+            Turn::Any => (number % CHANNELS) as u8,
+        };
+        Alignment::new(turn, self.mirrored)
+    }
+}
+
+/// One person's alignment for one model.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AlignedSubject {
+    /// The model's name.
+    pub model: String,
+    /// The person.
+    pub subject: String,
+    /// What came of it: `aligned`, `poor-distance`, `poor-margin`, `timeout`, or `unavailable` without a template.
+    pub outcome: &'static str,
+    /// Places between the placement found and the frame of the data set, 0 to 4; none on the other arm, or if nothing was
+    /// applied.
+    pub places_off: Option<u8>,
+    /// Whether the placement found is on the other arm than the frame of the data set.
+    pub wrong_arm: bool,
+    /// Distance and margin in hundredths of a nat; none without a placement.
+    pub quality: Option<(u32, u32)>,
+}
+
+/// What alignment made of everybody.
+#[derive(Default)]
+pub(super) struct Aligned {
+    /// A result for each model and person.
+    pub(super) results: Vec<AlignedSubject>,
+    /// Each model's alignments; none where nothing was to be changed.
+    pub(super) found: Vec<BTreeMap<String, Alignment>>,
+    /// How many openings were taken of each person, at most.
+    pub(super) taken: BTreeMap<String, usize>,
+}
+
+/// The openings of each person who has enough of them.
+pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<usize>)> {
+    let mut own: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (at, trial) in trials.iter().enumerate() {
+        own.entry(&trial.subject).or_default().push(at);
+    }
+    own.into_iter()
+        .filter_map(|(subject, places)| {
+            let recordings: Vec<(&[Sample], &[Option<Intent>])> = places
+                .iter()
+                .map(|&at| (&trials[at].raw[..], &trials[at].lag_compensated[..]))
+                .collect();
+            Some((subject.to_owned(), (openings(&recordings)?, places)))
+        })
+        .collect()
+}
+
+/// What a board with each model makes of each person's openings; `arm_told`: it is told on which arm the armband is.
+///
+/// # Errors
+/// When a board would refuse a model.
+pub(super) fn align(
+    models: &[(&NamedModel, &Model<'_>)],
+    people: &BTreeMap<String, (Openings, Vec<usize>)>,
+    worn: &BTreeMap<String, Alignment>,
+    arm_told: bool,
+) -> Result<Aligned, EvaluationError> {
+    let mut aligned = Aligned::default();
+    let placed = |subject: &str| worn.get(subject).copied().unwrap_or_default();
+    for (named, model) in models {
+        let answers = people
+            .par_iter()
+            .map(|(subject, (openings, _))| {
+                let mirrored = placed(subject).mirrored();
+                let arm = if arm_told {
+                    Arm::Known { mirrored }
+                } else {
+                    Arm::Unknown
+                };
+                Ok((subject, answer(model, openings, arm)?))
+            })
+            .collect::<Result<Vec<_>, EvaluationError>>()?;
+        let mut own = BTreeMap::new();
+        for (subject, (report, count)) in answers {
+            let most = aligned.taken.entry(subject.clone()).or_default();
+            *most = count.max(*most);
+            let truth = placed(subject);
+            let state = report.map_or(AlignmentState::Timeout, |report| report.state);
+            let applied = report.filter(|report| report.state == AlignmentState::Aligned);
+            let applied = applied.map(|report| report.alignment);
+            aligned.results.push(AlignedSubject {
+                model: named.name.clone(),
+                subject: subject.clone(),
+                outcome: state.name(),
+                places_off: applied.and_then(|found| found.places_from(truth)),
+                wrong_arm: applied.is_some_and(|found| found.mirrored() != truth.mirrored()),
+                quality: report.and_then(|report| report.quality),
+            });
+            own.insert(subject.clone(), applied.unwrap_or_default());
+        }
+        aligned.found.push(own);
+    }
+    Ok(aligned)
+}
+
+/// The line with which a board ends an alignment by these openings, or none if it still waits for more at their end; and
+/// how many of them it took. The board was switched on with their first sample.
+///
+/// # Errors
+/// When the board would refuse the model.
+fn answer(
+    model: &Model<'_>,
+    openings: &Openings,
+    arm: Arm,
+) -> Result<(Option<AlignmentReport>, usize), EvaluationError> {
+    let encoder = HostEncoder::new(model)?;
+    let mut state = encoder.fresh();
+    let mut pipeline = pipeline(model, encoder, &mut state)?;
+    let end = |report: AlignmentReport| report.state != AlignmentState::Waiting;
+    pipeline.begin_alignment(arm);
+    if let Some(unavailable) = pipeline
+        .take_alignment_report()
+        .filter(|&report| end(report))
+    {
+        return Ok((Some(unavailable), 0));
+    }
+    let stream = openings.stream();
+    let ended = feed(
+        &mut pipeline,
+        &stream,
+        |_| (),
+        |line| match line {
+            Line::Alignment(report) if end(report) => ControlFlow::Break(report),
+            _ => ControlFlow::Continue(()),
+        },
+    );
+    Ok(match ended {
+        ControlFlow::Break(report) => {
+            let samples = report.emitted.0 as usize + 1;
+            (Some(report), openings.within(samples))
+        }
+        ControlFlow::Continue(()) => (None, openings.within(stream.len())),
+    })
+}
+
+/// The labels of the openings that were taken, in all trials of these people, become none: they are not scored.
+pub(super) fn leave_out_openings(
+    trials: &mut [Trial],
+    people: &BTreeMap<String, (Openings, Vec<usize>)>,
+    taken: &BTreeMap<String, usize>,
+) {
+    for (subject, (openings, places)) in people {
+        let count = taken.get(subject).copied().unwrap_or_default();
+        for (recording, &at) in places.iter().enumerate() {
+            for range in openings.used(recording, count) {
+                let trial = &mut trials[at];
+                if let Some(published) = &mut trial.published {
+                    published[range.clone()].fill(None);
+                }
+                trial.lag_compensated[range].fill(None);
+            }
+        }
+    }
+}
+
+/// The logits of a model whose electrodes are aligned for each person.
+///
+/// # Errors
+/// When the encoder refuses the model.
+pub(super) fn aligned_candidate(
+    name: &str,
+    model: &Model<'_>,
+    trials: &[Trial],
+    alignments: &BTreeMap<String, Alignment>,
+) -> Result<Candidate, EvaluationError> {
+    let logits = trials
+        .par_iter()
+        .map(|trial| {
+            let alignment = alignments.get(&trial.subject).copied().unwrap_or_default();
+            let emg: Vec<_> = trial
+                .input(model.header.preprocessing)
+                .iter()
+                .map(|&sample| alignment.apply(sample))
+                .collect();
+            integer_logits(model, &emg)
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(Candidate {
+        name: format!("{name}{ALIGNED}"),
+        looks_back: true,
+        logits,
+        entry_margins: model.header.smoother.entry_margins,
+        other_margin: model.header.smoother.other_margin,
+    })
+}

@@ -1,0 +1,126 @@
+//! Whom model files are evaluated on, and who is left out.
+
+use serde::Serialize;
+use shared::model::file::Model;
+
+use super::Selection;
+use super::named_model::NamedModel;
+use crate::EvaluationError;
+use recordings::split::{circles, expand};
+use recordings::{Recording, folds};
+
+/// A subject in the results.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct EvaluatedSubject {
+    /// The subject, as `data-set/subject`.
+    pub subject: String,
+    /// Names of the models that were trained on this person or validated with: their scores are too good.
+    pub seen_by: Vec<String>,
+    /// Whether it is a test person.
+    pub test: bool,
+}
+
+/// People who are not evaluated, by reason.
+#[derive(Default)]
+pub(super) struct LeftOut {
+    pub(super) seen: Vec<String>,
+    pub(super) test: Vec<String>,
+}
+
+/// The people to evaluate, and those who are not.
+///
+/// # Errors
+/// When a name is unknown or nobody is left.
+pub(super) fn subjects(
+    models: &[NamedModel],
+    parsed: &[Model<'_>],
+    recordings: &[&Recording],
+    selection: &Selection,
+) -> Result<(Vec<EvaluatedSubject>, LeftOut), EvaluationError> {
+    let known = folds::subjects(recordings.iter().copied());
+    let named = expand("--subjects", &selection.subjects, &known, |_| true)?;
+    let mut evaluated = Vec::new();
+    let mut left_out = LeftOut::default();
+    for &subject in known.values().flatten() {
+        let is_named = named.contains(subject);
+        if !is_named && !named.is_empty() {
+            continue;
+        }
+        let test = circles::is_test(subject);
+        let saw = |model: &Model<'_>| {
+            let mut seen = model.header.provenance.subjects_seen.iter();
+            seen.any(|seen| seen == subject)
+        };
+        let seen_by: Vec<String> = models
+            .iter()
+            .zip(parsed)
+            .filter(|(_, parsed)| saw(parsed))
+            .map(|(model, _)| model.name.clone())
+            .collect();
+        // A whole data set names nobody for a release.
+        let by_name = selection.subjects.iter().any(|name| name == subject);
+        if test && !selection.test && !by_name {
+            left_out.test.push(subject.to_owned());
+        } else if !seen_by.is_empty() && !selection.seen && !is_named {
+            left_out.seen.push(subject.to_owned());
+        } else {
+            evaluated.push(EvaluatedSubject {
+                subject: subject.to_owned(),
+                seen_by,
+                test,
+            });
+        }
+    }
+    if evaluated.is_empty() {
+        return Err(EvaluationError::NobodyToEvaluate {
+            seen: left_out.seen.len(),
+            test: left_out.test.len(),
+        });
+    }
+    Ok((evaluated, left_out))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recordings::DataSet;
+
+    /// Whom a selection evaluates of two people of roshambo, of whom 06 is a test person, and the test people left out.
+    fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {
+        let recordings = ["roshambo/03", "roshambo/06"]
+            .map(|subject| Recording::new(DataSet::Roshambo, subject, Vec::new(), Vec::new()));
+        let selection = Selection {
+            subjects: names.iter().map(|&name| name.to_owned()).collect(),
+            test,
+            ..Selection::default()
+        };
+        let recordings: Vec<&Recording> = recordings.iter().collect();
+        let (evaluated, left_out) = subjects(&[], &[], &recordings, &selection).unwrap();
+        let evaluated = evaluated.into_iter().map(|own| own.subject);
+        (evaluated.collect(), left_out.test)
+    }
+
+    #[test]
+    fn test_people_of_a_whole_set_are_evaluated_if_asked_for_and_left_out_in_words_if_not() {
+        let (both, one, test) = (
+            vec!["roshambo/03".to_owned(), "roshambo/06".to_owned()],
+            vec!["roshambo/03".to_owned()],
+            vec!["roshambo/06".to_owned()],
+        );
+        for names in [&[][..], &["roshambo"], &["roshambo", "roshambo/03"]] {
+            assert_eq!(
+                selected(names, true),
+                (both.clone(), Vec::new()),
+                "{names:?}"
+            );
+            assert_eq!(
+                selected(names, false),
+                (one.clone(), test.clone()),
+                "{names:?}"
+            );
+        }
+        // Whoever is named is evaluated.
+        assert_eq!(selected(&["roshambo/06"], false), (test, Vec::new()));
+        assert_eq!(selected(&["roshambo/03"], true), (one, Vec::new()));
+    }
+}

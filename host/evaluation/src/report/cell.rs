@@ -1,0 +1,240 @@
+//! Format of numbers in tables, the same in every table.
+
+use crate::Difference;
+use crate::metric::event::latency::{Latency, LatencySummary};
+use recordings::statistics::{Interval, MeanSd};
+
+/// In place of a missing number.
+const NONE: &str = "-";
+
+/// One cell as text, in a terminal or Markdown: `0.912 (0.04)`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The text.
+    pub shown: String,
+}
+
+impl Cell {
+    /// The cell of so many people, which it says where the row has another number: `0.912 [0.88, 0.94] n 29`.
+    #[must_use]
+    pub fn of_people(mut self, people: usize, of_row: usize) -> Self {
+        if people != of_row && self.shown != NONE {
+            self.shown += &format!(" n {people}");
+        }
+        self
+    }
+}
+
+/// A name.
+#[must_use]
+pub fn text(text: impl Into<String>) -> Cell {
+    Cell { shown: text.into() }
+}
+
+/// A missing number.
+#[must_use]
+pub fn none() -> Cell {
+    text(NONE)
+}
+
+/// A share of 1 over subjects: mean with three digits, deviation with two.
+#[must_use]
+pub fn share(value: Option<MeanSd>) -> Cell {
+    spread(value, |mean| format!("{mean:.3}"), |sd| format!("{sd:.2}"))
+}
+
+/// Signed milliseconds, whole.
+fn milliseconds(value: f64) -> String {
+    format!("{:+.0}", unsigned_zero(value, 1.0))
+}
+
+/// One number, such as a median, in signed milliseconds.
+#[must_use]
+pub fn one_ms(value: Option<f64>) -> Cell {
+    value.map_or_else(none, |value| text(milliseconds(value)))
+}
+
+/// Signed milliseconds over transitions, mean and deviation.
+#[must_use]
+pub fn signed_ms(value: Option<MeanSd>) -> Cell {
+    spread(value, milliseconds, whole)
+}
+
+/// Absolute milliseconds over transitions, mean and deviation.
+#[must_use]
+pub fn absolute_ms(value: Option<MeanSd>) -> Cell {
+    spread(value, whole, whole)
+}
+
+/// Number of subjects and of transitions behind a score: `subjects / transitions`.
+#[must_use]
+pub fn support(subjects: usize, transitions: usize) -> Cell {
+    text(format!("{subjects} / {transitions}"))
+}
+
+/// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
+#[must_use]
+pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
+    let Some(value) = mean else { return none() };
+    let interval = interval.map(|ends| format!(" [{:.2}, {:.2}]", ends.low, ends.high));
+    text(format!("{:.3}{}", value.mean, interval.unwrap_or_default()))
+}
+
+/// The same in 14 columns: `0.76 (.70-.81)`.
+#[must_use]
+pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
+    let Some(value) = mean else { return none() };
+    let end = |value: f64| match format!("{value:.2}").strip_prefix('0') {
+        Some(decimals) => decimals.to_owned(),
+        None => format!("{value:.1}"),
+    };
+    let interval = interval.map(|ends| format!(" ({}-{})", end(ends.low), end(ends.high)));
+    text(format!("{:.2}{}", value.mean, interval.unwrap_or_default()))
+}
+
+/// Events a minute, mean over subjects.
+#[must_use]
+pub fn rate(value: Option<MeanSd>) -> Cell {
+    spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
+}
+
+/// Median and 90th percentile of a latency in ms, `285 / 610`, or that they fall on missed gestures.
+#[must_use]
+pub fn latency(value: Option<LatencySummary>) -> Cell {
+    let Some(LatencySummary { median, p90 }) = value else {
+        return none();
+    };
+    text([median, p90].map(quantile).join(" / "))
+}
+
+/// A quantile of a latency in ms.
+pub(crate) fn quantile(value: Latency) -> String {
+    match value {
+        Latency::Ms(milliseconds) => whole(milliseconds),
+        Latency::Missed => "missed".to_owned(),
+    }
+}
+
+/// A difference of shares: `+0.120 [+0.030, +0.210] n 8`, and in words if no difference is shown.
+#[must_use]
+pub fn difference(value: Option<Difference>) -> Cell {
+    let Some(value) = value else { return none() };
+    let signed = |value: f64| format!("{:+.3}", unsigned_zero(value, 1000.0));
+    let mean = signed(value.mean.mean);
+    let interval = value
+        .interval
+        .map(|ends| format!(" [{}, {}]", signed(ends.low), signed(ends.high)));
+    let interval = interval.unwrap_or_default();
+    let words = match value.is_shown() {
+        true => "",
+        false => ", no difference shown",
+    };
+    text(format!("{mean}{interval} n {}{words}", value.people))
+}
+
+fn spread(
+    value: Option<MeanSd>,
+    mean: impl Fn(f64) -> String,
+    deviation: impl Fn(f64) -> String,
+) -> Cell {
+    let Some(value) = value else { return none() };
+    let deviation = value.sd.map(|sd| format!(" ({})", deviation(sd)));
+    text(mean(value.mean) + &deviation.unwrap_or_default())
+}
+
+fn whole(value: f64) -> String {
+    format!("{:.0}", value.round())
+}
+
+/// Rounded to a step of 1 / `steps`; zero has no minus.
+fn unsigned_zero(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_alike_in_every_table() {
+        let both = MeanSd {
+            mean: 0.9116,
+            sd: Some(0.044),
+            n: 8,
+        };
+        let one = MeanSd { sd: None, ..both };
+        assert_eq!(share(Some(both)).shown, "0.912 (0.04)");
+        assert_eq!(share(Some(one)).shown, "0.912");
+        assert_eq!(share(None), none());
+        assert_eq!(support(8, 357).shown, "8 / 357");
+        let interval = Some(Interval {
+            low: 0.8811,
+            high: 0.94,
+        });
+        assert_eq!(estimate(Some(both), interval).shown, "0.912 [0.88, 0.94]");
+        assert_eq!(estimate(Some(one), None).shown, "0.912");
+        let whole = Some(Interval {
+            low: 0.0,
+            high: 1.0,
+        });
+        assert_eq!(narrow_estimate(Some(both), whole).shown, "0.91 (.00-1.0)");
+        assert_eq!(
+            narrow_estimate(Some(both), interval).shown,
+            "0.91 (.88-.94)"
+        );
+        let missed = LatencySummary {
+            median: Latency::Ms(285.0),
+            p90: Latency::Missed,
+        };
+        assert_eq!(latency(Some(missed)).shown, "285 / missed");
+        assert_eq!(latency(Some(missed)).of_people(8, 8).shown, "285 / missed");
+        assert_eq!(share(Some(both)).of_people(8, 9).shown, "0.912 (0.04) n 8");
+        assert_eq!(none().of_people(0, 9), none());
+    }
+
+    #[test]
+    fn a_difference_whose_interval_contains_zero_is_not_shown() {
+        let of = |low, high| Difference {
+            mean: MeanSd {
+                mean: 0.0116,
+                sd: Some(0.044),
+                n: 8,
+            },
+            interval: Some(Interval { low, high }),
+            people: 8,
+        };
+        let clear = difference(Some(of(0.003, 0.02)));
+        assert_eq!(clear.shown, "+0.012 [+0.003, +0.020] n 8");
+        let unclear = difference(Some(of(-0.003, 0.02)));
+        assert_eq!(
+            unclear.shown,
+            "+0.012 [-0.003, +0.020] n 8, no difference shown"
+        );
+        let alone = Difference {
+            interval: None,
+            people: 1,
+            ..of(0.0, 0.0)
+        };
+        assert!(
+            difference(Some(alone))
+                .shown
+                .ends_with("n 1, no difference shown")
+        );
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_minus() {
+        assert_eq!(milliseconds(-0.3), "+0");
+        assert_eq!(milliseconds(-160.4), "-160");
+        let tiny = Difference {
+            mean: MeanSd {
+                mean: -0.0004,
+                sd: None,
+                n: 1,
+            },
+            interval: None,
+            people: 1,
+        };
+        assert!(difference(Some(tiny)).shown.starts_with("+0.000 n 1"));
+    }
+}

@@ -1,0 +1,226 @@
+//! One page for one or several runs and model files, side by side.
+
+use std::path::Path;
+
+use shared::intent::Vocabulary;
+
+use super::entry::{Entry, MOST_ENTRIES, pictures};
+use super::seen::marked;
+use super::side_by_side::side_by_side;
+use super::{ReportData, ReportError, Table, model_report, run_report};
+use crate::Score;
+use crate::model_evaluation::{ModelEvaluation, NamedModel};
+use crate::results::{Evaluation, Results};
+use execution::run_folder::RunFolder;
+use presets::config::ResolvedConfig;
+
+/// A run or a model file that was evaluated.
+pub enum Reported {
+    /// A run on the people whom it holds out.
+    Run(Box<ReportedRun>),
+    /// A model file on any recordings.
+    Model(Box<ReportedModel>),
+}
+
+/// A run on the people whom it holds out.
+pub struct ReportedRun {
+    /// Name on the page.
+    pub name: String,
+    /// Its folder.
+    pub folder: RunFolder,
+    /// Its configuration.
+    pub config: ResolvedConfig,
+    /// Its kept results.
+    pub results: Results,
+    /// What they were computed from: one candidate, that of the model file.
+    pub evaluation: Evaluation,
+}
+
+/// A model file on any recordings.
+pub struct ReportedModel {
+    /// The file.
+    pub model: NamedModel,
+    /// The run folder that it came from, for its learning curves.
+    pub folder: Option<RunFolder>,
+    /// Its evaluation, of one model.
+    pub evaluation: ModelEvaluation,
+}
+
+impl Reported {
+    /// Name on the page.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Run(run) => &run.name,
+            Self::Model(own) => &own.model.name,
+        }
+    }
+
+    /// Name on the page of several, which says if it has seen some of the people.
+    fn shown_name(&self) -> String {
+        match self {
+            Self::Run(run) => run.name.clone(),
+            Self::Model(own) => marked(&own.evaluation.results).models[0].name.clone(),
+        }
+    }
+
+    /// Its classes.
+    #[must_use]
+    pub fn vocabulary(&self) -> Vocabulary {
+        match self {
+            Self::Run(run) => run.config.preset.vocabulary(),
+            Self::Model(own) => own.evaluation.vocabulary,
+        }
+    }
+
+    fn entry(&self) -> Result<Entry<'_>, ReportError> {
+        match self {
+            Self::Run(run) => {
+                let evaluation = &run.evaluation;
+                run_report::entry(
+                    &run.folder,
+                    &run.config,
+                    &run.results,
+                    &evaluation.candidates[0],
+                    &evaluation.trials,
+                    evaluation.model.as_deref(),
+                )
+            }
+            Self::Model(own) => {
+                let models = std::slice::from_ref(&own.model);
+                let mut entries = model_report::entries(&own.evaluation, models);
+                let mut entry = entries.remove(0);
+                entry
+                    .facts
+                    .extend(model_report::facts(&own.evaluation.results));
+                if let Some(folder) = &own.folder {
+                    entry.panels = run_report::panels(folder)?;
+                }
+                Ok(entry)
+            }
+        }
+    }
+}
+
+/// The tables of a page, as the terminal shows them too.
+///
+/// # Errors
+/// When the metrics of a run cannot be read.
+pub fn tables(reported: &[Reported]) -> Result<Vec<Table>, ReportError> {
+    if let [Reported::Run(run)] = reported {
+        return Ok(super::scores::tables(&run.results));
+    }
+    if let [Reported::Model(own)] = reported {
+        return Ok(model_report::tables(&own.evaluation.results));
+    }
+    Ok(side_by_side(&entries(reported)?))
+}
+
+/// Writes the page. `data` names the recordings of model files; at most [`MOST_ENTRIES`] are drawn.
+///
+/// # Errors
+/// When the file cannot be written, or the metrics of a run cannot be read.
+pub fn write(reported: &[Reported], data: &str, page: &Path) -> Result<(), ReportError> {
+    let entries = entries(reported)?;
+    let report = match reported {
+        [Reported::Run(run)] => run_report::data(&run.config, &run.results, &entries[0])?,
+        _ => several(reported, &entries, data)?,
+    };
+    super::write_html(&report, page)
+}
+
+/// The entries; those of several are named as they are on the page.
+fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, ReportError> {
+    let mut entries = Vec::new();
+    for own in reported.iter().take(MOST_ENTRIES) {
+        let mut entry = own.entry()?;
+        if reported.len() > 1 {
+            entry.name = own.shown_name();
+            for score in &mut entry.scores {
+                score.model.clone_from(&entry.name);
+            }
+            for panel in &mut entry.panels {
+                panel.title += &format!(", {}", own.name());
+            }
+            entry.beside.clear();
+        }
+        entries.push(entry);
+    }
+    name_floors(&mut entries);
+    Ok(entries)
+}
+
+/// Floors over other people, or fitted to others, are named after the entry that they belong to.
+fn name_floors(entries: &mut [Entry<'_>]) {
+    for at in 1..entries.len() {
+        let (before, from) = entries.split_at_mut(at);
+        let own = &mut from[0];
+        let same = |floor: &Score| before.iter().all(|first| first.floors.contains(floor));
+        if !own.floors.iter().all(same) {
+            for floor in &mut own.floors {
+                floor.model += &format!(" ({})", own.name);
+            }
+        }
+    }
+}
+
+fn several(
+    reported: &[Reported],
+    entries: &[Entry<'_>],
+    data: &str,
+) -> Result<ReportData, ReportError> {
+    let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
+    let people = |entry: &Entry<'_>| -> usize {
+        let rows = entry.everybody().into_iter();
+        rows.map(|score| score.widest().subjects.len()).sum()
+    };
+    let counts: Vec<String> = entries
+        .iter()
+        .map(|entry| format!("{} on {} subjects", entry.name, people(entry)))
+        .collect();
+    let of_models = reported.iter().any(|own| matches!(own, Reported::Model(_)));
+    let runs = reported.iter().any(|own| matches!(own, Reported::Run(_)));
+    let mut notes = Vec::new();
+    if of_models {
+        notes.extend(model_report::notes());
+    }
+    if runs {
+        notes.extend(run_report::notes());
+    }
+    let mut summary = counts.join(", ");
+    if of_models {
+        summary += &format!(", of {data}");
+    }
+    let seen = reported.iter().any(|own| own.name() != own.shown_name());
+    let whom = if seen {
+        "A model that has seen people of its row in training says so beside its name: on them it is too good. "
+    } else {
+        "Each model is evaluated on the people whom it has not seen. "
+    };
+    if entries.len() > 1 {
+        notes.push(format!(
+            "{whom}Those may be others than another model's: means side by side compare people too. Differences are paired over \
+             the people they share."
+        ));
+    } else if seen {
+        notes.push(whom.trim_end().to_owned());
+    }
+    let tables = match reported {
+        [Reported::Model(own)] => model_report::tables(&own.evaluation.results),
+        _ => side_by_side(entries),
+    };
+    // The last one is that of the people.
+    let (tables, people_tables) = tables.split_at(tables.len() - 1);
+    Ok(ReportData {
+        title: format!("Evaluation of {}", names.join(", ")),
+        summary: format!("{summary}."),
+        provenance: entries
+            .iter()
+            .map(|entry| (entry.name.clone(), entry.facts.clone()))
+            .collect(),
+        tables: tables.to_vec(),
+        people_tables: people_tables.to_vec(),
+        notes,
+        ..pictures(entries)?
+    })
+}

@@ -1,0 +1,388 @@
+//! Scores of a model on subjects that it was not trained on, under every condition.
+
+use crate::EvaluationError;
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize, Serializer};
+use shared::intent::{Intent, Vocabulary};
+use shared::model::LookBackLogits;
+use shared::stream::smoother::Settings;
+
+use super::candidate::Candidate;
+use super::condition::{LookAhead, Truth};
+use super::group::{Group, groups};
+use super::metric::confusion::Confusion;
+use super::metric::event::gesture::Gesture;
+use super::metric::event::summary::{EventSummary, SubjectEvents};
+use super::metric::event::{EventRule, RecordingEvents};
+use super::metric::summary::{RecordingScore, Summary, summary};
+use super::metric::transition::Rule;
+use super::smoothing::{SmoothedLabels, smooth};
+use super::trial::Trial;
+
+/// Widths of the buffer around a transition, in samples (paper: 200; ablation: 60 and 120).
+pub const BUFFERS: [usize; 3] = [60, 120, 200];
+
+/// [`Score::data_set`] of the scores over all data sets.
+pub const ALL: &str = "all";
+
+/// One row of results: one model under one condition, on one group of people of one data set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Name of the model.
+    pub model: String,
+    /// Name of the data set, or [`ALL`].
+    pub data_set: String,
+    /// Number of classes of the model.
+    pub classes: usize,
+    /// Which people of the data set these are.
+    pub people: Group,
+    /// Look-ahead and aggregation mode.
+    pub look_ahead: LookAhead,
+    /// Labels that predictions were compared with.
+    pub truth: Truth,
+    /// Scores with each buffer of [`BUFFERS`], each label at its reference time; JSON has the `buffer` beside each.
+    #[serde(serialize_with = "with_buffers")]
+    pub reference: [Summary; BUFFERS.len()],
+    /// Events, each label at its emission time.
+    pub events: EventSummary,
+}
+
+impl Score {
+    /// The paper's score: the widest buffer, each label at its reference time.
+    #[must_use]
+    pub const fn widest(&self) -> &Summary {
+        &self.reference[BUFFERS.len() - 1]
+    }
+
+    /// Name of its people in tables.
+    #[must_use]
+    pub fn people_name(&self) -> String {
+        self.people.name(self.classes)
+    }
+
+    /// Whether two rows are of the same people, as far as data set and group tell.
+    #[must_use]
+    pub fn same_people(&self, other: &Self) -> bool {
+        (&self.data_set, self.people) == (&other.data_set, other.people)
+    }
+}
+
+/// A summary with the buffer that it is for.
+#[derive(Serialize)]
+struct Buffered<'a> {
+    buffer: usize,
+    #[serde(flatten)]
+    summary: &'a Summary,
+}
+
+fn with_buffers<S: Serializer>(
+    reference: &[Summary; BUFFERS.len()],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let pairs = BUFFERS.into_iter().zip(reference);
+    serializer.collect_seq(pairs.map(|(buffer, summary)| Buffered { buffer, summary }))
+}
+
+/// Rows of [`score`] for every candidate under each condition that it allows, against each truth.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub fn score_all(
+    candidates: &[Candidate],
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    truths: &[Truth],
+) -> Result<Vec<Score>, EvaluationError> {
+    let mut scores = Vec::new();
+    if trials.is_empty() {
+        return Ok(scores);
+    }
+    for &truth in truths {
+        for candidate in candidates {
+            for look_ahead in candidate.conditions() {
+                scores.extend(score(candidate, trials, vocabulary, look_ahead, truth)?);
+            }
+        }
+    }
+    Ok(scores)
+}
+
+/// Scores a candidate under one condition: a row for each data set among the trials, and one over all of them if
+/// there are several; each for the people of either [`Group`], if there are any.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub fn score(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+    truth: Truth,
+) -> Result<Vec<Score>, EvaluationError> {
+    let scored: Vec<_> = trials
+        .par_iter()
+        .zip(&candidate.logits)
+        .filter_map(|(trial, logits)| {
+            let labels = match truth {
+                Truth::Published => trial.published.as_ref()?,
+                Truth::LagCompensated => &trial.lag_compensated,
+            };
+            Some(
+                score_trial(
+                    trial,
+                    logits,
+                    labels,
+                    vocabulary,
+                    candidate.settings(look_ahead),
+                )
+                .map(|scores| (trial, scores)),
+            )
+        })
+        .collect::<Result<_, _>>()?;
+    let mut sets: Vec<&'static str> = scored
+        .iter()
+        .map(|(trial, _)| trial.data_set.name())
+        .collect();
+    sets.sort_unstable();
+    sets.dedup();
+    if sets.len() != 1 {
+        sets.push(ALL);
+    }
+    let everybody = scored.iter().map(|(_, scores)| scores.reference[0].clone());
+    let everybody = summary(&everybody.collect::<Vec<_>>());
+    let groups = groups(&everybody.subjects, vocabulary.classes());
+    let row = |(set, people): (&'static str, Group)| {
+        let own: Vec<_> = scored
+            .iter()
+            .filter(|(trial, _)| set == ALL || trial.data_set.name() == set)
+            .filter(|(trial, _)| groups[&trial.subject[..]] == people)
+            .collect();
+        // A row without people stands for nobody at all.
+        if own.is_empty() && !(scored.is_empty() && people == Group::AllClasses) {
+            return None;
+        }
+        let summary_of = |index: usize| {
+            let scores = own
+                .iter()
+                .map(|(_, scores)| scores.reference[index].clone());
+            summary(&scores.collect::<Vec<_>>())
+        };
+        let mut by_subject: BTreeMap<&str, Vec<&RecordingEvents>> = BTreeMap::new();
+        for (trial, scores) in &own {
+            let events = by_subject.entry(&trial.subject).or_default();
+            events.push(&scores.events);
+        }
+        let subjects = by_subject
+            .into_iter()
+            .map(|(subject, events)| SubjectEvents::new(subject, events));
+        Some(Score {
+            model: candidate.name.clone(),
+            data_set: set.to_owned(),
+            classes: vocabulary.classes(),
+            people,
+            look_ahead,
+            truth,
+            reference: std::array::from_fn(summary_of),
+            events: EventSummary::of_subjects(subjects.collect()),
+        })
+    };
+    let both = |&set: &&'static str| Group::ALL.map(|people| (set, people));
+    Ok(sets.iter().flat_map(both).filter_map(row).collect())
+}
+
+/// Scores of one trial.
+struct TrialScore {
+    /// At reference times, with each buffer.
+    reference: [RecordingScore; BUFFERS.len()],
+    /// At emission times.
+    events: RecordingEvents,
+}
+
+fn score_trial(
+    trial: &Trial,
+    logits: &[LookBackLogits],
+    truth: &[Option<Intent>],
+    vocabulary: Vocabulary,
+    settings: Settings,
+) -> Result<TrialScore, EvaluationError> {
+    let SmoothedLabels { reference, emitted } =
+        smooth(logits, trial.emg.len(), vocabulary.classes(), settings)?;
+    // Samples before the first label are not scored, as the reference does with those after the last one.
+    let first = reference.iter().position(Option::is_some).unwrap_or(0);
+    let with_buffer = |buffer| {
+        let rule = Rule {
+            buffer,
+            ..Rule::default()
+        };
+        let (subject, name) = (&trial.subject, &trial.name);
+        RecordingScore::new(subject, name, &truth[first..], &reference[first..], &rule)
+    };
+    let [narrow, middle, wide] = BUFFERS;
+    let events = RecordingEvents::new(
+        truth,
+        &emitted,
+        &trial.other_movement,
+        &EventRule::default(),
+    )?;
+    Ok(TrialScore {
+        reference: [
+            with_buffer(narrow)?,
+            with_buffer(middle)?,
+            with_buffer(wide)?,
+        ],
+        events,
+    })
+}
+
+/// The gestures of all trials, judged by the labels that a candidate emits: lag-compensated labels.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub fn gestures(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Vec<Gesture>, EvaluationError> {
+    let mut gestures = Vec::new();
+    for (trial, logits) in trials.iter().zip(&candidate.logits) {
+        let truth = &trial.lag_compensated;
+        let scores = score_trial(
+            trial,
+            logits,
+            truth,
+            vocabulary,
+            candidate.settings(look_ahead),
+        )?;
+        gestures.extend(scores.events.gestures);
+    }
+    Ok(gestures)
+}
+
+/// Confusion matrix of a candidate over all trials: lag-compensated labels, each predicted label at its reference
+/// time.
+///
+/// # Errors
+/// When labels cannot be compared or the smoother's settings are invalid.
+pub fn confusion(
+    candidate: &Candidate,
+    trials: &[Trial],
+    vocabulary: Vocabulary,
+    look_ahead: LookAhead,
+) -> Result<Confusion, EvaluationError> {
+    let mut confusion = Confusion::new(vocabulary);
+    for (trial, logits) in trials.iter().zip(&candidate.logits) {
+        let labels = smooth(
+            logits,
+            trial.emg.len(),
+            vocabulary.classes(),
+            candidate.settings(look_ahead),
+        )?;
+        confusion.add(&trial.lag_compensated, &labels.reference)?;
+    }
+    Ok(confusion)
+}
+
+#[cfg(any(test, feature = "testing"))]
+impl Score {
+    /// Score of a three-class model `m` over people of data set `x` with all classes: a base for the tests of what reads scores.
+    #[must_use]
+    pub fn of_people(
+        subjects: Vec<crate::metric::summary::SubjectScore>,
+        events: Vec<SubjectEvents>,
+    ) -> Self {
+        let summary = Summary::of_subjects(subjects);
+        Self {
+            model: "m".to_owned(),
+            data_set: "x".to_owned(),
+            classes: 3,
+            people: Group::AllClasses,
+            look_ahead: LookAhead::None,
+            truth: Truth::LagCompensated,
+            reference: std::array::from_fn(|_| summary.clone()),
+            events: EventSummary::of_subjects(events),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recordings::DataSet;
+
+    /// A recording of relax and close in turn, and a model that follows each change after so many patches.
+    fn followed(changes_after: &[usize]) -> (Trial, Candidate) {
+        let (run, classes) = (400, [0, 2]);
+        let truth: Vec<Option<Intent>> = (0..run * (changes_after.len() + 1))
+            .map(|at| Intent::from_class(classes[at / run % 2]))
+            .collect();
+        let mut logits = vec![LookBackLogits::default(); truth.len() / 10];
+        for (patch, rows) in logits.iter_mut().enumerate() {
+            for (back, row) in rows.iter_mut().enumerate() {
+                let of = patch.saturating_sub(back);
+                let changes = changes_after.iter().enumerate();
+                let changes = changes.filter(|(at, late)| of >= (at + 1) * run / 10 + **late);
+                row[classes[changes.count() % 2]] = 1.0;
+            }
+        }
+        let trial = Trial {
+            data_set: DataSet::Synthetic,
+            subject: "synthetic/1".to_owned(),
+            name: "r".to_owned(),
+            raw: vec![[0; 8]; truth.len()],
+            emg: vec![[0; 8]; truth.len()],
+            normalized: Vec::new(),
+            published: None,
+            lag_compensated: truth,
+            other_movement: Vec::new(),
+        };
+        let candidate = Candidate {
+            name: "m".to_owned(),
+            looks_back: true,
+            logits: vec![logits],
+            entry_margins: [0.0; 6],
+            other_margin: None,
+        };
+        (trial, candidate)
+    }
+
+    #[test]
+    fn json_names_the_buffer_of_each_summary_and_is_read_back() {
+        let (trial, candidate) = followed(&[1, 2]);
+        let scores = score(
+            &candidate,
+            &[trial],
+            Vocabulary::Three,
+            LookAhead::None,
+            Truth::LagCompensated,
+        );
+        let scores = scores.unwrap();
+        let json = serde_json::to_value(&scores).unwrap();
+        let buffers = [0, 1, 2].map(|at| json[0]["reference"][at]["buffer"].as_u64());
+        assert_eq!(buffers, BUFFERS.map(|buffer| Some(buffer as u64)));
+        assert_eq!(serde_json::from_value::<Vec<Score>>(json).unwrap(), scores);
+    }
+
+    #[test]
+    fn no_label_is_emitted_before_the_time_that_it_is_for() {
+        // Half a second of buffer: the second change is inside it at its reference time and outside when emitted.
+        let (trial, candidate) = followed(&[2, 8, 2]);
+        let scores = score(
+            &candidate,
+            &[trial],
+            Vocabulary::Three,
+            LookAhead::SameInstant,
+            Truth::LagCompensated,
+        )
+        .unwrap();
+        let reference: Vec<i32> = scores[0].widest().subjects[0].offsets.clone();
+        let latencies = &scores[0].events.subjects[0].latencies;
+        // Three changes are followed, of which two begin a gesture; none is left out for being emitted late.
+        assert_eq!((reference.len(), latencies.len()), (3, 2));
+        for (latency, offset) in latencies.iter().zip([reference[0], reference[2]]) {
+            assert_eq!(latency - offset, 51);
+        }
+    }
+}

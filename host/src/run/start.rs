@@ -1,0 +1,123 @@
+//! Weights that a training starts from: those of another run, or a checkpoint.
+
+use std::path::Path;
+
+use execution::run_folder::RunFolder;
+use presets::config::ResolvedConfig;
+
+use super::error::StepError;
+use crate::teacher::checkpoint;
+
+/// Starts a run from the weights of another run, or from a checkpoint ([`ResolvedConfig::start_from`]). A checkpoint of the
+/// reference does not say whom it has seen.
+///
+/// # Errors
+/// As [`ResolvedConfig::start_from`], and when the checkpoint cannot be read.
+pub fn start_from(config: &mut ResolvedConfig, start: &Path) -> Result<(), StepError> {
+    let seen = if start.is_dir() {
+        ResolvedConfig::load(&RunFolder::existing(start)?)?.subjects_seen()
+    } else {
+        checkpoint::subjects_seen(start)?.unwrap_or_default()
+    };
+    Ok(config.start_from(start, seen)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use presets::Preset;
+    use presets::resolve::ConfigError;
+    use recordings::{DataSet, Library, Recording};
+    use shared::intent::Intent;
+
+    use super::*;
+    use crate::teacher::model::Teacher;
+    use crate::weights::Weights as _;
+
+    /// People 1, 2, 3... of a data set, one labelled recording each.
+    fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
+        (1..=count)
+            .map(|person| Recording {
+                data_set,
+                subject: format!("{}/p{person}", data_set.name()),
+                name: "r".into(),
+                path: PathBuf::new(),
+                samples: vec![[0; 8]; 20],
+                labels: vec![Some(Intent::Relax); 20],
+                other_movement: Vec::new(),
+                notes: Vec::new(),
+                timing: recordings::Timing::Cues,
+                findings: Vec::new(),
+                wearer: shared::stream::normalizer::Normalizer::new(),
+            })
+            .collect()
+    }
+
+    /// Two data sets of the user's own.
+    fn library() -> Library {
+        Library {
+            recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
+            ..Library::default()
+        }
+    }
+
+    fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
+        let mut preset = Preset::find("quickstart").unwrap();
+        preset.data.data_sets.clear();
+        let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+        preset.data.held_out = owned(held_out);
+        preset.data.validation = owned(validation);
+        preset
+    }
+
+    fn resolve(held_out: &[&str], validation: &[&str]) -> Result<ResolvedConfig, ConfigError> {
+        ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
+    }
+
+    /// A run folder with this configuration and a teacher.
+    fn run_folder(config: &ResolvedConfig) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let run = RunFolder::open(folder.path()).unwrap();
+        config.save(&run).unwrap();
+        let device = burn::tensor::Device::default();
+        let teacher = Teacher::new(&config.preset.teacher, config.preset.classes, &device);
+        run.save_model(
+            presets::teacher_training::NAME,
+            config.teacher_lineage(),
+            &teacher,
+        )
+        .unwrap();
+        folder
+    }
+
+    #[test]
+    fn everybody_that_an_ancestor_saw_is_remembered() {
+        let first = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
+        let a = run_folder(&first);
+        // p4 was trained on in the first run and is neither trained on nor validated with in the second one.
+        let mut second = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
+        second.split.training.retain(|name| name != "react-emg/p4");
+        start_from(&mut second, a.path()).unwrap();
+        let b = run_folder(&second);
+        let mut third = resolve(&["react-emg/p1", "react-emg/p4"], &["react-emg/p3"]).unwrap();
+        let error = start_from(&mut third, b.path()).unwrap_err().to_string();
+        assert!(error.contains("react-emg/p4"), "{error}");
+        assert!(!error.contains("react-emg/p1"), "{error}");
+    }
+
+    #[test]
+    fn an_exported_teacher_remembers_whom_it_saw() {
+        let config = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("teacher.safetensors");
+        let teacher = Teacher::new(&config.preset.teacher, 3, &burn::tensor::Device::default());
+        checkpoint::save(&file, &teacher, &config.subjects_seen()).unwrap();
+        let mut other = resolve(&["react-emg/p2"], &["react-emg/p3"]).unwrap();
+        let error = start_from(&mut other, &file).unwrap_err().to_string();
+        assert!(error.contains("react-emg/p2"), "{error}");
+        let mut same = resolve(&["react-emg/p1"], &["react-emg/p3"]).unwrap();
+        start_from(&mut same, &file).unwrap();
+        assert!(same.seen_before.contains(&"react-emg/p2".to_owned()));
+    }
+}
