@@ -79,7 +79,7 @@ fn revision() -> String {
     git(&describe).unwrap_or_else(|| "unknown".to_owned())
 }
 
-/// What git prints in this package's folder; none if it fails.
+/// Output of git in this package's folder; none if it fails.
 fn git(arguments: &[&str]) -> Option<String> {
     let folder = env::var_os("CARGO_MANIFEST_DIR")?;
     let output = Command::new("git")

@@ -11,13 +11,13 @@ use std::process::ExitCode;
 use clap::Parser as _;
 use evaluation::Measure;
 use myointent::cli::Cli;
-use myointent::run::personalize::{Person, judge};
 use myointent_tests::data;
 use recordings::synthetic::{self, SynthOptions};
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use shared::units::CHANNELS;
 use small::folder;
+use training::run::personalize::{Person, judge};
 
 /// Exit code of a command that keeps the old model.
 const KEPT: u8 = 3;

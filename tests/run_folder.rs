@@ -12,12 +12,12 @@ use burn::tensor::Device;
 use clap::Parser as _;
 use execution::run_folder::RunFolder;
 use myointent::cli::Cli;
-use myointent::run::context::RunContext;
 use presets::Preset;
 use presets::config::ResolvedConfig;
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use small::{folder, myointent, recordings, small_preset};
+use training::run::context::RunContext;
 
 /// A folder with recordings and a preset.
 struct Bench {

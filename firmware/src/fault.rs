@@ -1,4 +1,4 @@
-//! From a panic, a fault or a stack overflow to a reset.
+//! Reset after a panic, a fault or a stack overflow.
 
 use core::panic::PanicInfo;
 
@@ -15,7 +15,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     SCB::sys_reset()
 }
 
-/// The same for a stack overflow, on a stack of its own.
+/// Handles a stack overflow, on a stack of its own.
 extern "C" fn stack_overflow() -> ! {
     cortex_m::interrupt::disable();
     board::enter_safe_state(&"stack overflow", End::StackOverflow);

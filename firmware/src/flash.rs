@@ -10,7 +10,7 @@ pub struct FlashFailed;
 
 /// Erases and writes flash, in the way that the board's Bluetooth stack demands.
 ///
-/// Its futures must not be dropped before they end.
+/// The futures must not be dropped before they end.
 pub trait Flash {
     /// Erases the page that begins at this address, to ones.
     async fn erase(&mut self, page: u32) -> Result<(), FlashFailed>;
@@ -69,7 +69,7 @@ mod memory {
 
     use super::{PAGE_BYTES, Region};
 
-    /// Where a region begins and ends.
+    /// Bounds of a region.
     #[expect(
         unsafe_code,
         reason = "only the linker script knows where the regions lie"
@@ -111,7 +111,7 @@ mod simulated {
 
     use super::{PAGE_BYTES, Region};
 
-    /// From the journal to the end of the model, where `memory.x` has them.
+    /// Simulated flash, from the journal to the end of the model, where `memory.x` has them.
     const START: u32 = 0x5_6000;
     const END: u32 = 0x8_0000;
 

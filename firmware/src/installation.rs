@@ -104,7 +104,7 @@ const fn request(step: Step) -> Option<ModelRequest> {
     }
 }
 
-/// Has the inference do its part. The pins show it then: they are safe, and nothing reads the region, once it is suspended.
+/// Requests the inference's part. The pins show it then: they are safe, and nothing reads the region, once it is suspended.
 async fn inference(request: ModelRequest) -> Result<(), Refused> {
     let done = MODEL.ask(request).await;
     while !pin_state::is_shown() {

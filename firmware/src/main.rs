@@ -47,7 +47,7 @@ async fn main(spawner: embassy_executor::Spawner) {
     start::start(spawner);
 }
 
-/// On a PC the board, the armband and the person are simulated.
+/// Simulates the board, the armband and the person on a PC.
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {
     board::simulated::main(start::start)

@@ -14,13 +14,13 @@ use crate::flash::Region;
 /// Why the region's content cannot be run.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub enum ModelRefused {
-    /// It is no model file, or a damaged one, or one too large for the device.
+    /// The file is no model, damaged, or too large for the device.
     #[error("model refused: {0}")]
     Model(#[from] ModelError),
-    /// Its header asks for smoother settings that are out of range.
+    /// The header has smoother settings that are out of range.
     #[error("model refused: {0}")]
     Smoother(#[from] SettingsError),
-    /// It is being exchanged.
+    /// The model is being exchanged.
     #[error(
         "no model: an installation is not complete; `myointent board --port PATH install FILE` with the same file goes on with it"
     )]
@@ -29,11 +29,11 @@ pub enum ModelRefused {
 
 /// A model that can be run.
 pub struct Loaded {
-    /// Its network.
+    /// Encoder of the model.
     pub encoder: DeviceEncoder<'static>,
-    /// With its settings.
+    /// Smoother with the model's settings.
     pub smoother: Smoother,
-    /// What it asks of the samples.
+    /// Input that the model requires.
     pub input: Input,
     /// CRC-32 of its file.
     pub checksum: u32,
@@ -65,7 +65,7 @@ pub fn load(take: &mut dyn FnMut(Loaded)) -> Result<(), ModelRefused> {
     Ok(())
 }
 
-/// What the journal says of an installation that is not complete.
+/// Journal of an installation that is not complete.
 pub fn journal() -> Option<Journal> {
     journal::read(&Region::Journal.read(0))
 }

@@ -14,7 +14,7 @@ pub enum ResetReason {
 }
 
 impl ResetReason {
-    /// Its name on the UART.
+    /// Name on the UART.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Power => "power or reset",
@@ -32,20 +32,20 @@ pub use kept::{End, keep_end, previous_end};
 mod kept {
     use core::sync::atomic::{AtomicU32, Ordering};
 
-    /// How a run of the program ended.
+    /// End of a run of the program.
     #[derive(Clone, Copy, PartialEq, Eq)]
     pub enum End {
-        /// Nothing is known: power was lost.
+        /// Unknown: power was lost.
         Unknown,
-        /// While it ran: by a reset from outside.
+        /// A reset from outside while it ran.
         Running,
-        /// By a panic.
+        /// A panic.
         Panic,
-        /// By a stack overflow.
+        /// A stack overflow.
         StackOverflow,
     }
 
-    /// How the previous run of the program ended: kept over a reset.
+    /// End of the previous run: kept over a reset.
     #[expect(
         unsafe_code,
         reason = "only the linker can exclude memory from being cleared"
@@ -59,7 +59,7 @@ mod kept {
     const PANICKED: u32 = 0x5041_4e21;
     const OVERFLOWED: u32 = 0x5354_4b21;
 
-    /// How the previous run ended. To be called once, at the start.
+    /// The end of the previous run. To be called once, at the start.
     pub fn previous_end() -> End {
         match LAST_RUN.swap(RUNNING, Ordering::Relaxed) {
             RUNNING => End::Running,

@@ -1,4 +1,4 @@
-//! What a builder of a device may want to change. Pins are in `board/nrf52/wiring.rs`.
+//! Settings for the builder of a device. Pins are in `board/nrf52/wiring.rs`.
 
 use shared::myo::{Address, EmgMode, Settings};
 use shared::stream::alignment::Arm;
@@ -38,7 +38,7 @@ pub const ALIGN_ON_CONNECTION: bool = match option_env!("MYOINTENT_ALIGN") {
     },
 };
 
-/// What an alignment is told of the arm, as `MYOINTENT_MIRRORED=0` or `1` when the program is built: whether the electrodes
+/// Arm that an alignment assumes, as `MYOINTENT_MIRRORED=0` or `1` when the program is built: whether the electrodes
 /// run the other way round than in training, on the other arm. A command may tell otherwise.
 ///
 /// Without it that is found too. For one person in eight an open hand does not tell the arms apart (docs/alignment.md): tell

@@ -1,4 +1,4 @@
-//! From reset to running tasks.
+//! Start: from reset to running tasks.
 
 use embassy_executor::{SpawnError, SpawnToken, Spawner};
 

@@ -4,11 +4,5 @@
 
 pub mod board;
 pub mod cli;
-pub mod inference;
 pub mod live;
 pub mod record;
-pub mod run;
-pub mod student;
-pub mod teacher;
-pub mod training;
-pub mod weights;

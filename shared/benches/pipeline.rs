@@ -1,4 +1,4 @@
-//! What one patch costs on this machine: `cargo bench -p myointent-shared --features write`.
+//! Cost of one patch on this machine: `cargo bench -p myointent-shared --features write`.
 
 use std::hint::black_box;
 
@@ -77,7 +77,7 @@ fn preprocessing(bench: &mut Criterion) {
     });
 }
 
-/// One patch's rows through the paper's look-ahead.
+/// Smooths one patch's rows with the paper's look-ahead.
 fn smoother(bench: &mut Criterion) {
     let mut noise = Noise(4);
     let mut rows = [[0.0; MAX_LOGITS]; LOOK_BACK];

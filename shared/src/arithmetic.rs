@@ -60,7 +60,7 @@ fn exp_beyond(x: f32) -> f32 {
     }
 }
 
-/// From here on [`gelu`]'s distance to a ramp counts as 0: it is below 1e-5.
+/// Argument from which [`gelu`]'s distance to a ramp counts as 0: it is below 1e-5.
 const GELU_END: f32 = 8.0;
 /// Lines of [`gelu`]'s table, from 0 to [`GELU_END`].
 const LINES: usize = 256;
@@ -105,7 +105,7 @@ fn gelu_beyond(x: f32) -> f32 {
     if x < 0.0 { 0.0 } else { x }
 }
 
-/// One over the square root of `x`, relative error at most 2e-7; 0 for what is not above 0.
+/// Reciprocal square root of `x`, relative error at most 2e-7; 0 if `x` is not above 0.
 ///
 /// `x` normal. Three Newton steps from the bit-pattern guess (4 % off).
 #[must_use]

@@ -9,12 +9,12 @@ pub const DEBOUNCE_MS: u32 = 30;
 /// Milliseconds that a button has to be down to count as held. Nobody holds it so long who means to press it.
 pub const HELD_MS: u32 = 3000;
 
-/// What somebody did with a button.
+/// Action on a button.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Press {
-    /// It went down.
+    /// The button went down.
     Pressed,
-    /// It has been down for [`HELD_MS`]; follows `Pressed`, once.
+    /// The button has been down for [`HELD_MS`]; follows `Pressed`, once.
     Held,
 }
 
@@ -37,7 +37,7 @@ enum Contact {
     GoingDown(Millis),
     /// Down since then.
     Down(Millis),
-    /// Up since the second, after it was down since the first.
+    /// The button is up since the second time, after it was down since the first.
     GoingUp(Millis, Millis),
 }
 

@@ -1,40 +1,36 @@
 //! Intents: the classes that recordings, models and the device share.
 
+use crate::names::names;
+
 /// Most classes of a model.
 pub const MAX_CLASSES: usize = 6;
 
 /// Most logits of a model for one instant: the classes, and movement that is none of them.
 pub const MAX_LOGITS: usize = MAX_CLASSES + 1;
 
-/// One intent. The class numbers are those of the paper's data sets, the same in all vocabularies.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-#[repr(u8)]
-pub enum Intent {
-    /// The hand is relaxed. Also the label of the safe state.
-    Relax = 0,
-    /// The hand opens.
-    Open = 1,
-    /// The hand closes to a fist.
-    Close = 2,
-    /// The wrist flexes.
-    WaveIn = 3,
-    /// The wrist extends.
-    WaveOut = 4,
-    /// Thumb and fingertip touch.
-    Pinch = 5,
+names! {
+    /// Intended movement. The class numbers are those of the paper's data sets, the same in all vocabularies.
+    #[derive(PartialOrd, Ord)]
+    #[repr(u8)]
+    pub enum Intent {
+        /// The hand is relaxed. Also the label of the safe state.
+        Relax = "relax",
+        /// The hand opens.
+        Open = "open",
+        /// The hand closes to a fist.
+        Close = "close",
+        /// The wrist flexes.
+        WaveIn = "wave-in",
+        /// The wrist extends.
+        WaveOut = "wave-out",
+        /// Thumb and fingertip touch.
+        Pinch = "pinch",
+    }
 }
 
-impl Intent {
-    /// Every intent, in the order of the class numbers.
-    pub const ALL: [Self; MAX_CLASSES] = [
-        Self::Relax,
-        Self::Open,
-        Self::Close,
-        Self::WaveIn,
-        Self::WaveOut,
-        Self::Pinch,
-    ];
+const _: () = assert!(Intent::ALL.len() == MAX_CLASSES);
 
+impl Intent {
     /// The class number, 0..=5.
     #[must_use]
     pub const fn class(self) -> usize {
@@ -49,25 +45,6 @@ impl Intent {
         } else {
             None
         }
-    }
-
-    /// Name on the UART line and in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Relax => "relax",
-            Self::Open => "open",
-            Self::Close => "close",
-            Self::WaveIn => "wave-in",
-            Self::WaveOut => "wave-out",
-            Self::Pinch => "pinch",
-        }
-    }
-
-    /// The intent of a name as [`Intent::name`] writes it.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|intent| intent.name() == name)
     }
 }
 

@@ -10,11 +10,12 @@
 //! | [`myo`] | the session with a Myo armband, without I/O |
 //! | [`model`] | the student: file format, integer encoder |
 //! | [`stream`] | link sequence numbers, preprocessing, sample ring, smoother, safe state |
-//! | `kernels`, `arithmetic` | what takes the time, in plain Rust and with a Cortex-M4's DSP instructions; float functions |
+//! | `kernels`, `arithmetic` | inner loops in plain Rust and with a Cortex-M4's DSP instructions; float functions |
 //! | [`installation`] | a new model in place of the one in flash, block by block |
 //! | `checksum` | CRC-32 of a few bytes |
 //! | [`button`] | a push button: pressed, held |
 //! | [`intent`], [`units`] | intents and classes; samples, patches, time |
+//! | `names` | enums whose variants have names on the UART line |
 //!
 //! Imports go downwards in this table.
 #![no_std]
@@ -44,6 +45,7 @@ pub mod intent;
 mod kernels;
 pub mod model;
 pub mod myo;
+mod names;
 pub mod pipeline;
 pub mod stream;
 pub mod uart_line;

@@ -15,16 +15,13 @@
 //! `myointent replay` run the same code, so both write the same UART lines.
 
 mod alignment;
-mod gate;
 mod in_use;
 mod losses;
-mod reports;
 
 pub use self::alignment::AlignmentPhase;
 use self::alignment::Placement;
 use self::in_use::InUse;
 pub use self::in_use::{Input, Smoother};
-pub use self::reports::Reports;
 use crate::intent::{Intent, MAX_CLASSES};
 use crate::model::Encode;
 use crate::stream::normalizer::Normalizer;
@@ -35,19 +32,19 @@ use crate::stream::smoother::{Settings, SettingsError};
 use crate::uart_line::{Counters, Kind, Report};
 use crate::units::{Millis, PATCH, Sample, SampleIndex, WINDOW_PATCHES};
 
-/// From samples to reports.
+/// Composition of all steps from samples to reports.
 #[derive(Debug)]
 pub struct Pipeline<'s, E: Encode> {
-    /// What the model asks for.
+    /// Preprocessing that the model requires.
     preprocessing: Preprocessing,
-    /// Of a model that was trained with it. What it knows about the wearer outlasts gaps and disconnections.
+    /// Normalizer, for a model that was trained with it. Its state outlasts gaps and disconnections.
     normalizer: Option<Normalizer>,
     placement: Placement,
     preprocessor: Preprocessor,
     ring: SampleRing,
     /// Complete patches in the ring that the encoder has yet to take, the newest ones.
     behind: usize,
-    /// None while no model may be read: it was refused, or another one is being installed.
+    /// Model in use; none while none may be read: it was refused, or another one is being installed.
     model: Option<InUse<E>>,
     /// Borrowed: it is too large to be moved over a device's stack.
     state: &'s mut E::State,
@@ -111,7 +108,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         }
     }
 
-    /// How samples are preprocessed, as the model was trained; before the first call not normalized, with the paper's
+    /// Sets the preprocessing of the model's training; before the first call it is not normalized, with the paper's
     /// median. Forgets the wearer.
     pub fn preprocess(&mut self, preprocessing: Preprocessing) {
         self.preprocessing = preprocessing;
@@ -151,7 +148,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         reports
     }
 
-    /// Only time passed. To be called at [`Pipeline::deadline`].
+    /// Handles that only time passed. To be called at [`Pipeline::deadline`].
     pub fn tick(&mut self, now: Millis) -> Reports {
         let mut reports = Reports::default();
         if self.safe_state.silent(now) {
@@ -161,7 +158,7 @@ impl<'s, E: Encode> Pipeline<'s, E> {
         reports
     }
 
-    /// When the stream counts as silent unless a sample arrives before; none while no stream is running.
+    /// Time from which the stream counts as silent unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
         self.safe_state.deadline()
@@ -264,6 +261,29 @@ impl<'s, E: Encode> Pipeline<'s, E> {
             status: self.safe_state.status(),
             counters: self.counters,
         }
+    }
+}
+
+/// Reports of one input, in order: at most a change of state and a label.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Reports([Option<Report>; 2]);
+
+impl Reports {
+    fn push(&mut self, report: Report) {
+        // Two suffice: silence empties the window, so no label follows it, and a label causes at most one
+        // change of state.
+        if let Some(free) = self.0.iter_mut().find(|slot| slot.is_none()) {
+            *free = Some(report);
+        }
+    }
+}
+
+impl IntoIterator for Reports {
+    type Item = Report;
+    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<Report>, 2>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter().flatten()
     }
 }
 

@@ -23,8 +23,8 @@
 //! 5 ms. Every line that parses is written back byte for byte.
 //!
 //! While an alignment is made there are other lines between these: [`alignment`]. On the same line the device takes
-//! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Who sends none sees
-//! none of these. A program that reads a device finds lines of every kind with [`mod@line`].
+//! commands, [`command`], and answers each, [`answer`]; one of them asks for the samples themselves, [`emg`]. Without commands
+//! it writes none of these. A program that reads a device finds lines of every kind with [`mod@line`].
 //!
 //! ```text
 //! $STATE,0,0,0,relax,0,boot,0,0,0*3F
@@ -35,12 +35,17 @@ pub mod alignment;
 pub mod answer;
 pub mod command;
 pub mod emg;
+mod fields;
+mod frame;
 pub mod gate;
 pub mod install;
 pub mod line;
 mod refusal;
 
-use core::fmt::{self, Write};
+use core::fmt::{self, Write as _};
+
+use fields::{Fields, Reader, Rows, Writer, field, fields, rows, wrong};
+use frame::framed;
 
 use crate::intent::Intent;
 use crate::stream::safe_state::{Cause, Status};
@@ -69,7 +74,7 @@ pub struct Counters {
 /// Content of a line. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Report {
-    /// What it reports.
+    /// Kind of the report.
     pub kind: Kind,
     /// Number of the line, from 0; wraps.
     pub sequence: u32,
@@ -83,59 +88,41 @@ pub struct Report {
     pub counters: Counters,
 }
 
-impl fmt::Display for Report {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kind = match self.kind {
-            Kind::Label => "LABEL",
-            Kind::State => "STATE",
-        };
-        let Counters {
-            lost,
-            bridged,
-            resets,
-        } = self.counters;
-        write_framed(
-            formatter,
-            format_args!(
-                "{kind},{},{},{},{},{},{},{lost},{bridged},{resets}",
-                self.sequence,
-                self.instant.0,
-                self.emitted.0,
-                self.status.label().name(),
-                u8::from(self.status.valid()),
-                self.status.cause().map_or("-", Cause::name),
-            ),
-        )
+rows!(Report {
+    "LABEL" (sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters)
+        => Self { kind: Kind::Label, sequence, instant, emitted, status, counters },
+    "STATE" (sequence: u32, instant: SampleIndex, emitted: SampleIndex, status: Status, counters: Counters)
+        => Self { kind: Kind::State, sequence, instant, emitted, status, counters },
+});
+fields!(Counters {
+    lost: u32,
+    bridged: u32,
+    resets: u32
+});
+field!(Intent => Intent: |text, intent| text.write_str(intent.name()), Intent::from_name);
+field!(Cause => Cause: |text, cause| text.write_str(cause.name()), Cause::from_name);
+
+impl Fields<'_> for Status {
+    type Value = Self;
+    const COUNT: usize = 3;
+
+    fn write(status: &Self, line: &mut Writer<'_, '_>) -> fmt::Result {
+        Intent::write(&status.label(), line)?;
+        bool::write(&status.valid(), line)?;
+        Option::<Cause>::write(&status.cause(), line)
     }
-}
 
-/// Writes `$`, the body, `*` and its checksum, CR LF.
-fn write_framed(formatter: &mut fmt::Formatter<'_>, text: fmt::Arguments<'_>) -> fmt::Result {
-    formatter.write_char('$')?;
-    let mut body = Summed {
-        inner: &mut *formatter,
-        sum: 0,
-    };
-    body.write_fmt(text)?;
-    let sum = body.sum;
-    write!(formatter, "*{sum:02X}\r\n")
-}
-
-/// Writes text and computes the XOR of its bytes.
-struct Summed<'a, W> {
-    inner: &'a mut W,
-    sum: u8,
-}
-
-impl<W: Write> Write for Summed<'_, W> {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.sum ^= checksum(text);
-        self.inner.write_str(text)
+    fn read(line: &mut Reader<'_>, _name: &'static str) -> Result<Self, ParseError> {
+        let label = Intent::read(line, "label")?;
+        let valid = bool::read(line, "valid")?;
+        let cause = Option::<Cause>::read(line, "cause")?;
+        match (valid, cause) {
+            (true, None) => Ok(Self::Valid(label)),
+            (false, Some(_)) if label != Intent::Relax => Err(wrong("label")),
+            (false, Some(cause)) => Ok(Self::Safe(cause)),
+            (true, Some(_)) | (false, None) => Err(wrong("cause")),
+        }
     }
-}
-
-fn checksum(body: &str) -> u8 {
-    body.bytes().fold(0, |sum, byte| sum ^ byte)
 }
 
 /// Why bytes are not a line.
@@ -147,9 +134,9 @@ pub enum ParseError {
     /// The body is damaged.
     #[error("checksum {expected:02X} expected, {found:02X} found: drop the line")]
     Checksum {
-        /// Of the body as it came.
+        /// Checksum of the received body.
         expected: u8,
-        /// As written in the line.
+        /// Checksum in the line.
         found: u8,
     },
     /// Too few or too many fields.
@@ -163,7 +150,7 @@ pub enum ParseError {
     /// A field has a value that the grammar does not allow.
     #[error("field `{field}` holds no value it may hold: is the sender of another version?")]
     Field {
-        /// Its name in the grammar.
+        /// Name of the field in the grammar.
         field: &'static str,
     },
 }
@@ -174,90 +161,8 @@ impl Report {
     /// # Errors
     /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field.
     pub fn parse(line: &[u8]) -> Result<Self, ParseError> {
-        let [
-            kind,
-            sequence,
-            instant,
-            emitted,
-            label,
-            valid,
-            cause,
-            lost,
-            bridged,
-            resets,
-        ] = fields(framed(line)?)?;
-        Ok(Self {
-            kind: match kind {
-                "LABEL" => Kind::Label,
-                "STATE" => Kind::State,
-                _ => return Err(ParseError::Field { field: "kind" }),
-            },
-            sequence: number(sequence, "sequence")?,
-            instant: SampleIndex(number(instant, "instant")?),
-            emitted: SampleIndex(number(emitted, "emitted")?),
-            status: status(label, valid, cause)?,
-            counters: Counters {
-                lost: number(lost, "lost")?,
-                bridged: number(bridged, "bridged")?,
-                resets: number(resets, "resets")?,
-            },
-        })
+        Self::of_body(framed(line)?)
     }
-}
-
-/// The fields of a body, as many as are expected.
-fn fields<const COUNT: usize>(body: &str) -> Result<[&str; COUNT], ParseError> {
-    let mut fields = [""; COUNT];
-    let found = body.split(',').count();
-    if found != COUNT {
-        return Err(ParseError::Fields {
-            expected: COUNT,
-            found,
-        });
-    }
-    for (field, text) in fields.iter_mut().zip(body.split(',')) {
-        *field = text;
-    }
-    Ok(fields)
-}
-
-/// The body of a line whose frame and checksum are right, CR LF included.
-fn framed(line: &[u8]) -> Result<&str, ParseError> {
-    unframed(line.strip_suffix(b"\r\n").ok_or(ParseError::Frame)?)
-}
-
-/// The same without CR LF.
-fn unframed(line: &[u8]) -> Result<&str, ParseError> {
-    let (body, found) = core::str::from_utf8(line)
-        .ok()
-        .filter(|text| text.is_ascii())
-        .and_then(|text| text.strip_prefix('$')?.rsplit_once('*'))
-        .ok_or(ParseError::Frame)?;
-    let found = hexadecimal(found).ok_or(ParseError::Frame)?;
-    let expected = checksum(body);
-    if found == expected {
-        Ok(body)
-    } else {
-        Err(ParseError::Checksum { expected, found })
-    }
-}
-
-/// Two upper-case hexadecimal digits.
-fn hexadecimal(text: &str) -> Option<u8> {
-    let is_digit = |byte: u8| matches!(byte, b'0'..=b'9' | b'A'..=b'F');
-    if text.len() != 2 || !text.bytes().all(is_digit) {
-        return None;
-    }
-    u8::from_str_radix(text, 16).ok()
-}
-
-fn number(text: &str, field: &'static str) -> Result<u32, ParseError> {
-    let canonical =
-        text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
-    text.parse()
-        .ok()
-        .filter(|_| canonical)
-        .ok_or(ParseError::Field { field })
 }
 
 /// Reads a flag: 0 or 1.
@@ -267,20 +172,6 @@ pub fn flag(text: &str) -> Option<bool> {
         "0" => Some(false),
         "1" => Some(true),
         _ => None,
-    }
-}
-
-fn status(label: &str, valid: &str, cause: &str) -> Result<Status, ParseError> {
-    let wrong = |field| ParseError::Field { field };
-    let label = Intent::from_name(label).ok_or(wrong("label"))?;
-    match valid {
-        "1" if cause == "-" => Ok(Status::Valid(label)),
-        "1" => Err(wrong("cause")),
-        "0" if label != Intent::Relax => Err(wrong("label")),
-        "0" => Cause::from_name(cause)
-            .map(Status::Safe)
-            .ok_or(wrong("cause")),
-        _ => Err(wrong("valid")),
     }
 }
 

@@ -26,7 +26,7 @@ pub const MAX_ENTRY_MARGIN: f32 = 50.0;
 const _: () = assert!(WINDOW.is_multiple_of(PATCH));
 const _: () = assert!(LOOK_AHEAD.is_multiple_of(PATCH) && HOLD.is_multiple_of(PATCH));
 
-/// One instant of raw EMG as the armband sends it: channel 1 first, -128..=127.
+/// Raw EMG of one instant as the armband sends it: channel 1 first, -128..=127.
 pub type Sample = [i8; CHANNELS];
 
 /// A sample as two words, the first channel in the low byte of the first.
@@ -60,7 +60,7 @@ pub(crate) const fn sample_of(words: [u32; 2]) -> Sample {
     [a, b, c, d, e, f, g, h]
 }
 
-/// One instant after median and rectification, 0..=128; the model's input is this over 128.
+/// Preprocessed EMG of one instant, 0..=128; the model's input is this over 128.
 pub type CleanSample = [u8; CHANNELS];
 
 /// Ten preprocessed samples, the oldest first: 50 ms, the encoder's input.
@@ -101,7 +101,7 @@ impl Millis {
         self.0.wrapping_sub(earlier.0)
     }
 
-    /// As [`Millis::since`], but 0 where the clock seems to run backwards, as it does when the time
+    /// Like [`Millis::since`], but 0 where the clock seems to run backwards, as it does when the time
     /// stamp of an interrupt is handled late.
     #[must_use]
     pub const fn elapsed_since(self, earlier: Self) -> u32 {

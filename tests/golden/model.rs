@@ -5,13 +5,13 @@ use std::path::Path;
 
 use burn::module::Module as _;
 use burn::tensor::{Device, Tensor, TensorData};
-use myointent::teacher::checkpoint::{load, save};
-use myointent::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
-use myointent::training::tensor::read_back;
 use myointent_tests::golden;
 use presets::Preset;
 use safetensors::SafeTensors;
 use shared::units::{CHANNELS, WINDOW};
+use training::optimization::tensor::read_back;
+use training::teacher::checkpoint::{load, save};
+use training::teacher::model::{Teacher, TeacherConfig, TeacherInput, TeacherOutput};
 
 use crate::files::json;
 

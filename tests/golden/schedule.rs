@@ -1,9 +1,6 @@
 //! The learning rate that the reference really used: golden/lr_schedule.json.
 
 use burn::tensor::Device;
-use myointent::teacher::learner::TeacherLearner;
-use myointent::teacher::window::WindowShape;
-use myointent::training::learner::Learner as _;
 use myointent_tests::golden;
 use presets::Preset;
 use presets::masking::Task;
@@ -13,6 +10,9 @@ use rand_chacha::ChaCha8Rng;
 use recordings::corpus::{Corpus, Stream};
 use shared::intent::{Intent, Vocabulary};
 use shared::units::WINDOW;
+use training::optimization::learner::Learner as _;
+use training::teacher::learner::TeacherLearner;
+use training::teacher::window::WindowShape;
 
 use crate::files::json;
 

@@ -10,7 +10,6 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use bytemuck::cast_slice;
-use myointent::cli::arguments::BackendArguments;
 use myointent::live::{self, Live, Options, RecordOptions, Source};
 use myointent::record::protocol::Protocol;
 use myointent_tests::emulator::{Bridge, Scenario, bench};
@@ -19,6 +18,7 @@ use serde_json::json;
 use shared::intent::Intent;
 use shared::stream::alignment::Alignment;
 use shared::units::Sample;
+use training::backend::BackendArguments;
 
 use super::browser::Browser;
 use super::record::{pictures, step};

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use myointent::cli::arguments::BackendArguments;
 use myointent::live::{self, Live, Options, RecordOptions, Source};
 use myointent::record::protocol::Protocol;
 use recordings::{LoadOptions, Recording, load};
 use serde_json::Value;
 use shared::units::Sample;
+use training::backend::BackendArguments;
 
 use super::browser::Browser;
 use super::synthetic;

@@ -10,12 +10,6 @@ use std::time::{Duration, Instant};
 use burn::module::{Module, ModuleVisitor, Param};
 use burn::optim::GradientsParams;
 use burn::tensor::{Device, Tensor};
-use myointent::cli::arguments::Backend;
-use myointent::student::learner::{StudentLearner, Teaching};
-use myointent::teacher::learner::TeacherLearner;
-use myointent::training::learner::{Learner, WeightedMetric};
-use myointent::training::optimizer::{gradients, optimizer};
-use myointent::training::tensor::read_back;
 use myointent_tests::skip;
 use presets::Preset;
 use presets::masking::Task;
@@ -26,6 +20,12 @@ use recordings::synthetic::{self, SynthOptions};
 use shared::intent::Vocabulary;
 use shared::model::LookBackLogits;
 use shared::units::PATCH;
+use training::backend::Backend;
+use training::optimization::learner::{Learner, WeightedMetric};
+use training::optimization::optimizer::{gradients, optimizer};
+use training::optimization::tensor::read_back;
+use training::student::learner::{StudentLearner, Teaching};
+use training::teacher::learner::TeacherLearner;
 
 /// Steps that are compared.
 const STEPS: usize = 4;

@@ -13,7 +13,6 @@ pub mod emulator;
 pub mod energy;
 pub mod firmware;
 pub mod fuzz;
-pub mod modules;
 #[cfg(test)]
 mod pages;
 pub mod qemu;

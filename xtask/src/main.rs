@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use xtask::{browser, count, emulator, energy, firmware, fuzz, modules, toolchain};
+use xtask::{browser, count, emulator, energy, firmware, fuzz, toolchain};
 
 /// Build steps of the workspace that plain cargo cannot express.
 #[derive(Parser)]
@@ -26,8 +26,6 @@ enum Step {
     Energy,
     /// Fuzzes all that meets the outside, target by target, and fails on a finding.
     Fuzz(fuzz::Arguments),
-    /// Prints which modules import which, and fails on an import cycle or a file that is too long.
-    Modules(modules::Arguments),
     /// Prints which emulator and which Python run the end-to-end tests.
     Emulator {
         /// Installs what is missing: QEMU with apt-get, as root; the armband's requirements with pip.
@@ -55,7 +53,6 @@ fn main() -> Result<()> {
         Step::Count(arguments) => count::print(&arguments),
         Step::Energy => energy::print(),
         Step::Fuzz(arguments) => fuzz::run(&arguments),
-        Step::Modules(arguments) => modules::check(&arguments),
         Step::Emulator { install } => emulator::prepare(install),
         Step::Browser { install } => browser::prepare(install),
         Step::Toolchain { install } => toolchain::find(install).map(|found| println!("{found}")),

@@ -10,9 +10,9 @@ use crate::messages::pin_state::PinState;
 pub struct Levels {
     /// Microseconds since the start.
     pub now_us: u64,
-    /// When the newest byte of a packet was received, on the same clock.
+    /// Time at which the newest byte of a packet was received, on the same clock.
     pub last_received_us: u64,
-    /// What the outputs show.
+    /// State that the outputs show.
     pub state: PinState,
 }
 

@@ -45,7 +45,7 @@ pub struct Board {
     pub pins: Pins,
     /// Pressed and held by a person.
     pub button: Button,
-    /// What the radio needs.
+    /// Parts of the radio.
     pub radio: RadioParts,
     /// Runs already.
     pub watchdog: Watchdog,

@@ -1,18 +1,18 @@
-//! What the radio knows of the armband. Only the newest counts, so it is no queue.
+//! State of the armband, from the radio. Only the newest counts, so it is no queue.
 
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 use shared::myo::{Address, Counters, FirmwareVersion, MyoSession, Phase};
 
-/// What is known of the armband.
+/// State of the armband.
 #[derive(Clone, Copy, Default)]
 pub struct Armband {
-    /// The one that is connected.
+    /// Address of the connected armband.
     pub address: Option<Address>,
-    /// Its firmware.
+    /// Firmware of the armband.
     pub firmware: Option<FirmwareVersion>,
-    /// Its battery, percent.
+    /// Battery charge, percent.
     pub battery: Option<u8>,
 }
 
@@ -20,7 +20,7 @@ pub struct Armband {
 static KNOWN: Mutex<CriticalSectionRawMutex, Cell<Option<(Armband, Counters)>>> =
     Mutex::new(Cell::new(None));
 
-/// Keeps what a session knows.
+/// Keeps the state of a session.
 pub fn set(session: &MyoSession) {
     let is_connected = matches!(session.phase(), Phase::SettingUp | Phase::Streaming);
     let connected = is_connected.then_some(session);
@@ -32,7 +32,7 @@ pub fn set(session: &MyoSession) {
     KNOWN.lock(|cell| cell.set(Some((armband, session.counters()))));
 }
 
-/// What is known of the armband now.
+/// The newest state of the armband.
 pub fn current() -> Armband {
     KNOWN.lock(Cell::get).unwrap_or_default().0
 }

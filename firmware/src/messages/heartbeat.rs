@@ -1,4 +1,4 @@
-//! One heartbeat per task: the watchdog is fed only while all of them beat.
+//! Heartbeats, one per task: the watchdog is fed only while all of them beat.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 

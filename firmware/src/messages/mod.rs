@@ -1,4 +1,4 @@
-//! What the tasks send each other: queues, shared states, three heartbeats.
+//! Communication between the tasks: queues, shared states, three heartbeats.
 //!
 //! ```text
 //! radio ---packets---> inference ---UartMessage---> output ---> UART

@@ -1,4 +1,4 @@
-//! Which model is in use.
+//! The model in use.
 
 use core::cell::Cell;
 
@@ -6,12 +6,12 @@ use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 
 static IN_USE: Mutex<CriticalSectionRawMutex, Cell<Option<u32>>> = Mutex::new(Cell::new(None));
 
-/// The CRC-32 of its file; none while there is none.
+/// CRC-32 of the model's file; none without a model.
 pub fn current() -> Option<u32> {
     IN_USE.lock(Cell::get)
 }
 
-/// This one is in use from now on, or none.
+/// Sets the model that is in use from now on.
 pub fn set(checksum: Option<u32>) {
     IN_USE.lock(|cell| cell.set(checksum));
 }

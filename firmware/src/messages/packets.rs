@@ -4,8 +4,8 @@ use shared::stream::link_sequence::Packet;
 
 use super::queue::Queue;
 
-/// 32 packets of two samples: 320 ms.
+/// Queue of 32 packets of two samples: 320 ms.
 pub type Packets = Queue<Packet, 32>;
 
-/// See [`Packets`].
+/// Packets from the radio to the inference.
 pub static PACKETS: Packets = Queue::new();

@@ -8,7 +8,7 @@ use embassy_sync::{
 };
 use shared::stream::safe_state::{Cause, Status};
 
-/// What pins and LEDs show.
+/// State of pins and LEDs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct PinState {
     /// Label and `valid`. Exactly one intent's pin is high, in the safe state that of relax.
@@ -20,7 +20,7 @@ pub struct PinState {
 }
 
 impl PinState {
-    /// After a start and after a panic.
+    /// State after a start and after a panic.
     pub const SAFE: Self = Self {
         status: Status::Safe(Cause::Boot),
         armband: false,
@@ -67,7 +67,7 @@ pub fn current() -> PinState {
     STATE.lock(Cell::get)
 }
 
-/// The pins show this state.
+/// Notes that the pins show this state.
 pub fn set_shown(state: PinState) {
     SHOWN.lock(|cell| cell.set(state));
 }

@@ -14,7 +14,7 @@ pub struct Queue<T, const N: usize> {
 }
 
 impl<T, const N: usize> Queue<T, N> {
-    /// Empty.
+    /// An empty queue.
     pub const fn new() -> Self {
         Self {
             entries: Channel::new(),

@@ -10,7 +10,7 @@ use super::queue::Queue;
 static SAMPLES: Queue<EmgReport, 6> = Queue::new();
 static WANTED: AtomicBool = AtomicBool::new(false);
 
-/// Whether they are written from now on.
+/// Sets whether samples are written from now on.
 pub fn switch(on: bool) {
     WANTED.store(on, Ordering::Relaxed);
 }
@@ -27,7 +27,7 @@ pub async fn receive() -> EmgReport {
     SAMPLES.receive().await
 }
 
-/// Whether none wait.
+/// Whether no samples wait.
 pub fn is_idle() -> bool {
     SAMPLES.is_empty()
 }

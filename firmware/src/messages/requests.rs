@@ -11,10 +11,10 @@ use shared::uart_line::answer::{Binding, Refusal};
 use shared::uart_line::command::{AlignCommand, BindCommand};
 use shared::uart_line::gate::GateCommand;
 
-/// From the control task to the inference.
+/// Requests from the control task to the inference.
 pub static INFERENCE: Requests<InferenceRequest, InferenceAnswer> = Requests::new();
 
-/// What the inference is asked for.
+/// Request to the inference.
 #[derive(Clone, Copy)]
 pub enum InferenceRequest {
     /// An alignment.
@@ -23,10 +23,10 @@ pub enum InferenceRequest {
     Gate(GateCommand),
 }
 
-/// What the inference answers.
+/// Answer of the inference.
 #[derive(Clone, Copy)]
 pub enum InferenceAnswer {
-    /// This is accepted.
+    /// The command is accepted.
     Align(AlignCommand),
     /// This alignment is in force.
     Alignment(Alignment),
@@ -34,7 +34,7 @@ pub enum InferenceAnswer {
     Gate(Gate),
 }
 
-/// From the installation to the inference. A channel of its own: flash is erased on the strength of its answer.
+/// Requests from the installation to the inference. A channel of its own: flash is erased on the strength of its answer.
 pub static MODEL: Requests<ModelRequest, ()> = Requests::new();
 
 /// Request of the installation to the inference.
@@ -48,10 +48,10 @@ pub enum ModelRequest {
     Resume,
 }
 
-/// From the control task to the installation.
+/// Requests from the control task to the installation.
 pub static INSTALLATION: Requests<InstallationRequest, Progress> = Requests::new();
 
-/// What it is asked for.
+/// Request to the installation.
 #[derive(Clone, Copy)]
 pub enum InstallationRequest {
     /// Begin, or go on.
@@ -60,10 +60,10 @@ pub enum InstallationRequest {
     Block(u32, Block),
 }
 
-/// From the control task to the radio.
+/// Requests from the control task to the radio.
 pub static BIND: Requests<BindCommand, Binding> = Requests::new();
 
-/// A task that does not answer for so long is busy, or does not run.
+/// Time without an answer after which a task counts as busy.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Number of a request, which its answer carries too.
@@ -92,7 +92,7 @@ impl<Q, A> Requests<Q, A> {
     /// Asks, and waits for the answer. To be called by one task alone.
     ///
     /// # Errors
-    /// What the other task answers, or that it does not answer in time.
+    /// Refusal by the other task, or `Busy` if it does not answer in time.
     pub async fn ask(&self, request: Q) -> Result<A, Refusal> {
         let own = Ticket(self.tickets.fetch_add(1, Ordering::Relaxed));
         self.asked.signal((own, request));

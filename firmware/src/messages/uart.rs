@@ -19,12 +19,12 @@ use super::raw;
 use crate::model_region::ModelRefused;
 use crate::reset_reason::ResetReason;
 
-/// One line of the UART.
+/// Message on the UART.
 #[derive(Clone, Copy)]
 pub enum UartMessage {
     /// A label, or a change of state.
     Report(Report),
-    /// What an alignment does.
+    /// Progress or result of an alignment.
     Alignment(AlignmentReport),
     /// The program started; the CRC-32 of its model file, if it can be run.
     Started(ResetReason, Option<u32>),
@@ -89,7 +89,7 @@ pub fn is_idle() -> bool {
     MESSAGES.is_empty() && ANSWERS.is_empty() && raw::is_idle()
 }
 
-/// What the next line is made of.
+/// Content of the next line.
 pub enum Next {
     /// A message.
     Message(UartMessage),
@@ -119,7 +119,7 @@ pub async fn receive() -> Next {
     }
 }
 
-/// What runs here, and on which armband's data.
+/// Identity of the program, its model and the armband.
 pub fn identity(model: Option<u32>, armband: Armband) -> Identity<'static> {
     Identity {
         version: VERSION,

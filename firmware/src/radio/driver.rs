@@ -32,7 +32,7 @@ const TICK: Duration = Duration::from_millis(50);
 /// The session, and what connects it to the stack and to the inference.
 pub struct SessionDriver<'q> {
     session: RefCell<MyoSession>,
-    /// What the watchdog is fed on.
+    /// Evidence for feeding the watchdog.
     progress: Cell<Progress>,
     sequencer: RefCell<Sequencer>,
     packets: &'q Packets,
@@ -42,18 +42,18 @@ pub struct SessionDriver<'q> {
     disconnect: Signal<NoopRawMutex, ()>,
     streaming: Signal<NoopRawMutex, ()>,
     connected: Cell<bool>,
-    /// Of the current connection.
+    /// Handles of the current connection.
     handles: Cell<Handles>,
-    /// What the session wants to be kept, until it was tried.
+    /// Address to keep, until that was tried.
     keep: Signal<NoopRawMutex, Option<Address>>,
-    /// What is kept.
+    /// Address that is kept.
     kept: Cell<Option<Address>>,
     /// Called after every event.
     observe: &'q dyn Fn(&MyoSession),
 }
 
 impl<'q> SessionDriver<'q> {
-    /// Before the first event; `kept` is the bound armband that outlasts a restart.
+    /// A driver before the first event; `kept` is the bound armband that outlasts a restart.
     pub fn new(
         session: MyoSession,
         kept: Option<Address>,

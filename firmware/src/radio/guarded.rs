@@ -12,7 +12,7 @@ use shared::myo::attribute_pdu;
 /// The controller itself, but for what it receives.
 pub struct Guarded<C>(pub C);
 
-/// What a packet of a connection becomes. In the place of one that the host may not be given it gets an empty one of a kind
+/// Packet that the host gets. In the place of one that it may not be given it gets an empty one of a kind
 /// that it counts and ignores: the host owes the controller an account of every packet.
 fn taken(packet: AclPacket<'_>) -> AclPacket<'_> {
     let first = packet.boundary_flag() == AclPacketBoundary::FirstFlushable;

@@ -1,4 +1,4 @@
-//! What the two Bluetooth stacks have in common, and no more of it than [`driver`] needs.
+//! Interface of the two Bluetooth stacks, no wider than [`driver`] needs.
 
 pub mod driver;
 #[cfg(all(feature = "radio-hci", target_os = "none"))]
@@ -21,7 +21,7 @@ const ENABLE_NOTIFICATIONS: [u8; 2] = [1, 0];
 /// An advertisement of an armband or of any other device.
 #[derive(Clone, Copy)]
 pub struct Advertisement {
-    /// Of the sender.
+    /// Address of the sender.
     pub address: Address,
     /// Signal strength, dBm.
     pub rssi: i8,
@@ -43,7 +43,7 @@ impl Advertisement {
         }
     }
 
-    /// Its AD structures.
+    /// AD structures of the advertisement.
     pub fn data(&self) -> &[u8] {
         &self.bytes[..self.length]
     }
@@ -58,7 +58,7 @@ pub struct OperationFailed;
 /// The connection is closed or lost.
 pub struct Disconnected;
 
-/// What a scan gives.
+/// Result of a scan.
 pub enum Scanned<'a> {
     /// The stack has answered: it has begun the scan, or ended it in time.
     Answered,
@@ -66,7 +66,7 @@ pub enum Scanned<'a> {
     Advertisement(&'a Advertisement),
 }
 
-/// How often a scan is begun anew, so that the stack answers where nobody advertises.
+/// Seconds after which a scan is begun again, so that the stack answers where nobody advertises.
 pub const SCAN_SECONDS: u16 = 10;
 
 /// A Bluetooth stack as a central.
@@ -88,7 +88,7 @@ pub trait Radio {
     ) -> Result<(), ConnectFailed>;
 }
 
-/// What is done while a connection lasts.
+/// Handler of a connection's events.
 pub trait ConnectionHandler {
     /// Runs on a link that has just been established.
     async fn run(&self, link: &impl Link);

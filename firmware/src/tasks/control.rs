@@ -1,4 +1,4 @@
-//! What a person asks of the board: commands on the UART, presses of the button.
+//! Requests of a person to the board: commands on the UART, presses of the button.
 
 use embassy_futures::{
     select::{Either, select},
@@ -20,7 +20,7 @@ use crate::messages::{
     uart,
 };
 
-/// How often the button is looked at: at least twice while its contact is debounced.
+/// Period at which the button is read: at least twice while its contact is debounced.
 const LOOK: Duration = Duration::from_millis(15);
 const _: () = assert!(LOOK.as_millis() * 2 <= button::DEBOUNCE_MS as u64);
 /// Bytes that are taken at once; other tasks run before the next ones, however many wait.

@@ -1,4 +1,4 @@
-//! From packets to labels.
+//! Inference: labels from packets.
 
 use embassy_futures::{
     select::{Either4, select4},
@@ -40,7 +40,7 @@ const REPEAT_MS: u32 = 1000;
 /// Milliseconds that the alignment's LED is lit, and then dark, while gestures are waited for.
 const BLINK_MS: u32 = 250;
 
-/// From sample to report, for a model of any dimensions that the device has room for.
+/// Pipeline for a model of any dimensions that the device has room for.
 pub type DevicePipeline = Pipeline<'static, DeviceEncoder<'static>>;
 
 /// The pipeline before the first sample, with the model in flash in use, or why it cannot be. To be called once.
@@ -258,7 +258,7 @@ fn timer_until(deadline: Option<Millis>) -> Timer {
     Timer::at(Instant::now() + wait)
 }
 
-/// That there is no model is reported again and again.
+/// Repeated report that there is no model.
 struct Absence {
     reason: ModelRefused,
     reported: Millis,
@@ -274,13 +274,13 @@ impl Default for Absence {
 }
 
 impl Absence {
-    /// It was reported now.
+    /// Notes a report.
     const fn began(&mut self, now: Millis, reason: ModelRefused) {
         self.reported = now;
         self.reason = reason;
     }
 
-    /// Whether it is to be reported now.
+    /// Whether a report is due.
     fn is_due(&mut self, now: Millis) -> bool {
         let is_due = now.elapsed_since(self.reported) >= REPEAT_MS;
         if is_due {

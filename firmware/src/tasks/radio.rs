@@ -44,7 +44,7 @@ pub async fn run(spawner: Spawner, parts: RadioParts) {
 struct Reporter {
     phase: Cell<Option<Phase>>,
     following: Cell<Option<Following>>,
-    /// When it was last said that no armband is followed.
+    /// Time of the last message that no armband is followed.
     reminded: Cell<Option<Millis>>,
     battery_is_low: Cell<bool>,
 }

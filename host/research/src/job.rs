@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use execution::run_folder::{RunError, RunFolder};
-use myointent::run::StepError;
 use presets::config::{CONFIG, ResolvedConfig};
 use presets::resolve::ConfigError;
+use training::run::StepError;
 
 use crate::baselines::training::TrainingError;
 

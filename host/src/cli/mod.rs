@@ -5,14 +5,16 @@ mod board;
 mod completions;
 mod contents;
 mod data;
+mod evaluate;
 mod evaluate_models;
 mod fetch;
 mod gate;
 mod info;
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod killed;
 mod live;
 mod output;
+#[cfg(feature = "train")]
 mod personalize;
 mod predict;
 mod presets;
@@ -20,7 +22,8 @@ mod record;
 pub mod replay;
 mod report;
 mod score;
-mod steps;
+#[cfg(feature = "train")]
+pub mod steps;
 mod template;
 
 use std::path::Path;
@@ -29,15 +32,19 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
+#[cfg(feature = "train")]
 use self::personalize::{KEPT, NotWritten};
-use self::steps::{distill, evaluate, export, quantize, quickstart, train};
-use crate::run::StepError;
-use crate::run::personalize::PersonalizeError;
+#[cfg(feature = "train")]
+use self::steps::{distill, export, quantize, quickstart, train};
 use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
 use execution::{bounded_read, progress};
 pub use recordings::readers::excerpt::printable;
+#[cfg(feature = "train")]
+use training::run::StepError;
+#[cfg(feature = "train")]
+use training::run::personalize::PersonalizeError;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]
@@ -69,18 +76,23 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Train, quantize and evaluate in one command, in a few minutes on two cores.
+    #[cfg(feature = "train")]
     Quickstart(quickstart::Arguments),
     /// Inspect recordings, or write synthetic ones.
     #[command(subcommand)]
     Data(data::Command),
     /// Train the teacher, a masked transformer.
+    #[cfg(feature = "train")]
     Train(train::Arguments),
     /// Train the student on the teacher's soft targets and the labels, weighted by the preset's `teacher_share`.
+    #[cfg(feature = "train")]
     Distill(distill::Arguments),
     /// Quantize the student and write the model file.
+    #[cfg(feature = "train")]
     Quantize(quantize::Arguments),
     /// Write the teacher's weights as safetensors, with the names of ReactEMG's code; the model file for a board is
     /// written by `quantize`.
+    #[cfg(feature = "train")]
     Export(export::Arguments),
     /// Evaluate a run's models on its held-out subjects, or model files on any recordings.
     Evaluate(evaluate::Arguments),
@@ -101,6 +113,7 @@ enum Command {
     /// Show the header of a model file.
     Info(info::Arguments),
     /// Tune a model file on one person's own recordings, and keep it only if it is not worse.
+    #[cfg(feature = "train")]
     Personalize(personalize::Arguments),
     /// Make the alignment template of a model file anew, from the people whom the model has seen.
     Template(template::Arguments),
@@ -114,6 +127,26 @@ enum Command {
     Completions(completions::Arguments),
     /// Write the manual's pages.
     Man(completions::ManArguments),
+    /// Commands that this program was built without.
+    #[cfg(not(feature = "train"))]
+    #[command(
+        hide = true,
+        aliases = ["quickstart", "distill", "quantize", "export", "personalize"],
+        disable_help_flag = true
+    )]
+    Train(Untrained),
+}
+
+/// What to do where a command needs what trains.
+#[cfg(not(feature = "train"))]
+pub(crate) const WITHOUT_TRAINING: &str = "this program was built without training; `cargo run --release -- COMMAND` builds and runs all of it";
+
+/// Arguments of a command that this program was built without.
+#[cfg(not(feature = "train"))]
+#[derive(Debug, clap::Args)]
+struct Untrained {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    _arguments: Vec<std::ffi::OsString>,
 }
 
 impl Cli {
@@ -122,11 +155,16 @@ impl Cli {
     pub fn run(self) -> ExitCode {
         let advice = self.command.advice();
         let result = match self.command {
+            #[cfg(feature = "train")]
             Command::Quickstart(arguments) => quickstart::run(&arguments),
             Command::Data(command) => data::run(command),
+            #[cfg(feature = "train")]
             Command::Train(arguments) => train::run(&arguments),
+            #[cfg(feature = "train")]
             Command::Distill(arguments) => distill::run(&arguments),
+            #[cfg(feature = "train")]
             Command::Quantize(arguments) => quantize::run(&arguments),
+            #[cfg(feature = "train")]
             Command::Export(arguments) => export::run(&arguments),
             Command::Evaluate(arguments) => evaluate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
@@ -137,6 +175,7 @@ impl Cli {
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
+            #[cfg(feature = "train")]
             Command::Personalize(arguments) => personalize::run(&arguments),
             Command::Template(arguments) => template::run(&arguments),
             Command::Gate(arguments) => gate::run(&arguments),
@@ -144,6 +183,8 @@ impl Cli {
             Command::Presets(arguments) => presets::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => completions::run_man(&arguments),
+            #[cfg(not(feature = "train"))]
+            Command::Train(_) => Err(anyhow::anyhow!(WITHOUT_TRAINING)),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,
@@ -167,6 +208,7 @@ impl Command {
     /// What to do after an interrupt.
     const fn advice(&self) -> &'static str {
         match self {
+            #[cfg(feature = "train")]
             Self::Quickstart(_) | Self::Train(_) | Self::Distill(_) => {
                 "to continue, give the same command and --resume (without --overwrite)"
             }
@@ -196,6 +238,7 @@ pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
 }
 
 /// Whether the answer of `personalize` is to go on with the old model.
+#[cfg(feature = "train")]
 fn keeps_the_old(error: &anyhow::Error) -> bool {
     let refused = error.downcast_ref::<PersonalizeError>();
     matches!(error.downcast_ref(), Some(NotWritten::Worse { .. }))
@@ -206,11 +249,29 @@ fn keeps_the_old(error: &anyhow::Error) -> bool {
 #[must_use]
 pub fn is_interrupt(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
-        let run = cause.downcast_ref().is_some_and(RunError::is_interrupt);
-        let personalize = cause.downcast_ref();
-        run || cause.downcast_ref().is_some_and(StepError::is_interrupt)
-            || personalize.is_some_and(PersonalizeError::is_interrupt)
+        cause.downcast_ref().is_some_and(RunError::is_interrupt) || is_interrupted_step(cause)
     })
+}
+
+#[cfg(feature = "train")]
+fn is_interrupted_step(cause: &(dyn std::error::Error + 'static)) -> bool {
+    let personalize = cause.downcast_ref();
+    cause.downcast_ref().is_some_and(StepError::is_interrupt)
+        || personalize.is_some_and(PersonalizeError::is_interrupt)
+}
+
+/// No step, no exit code of its own.
+#[cfg(not(feature = "train"))]
+const KEPT: u8 = 3;
+
+#[cfg(not(feature = "train"))]
+const fn keeps_the_old(_: &anyhow::Error) -> bool {
+    false
+}
+
+#[cfg(not(feature = "train"))]
+fn is_interrupted_step(_: &(dyn std::error::Error + 'static)) -> bool {
+    false
 }
 
 /// Whether an argument has a value that cannot be, apart from those that the parser refuses.

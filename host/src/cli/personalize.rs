@@ -6,14 +6,15 @@ use std::path::PathBuf;
 use clap::Args;
 use thiserror::Error;
 
-use crate::cli::arguments::{BackendArguments, every_recording};
+use crate::cli::arguments::every_recording;
 use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
-use crate::run::personalize::{TuningSettings, Worse, personalize};
 use evaluation::report::personalization::table;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::write_whole;
+use training::backend::BackendArguments;
+use training::run::personalize::{TuningSettings, Worse, personalize};
 
 /// Arguments of `personalize`.
 #[derive(Debug, Args)]

@@ -9,11 +9,12 @@ use clap::Args;
 
 use super::live::{SourceArguments, listen, serve};
 use super::read_model;
-use crate::cli::arguments::BackendArguments;
 use crate::live::{Options, RecordOptions};
 use crate::record::protocol::{self, BUILT_IN, Course, Protocol};
 use crate::record::{self, Kept};
 use execution::progress;
+#[cfg(feature = "train")]
+use training::backend::BackendArguments;
 
 /// Arguments of `record`.
 #[derive(Debug, Args)]
@@ -55,6 +56,7 @@ pub struct Arguments {
     /// the connection is not encrypted.
     #[arg(long, value_name = "ADDR", value_parser = listen)]
     listen: Option<(IpAddr, Option<u16>)>,
+    #[cfg(feature = "train")]
     #[command(flatten)]
     backend: BackendArguments,
 }
@@ -93,6 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let model = arguments.model.as_deref().map(read_model).transpose()?;
     let source = arguments.source.source(arguments.name.as_deref())?;
+    #[cfg(feature = "train")]
     let device = arguments.backend.device()?;
     recover(&arguments.out.join(&arguments.person))?;
     let (address, port) = arguments
@@ -106,6 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             .model
             .clone()
             .unwrap_or_else(|| Path::new("models/three-class.intent").to_owned()),
+        #[cfg(feature = "train")]
         device,
         speed: arguments.speed,
         unattended: arguments.unattended,

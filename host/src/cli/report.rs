@@ -6,21 +6,29 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
-use super::arguments::{
-    BackendArguments, every_recording, find_run, recordings, warn_of_test_people,
-};
+use super::arguments::every_recording;
+#[cfg(feature = "train")]
+use super::arguments::warn_of_test_people;
 use super::evaluate_models::{PeopleArguments, warn};
 use super::output::{PAGE, refuse_unlike};
-use crate::run::context::RunContext;
-use crate::run::evaluate::kept;
-use crate::run::quantize::MODEL;
+#[cfg(feature = "train")]
+use super::steps::{find_run, recordings};
 use evaluation::model_evaluation::{NamedModel, Selection, evaluate_models};
 use evaluation::report::MOST_ENTRIES;
-use evaluation::report::several::{Reported, ReportedModel, ReportedRun, tables, write};
+use evaluation::report::several::{Reported, ReportedModel, tables, write};
+use evaluation::results::MODEL;
 use execution::progress;
 use execution::run_folder::RunFolder;
 use recordings::Library;
-use recordings::split::circles::is_test;
+#[cfg(feature = "train")]
+use {
+    evaluation::report::several::ReportedRun,
+    recordings::split::circles::is_test,
+    training::{
+        backend::BackendArguments,
+        run::{context::RunContext, evaluate::kept},
+    },
+};
 
 /// Arguments of `report`.
 #[derive(Debug, Args)]
@@ -46,6 +54,7 @@ pub struct Arguments {
     out: PathBuf,
     #[command(flatten)]
     people: PeopleArguments,
+    #[cfg(feature = "train")]
     #[command(flatten)]
     backend: BackendArguments,
 }
@@ -77,6 +86,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+#[cfg(feature = "train")]
 /// Run folders, on the people whom each holds out.
 fn runs(arguments: &Arguments) -> anyhow::Result<Vec<Reported>> {
     let mut reported: Vec<Reported> = Vec::new();
@@ -108,6 +118,11 @@ fn runs(arguments: &Arguments) -> anyhow::Result<Vec<Reported>> {
     }
     same_classes(&reported)?;
     Ok(reported)
+}
+
+#[cfg(not(feature = "train"))]
+fn runs(_: &Arguments) -> anyhow::Result<Vec<Reported>> {
+    bail!("give --data DIR; {}", super::WITHOUT_TRAINING)
 }
 
 /// Model files, and those of run folders, on the recordings below `data`.

@@ -23,7 +23,7 @@ pub type Record = [u8; RECORD_BYTES];
 const MAGIC: [u8; 4] = *b"MyoI";
 const COVERED: usize = RECORD_BYTES - 4;
 
-/// What a journal says.
+/// Content of a journal.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Journal {
     /// Which file comes.
@@ -45,13 +45,13 @@ pub fn to_record(transfer: Transfer) -> Record {
     record
 }
 
-/// Where the mark of a page lies: a word of zeros.
+/// Offset of the mark of a page: a word of zeros.
 #[must_use]
 pub const fn mark(page: u32) -> u32 {
     RECORD_BYTES as u32 + 4 * page
 }
 
-/// What the start of the page says; none if it holds no whole record.
+/// The record at the start of the page; none if it is not whole.
 #[must_use]
 pub fn read(page: &[u8; JOURNAL_BYTES]) -> Option<Journal> {
     let (record, marks) = page.split_first_chunk::<RECORD_BYTES>()?;

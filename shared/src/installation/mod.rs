@@ -30,7 +30,7 @@ use self::journal::Journal;
 use self::transfer::PAGE_BLOCKS;
 pub use self::transfer::{BLOCK_BYTES, Block, PAGE_BYTES, Transfer};
 
-/// What is done next.
+/// Step of an installation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Step {
     /// Enter the safe state, and read the region no more.
@@ -65,16 +65,16 @@ const VERIFY: u16 = 1 << 7;
 const END_JOURNAL: u16 = 1 << 8;
 const RESUME: u16 = 1 << 9;
 
-/// How far it is.
+/// Progress of an installation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Progress {
-    /// This block is missing.
+    /// Number of the next missing block.
     Next(u32),
     /// The model is in use.
     Installed,
 }
 
-/// Why nothing was done.
+/// Reason for which nothing was done.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Refused {
     /// The file is longer than the region, or too short to be one.
@@ -113,7 +113,7 @@ pub struct Installation {
 }
 
 impl Installation {
-    /// Nothing was begun. `capacity` is the length of the region in bytes.
+    /// An installation that has not begun. `capacity` is the length of the region in bytes.
     #[must_use]
     pub const fn new(capacity: u32) -> Self {
         Self {
@@ -199,7 +199,7 @@ impl Installation {
         Ok(())
     }
 
-    /// What is to be done next; none once everything is done.
+    /// The next step; none once everything is done.
     #[must_use]
     pub const fn step(&self) -> Option<Step> {
         let page = self.number / PAGE_BLOCKS;
@@ -218,7 +218,7 @@ impl Installation {
         })
     }
 
-    /// What [`Step::WriteBlock`] writes.
+    /// The block that [`Step::WriteBlock`] writes.
     #[must_use]
     pub const fn content(&self) -> &Block {
         match self.lowest() {
@@ -227,7 +227,7 @@ impl Installation {
         }
     }
 
-    /// What [`Step::WriteJournal`] writes.
+    /// The record that [`Step::WriteJournal`] writes.
     #[must_use]
     pub fn record(&self) -> journal::Record {
         journal::to_record(self.transfer.unwrap_or_default())

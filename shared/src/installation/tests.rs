@@ -30,7 +30,7 @@ fn transfer(file: &[u8]) -> Transfer {
 #[derive(Debug, PartialEq)]
 struct PowerFailed;
 
-/// What outlasts a loss of power: erased to ones, programmed to zeros.
+/// Memory that outlasts a loss of power: erased to ones, programmed to zeros.
 #[derive(Clone)]
 struct Flash {
     region: Vec<u8>,
@@ -50,7 +50,7 @@ impl Flash {
         }
     }
 
-    /// How much of an operation is done.
+    /// Part of an operation that is done.
     fn part(&mut self, of: usize) -> usize {
         self.left -= 1;
         if self.left == 0 { of / 2 } else { of }

@@ -7,12 +7,12 @@ pub const PAGE_BYTES: usize = 4096;
 /// Blocks of a page.
 pub(super) const PAGE_BLOCKS: u32 = (PAGE_BYTES / BLOCK_BYTES) as u32;
 
-/// Which file is exchanged.
+/// File that is exchanged.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Transfer {
-    /// Bytes.
+    /// Length of the file in bytes.
     pub length: u32,
-    /// Its CRC-32: the last four bytes of a model file.
+    /// CRC-32 of the file: the last four bytes of a model file.
     pub checksum: u32,
 }
 
@@ -22,7 +22,7 @@ pub struct Transfer {
 pub struct Block(pub [u8; BLOCK_BYTES]);
 
 impl Block {
-    /// Not written.
+    /// Content of a block that is not written.
     pub const ERASED: Self = Self([0xff; BLOCK_BYTES]);
 
     /// The block of a file; all ones behind its end.
@@ -64,7 +64,7 @@ impl Transfer {
         }
     }
 
-    /// How many blocks are asked for before this one.
+    /// Number of blocks that are requested before this one.
     #[must_use]
     pub const fn before(self, block: u32) -> u32 {
         match block {

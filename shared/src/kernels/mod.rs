@@ -39,7 +39,7 @@ pub(crate) const GROUP: usize = 4;
 /// Order of a group's columns in its word. The two halfwords of a word are the weights of columns 2 and 3, those of the
 /// word shifted left by a byte are the weights of columns 0 and 1: see [`weights_of`].
 pub(crate) const GROUP_ORDER: [usize; GROUP] = [0, 2, 1, 3];
-/// What a weight's integer is a multiple of: its own byte counts 256, the byte before it 1.
+/// Integer of a weight of 1: its own byte counts 256, the byte before it 1.
 pub(crate) const WEIGHT_ONE: i32 = 256;
 
 // The sum of a row's magnitudes, of which `code_limit` makes the limit of the codes.
@@ -98,7 +98,7 @@ pub(crate) trait Kernels {
 
     /// `outputs[r] = sum * (scale * scales[r]) + bias[r]`, `sum` being the integer whose bits `outputs[r]` has before.
     ///
-    /// As many outputs as scales and terms of the bias; further outputs stay as they are. Fast with a multiple of four.
+    /// Scales as many outputs as there are scales and bias terms; further ones stay as they are. Fast with a multiple of four.
     fn rescale(outputs: &mut [f32], scale: f32, scales: &[f32], bias: &[f32]);
 
     /// `residual[r] += sums[r] * (scale * scales[r]) + bias[r]`, as [`Kernels::rescale`].

@@ -46,7 +46,7 @@ impl Dimensions {
     }
 }
 
-/// How a preprocessed sample, 0..=128, becomes the encoder's input, 0..=1.
+/// Mapping from a preprocessed sample, 0..=128, to the encoder's input, 0..=1.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Companding {

@@ -1,4 +1,4 @@
-//! What a pipeline asks of a model.
+//! The interface between a pipeline and a model.
 
 use crate::intent::MAX_LOGITS;
 use crate::units::{LOOK_BACK, Patch};
@@ -13,7 +13,7 @@ pub type LookBackLogits = [[f32; MAX_LOGITS]; LOOK_BACK];
 /// A streaming model: one patch in, one set of logits out. The weights never change; what changes
 /// from patch to patch is the state, which is kept apart.
 pub trait Encode {
-    /// What the model keeps of the patches so far.
+    /// Memory of the patches so far.
     type State;
 
     /// Number of classes, 1 to 6.

@@ -2,21 +2,21 @@
 
 use core::fmt;
 
-/// How an address was assigned. A Myo's address is public, although it looks like a random one.
+/// Assignment of an address. A Myo's address is public, although it looks like a random one.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum AddressKind {
-    /// By the manufacturer.
+    /// Assigned by the manufacturer.
     Public,
-    /// At random.
+    /// Generated at random.
     Random,
 }
 
 /// A device address. Displayed and parsed as `FA:01:23:45:67:89`: the last byte on air first.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Address {
-    /// How the address was assigned.
+    /// Kind of the address.
     pub kind: AddressKind,
-    /// Its bytes, little-endian as on air.
+    /// Bytes of the address, little-endian as on air.
     pub bytes: [u8; 6],
 }
 

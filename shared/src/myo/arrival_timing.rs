@@ -62,12 +62,12 @@ const _: () = assert!(LATE_US < CYCLE_US);
 const MAX_LAG_US: u32 = MAX_PAUSE_MS * 1000;
 const _: () = assert!(MAX_LAG_US.checked_mul(3).is_some());
 
-/// What a stream consists of.
+/// Part of a stream.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Ordered {
     /// Two samples that follow the ones before.
     Pair(Pair),
-    /// So many samples are missing here, never 0.
+    /// Missing samples, at least one.
     Gap { missing: u32 },
 }
 
@@ -76,7 +76,7 @@ pub(super) enum Ordered {
 pub(super) struct ArrivalTiming {
     /// Arrival of the newest notification; none before the first.
     newest: Option<Millis>,
-    /// Its lag, in microseconds.
+    /// Lag of the arrival, in microseconds.
     lag: u32,
     /// Empty unless `late`.
     held: Vec<Placed, MAX_HELD>,
@@ -88,7 +88,7 @@ pub(super) struct ArrivalTiming {
 struct Late {
     /// Minimum of the lag since, in microseconds.
     minimum: u32,
-    /// When a burst may last have been under way: at a new minimum, or after a pause.
+    /// Time at which a burst may last have been under way: a new minimum, or after a pause.
     since: Millis,
 }
 

@@ -9,9 +9,9 @@
 
 /// Length and channel of an L2CAP packet, 16 bits each, low byte first.
 const HEADER: usize = 4;
-/// Of the attribute protocol, on every Bluetooth Low Energy link.
+/// L2CAP channel of the attribute protocol, on every Bluetooth Low Energy link.
 const CHANNEL: u16 = 4;
-/// What a server answers to a request that it refuses: the request's opcode, a handle, why.
+/// Opcode of a refusal by the server. The request's opcode, a handle and an error code follow.
 const ERROR_RESPONSE: u8 = 0x01;
 const ERROR_BYTES: usize = 5;
 /// The only request that is answered: which length of PDU both sides bear.

@@ -28,7 +28,7 @@ impl Characteristic {
         Self::BatteryLevel,
     ];
 
-    /// Its UUID.
+    /// UUID of the characteristic.
     #[must_use]
     pub const fn uuid(self) -> Uuid {
         match self {
@@ -45,7 +45,7 @@ impl Characteristic {
         Self::ALL.into_iter().find(|one| one.uuid() == uuid)
     }
 
-    /// Its index in [`Characteristic::ALL`], 0..=6, for a radio's table of handles.
+    /// Index in [`Characteristic::ALL`], 0..=6, for a radio's table of handles.
     #[must_use]
     pub const fn index(self) -> usize {
         match self {
@@ -62,10 +62,10 @@ impl Characteristic {
 pub struct Found(u8);
 
 impl Found {
-    /// None.
+    /// The empty set.
     pub(super) const NONE: Self = Self(0);
 
-    /// This set and `characteristic`.
+    /// The set with `characteristic` added.
     #[must_use]
     pub const fn with(self, characteristic: Characteristic) -> Self {
         Self(self.0 | 1 << characteristic.index())

@@ -2,7 +2,7 @@
 
 use super::action::Payload;
 
-/// How the armband processes EMG before it sends it. A model needs the mode that it was trained with:
+/// Processing of EMG in the armband. A model needs the mode that it was trained with:
 /// the signals differ by the mains filter.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum EmgMode {

@@ -1,8 +1,8 @@
-//! How often armband and board meet, and what is done when an armband asks for something else.
+//! Connection parameters: the board's own, and its response to an armband that requests others.
 
 /// Milliseconds between two looks at the parameters in force.
 pub const LOOK_MS: u32 = 500;
-/// How often ours are asked for again in a connection.
+/// Most requests for our parameters in a connection.
 const REQUESTS: u8 = 3;
 
 /// Parameters of a connection, in the units of the Bluetooth specification (Vol 4, Part E, 7.8.12).
@@ -44,7 +44,7 @@ pub struct ParameterHold {
 }
 
 impl ParameterHold {
-    /// Of a new connection.
+    /// State of a new connection.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -52,7 +52,7 @@ impl ParameterHold {
         }
     }
 
-    /// What to ask for, given what is in force; none where it is good enough, or where it was asked for often enough. To be
+    /// The parameters to request, given those in force; none if these are good enough, or requested often enough. To be
     /// called every [`LOOK_MS`].
     pub const fn look(&mut self, found: ConnectionParameters) -> Option<ConnectionParameters> {
         if found.is_as_quick_as_ours() || self.requests_left == 0 {

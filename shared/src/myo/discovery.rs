@@ -46,7 +46,7 @@ impl Default for Discovery {
 }
 
 impl Discovery {
-    /// Before the first attribute.
+    /// Discovery before the first attribute.
     #[must_use]
     pub const fn new() -> Self {
         Self {

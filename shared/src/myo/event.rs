@@ -34,9 +34,9 @@ pub enum Event<'a> {
     Failed,
     /// A notification was received.
     Notification {
-        /// Its characteristic.
+        /// Characteristic that was notified.
         characteristic: Characteristic,
-        /// Its value.
+        /// Bytes of the value.
         bytes: &'a [u8],
     },
     /// The connection ended, whoever closed it.

@@ -5,7 +5,7 @@ pub(super) const LANES: u8 = 4;
 /// Milliseconds between two notifications, whatever their lanes.
 pub(super) const NOTIFICATION_PERIOD_MS: u32 = 10;
 
-/// One of the four EMG characteristics, 0..=3. They notify in turn, 0 -> 1 -> 2 -> 3 -> 0, one every
+/// EMG characteristic, 0..=3. The four notify in turn, 0 -> 1 -> 2 -> 3 -> 0, one every
 /// 10 ms. Notifications carry no counter, so lane and arrival time are all that shows their order.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Lane(u8);
@@ -24,7 +24,7 @@ impl Lane {
         }
     }
 
-    /// Its number, 0..=3.
+    /// Number of the lane, 0..=3.
     #[must_use]
     pub(super) const fn number(self) -> u8 {
         self.0

@@ -27,7 +27,7 @@ pub(super) struct Arrival {
 /// A notification in its place, as far as lanes show.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Placed {
-    /// When its place was known, at its arrival or later.
+    /// Time at which its place was known: its arrival or later.
     pub at: Millis,
     /// Notifications missing right before it, 0..=3; any multiple of four more may be.
     pub missing: u32,
@@ -104,7 +104,7 @@ impl Order {
         Outcome::InOrder
     }
 
-    /// With nothing held: places the notification, or holds it.
+    /// Places the notification, or holds it, while none is held.
     fn take(&mut self, arrival: Arrival, place: &mut impl FnMut(Placed)) {
         if self.missing_before(arrival) == 1 {
             self.held = Held::Early(arrival);

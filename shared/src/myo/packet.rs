@@ -69,7 +69,7 @@ impl FirmwareVersion {
         })
     }
 
-    /// Whether it uses the protocol of this module. Major version 0 used the same numbers differently.
+    /// Whether the firmware uses the protocol of this module. Major version 0 used the same numbers differently.
     #[must_use]
     pub(super) const fn is_supported(self) -> bool {
         self.major > 0

@@ -4,9 +4,9 @@ use super::event::Event;
 use super::session::{MyoSession, Phase};
 use crate::units::Millis;
 
-/// Without any answer of the Bluetooth stack for so long, it counts as stopped.
+/// Milliseconds without an answer after which the Bluetooth stack counts as stopped.
 const SILENT_MS: u32 = 60_000;
-/// So many streams in a row without a notification mean that notifications are lost on this side.
+/// Consecutive streams without a notification after which notifications count as lost on this side.
 const EMPTY_STREAMS: u8 = 3;
 
 /// Decides whether a session makes progress: packets are taken, or the stack at least answers.
@@ -20,7 +20,7 @@ const EMPTY_STREAMS: u8 = 3;
 pub struct Progress {
     /// Since when the stack owes an answer: its last one, or the first question. None while nothing is asked.
     answered: Option<Millis>,
-    /// When something last came over the air; none before the first time.
+    /// Time of the last reception over the air; none before the first.
     heard: Option<Millis>,
     /// Notifications so far.
     notifications: u32,
@@ -33,7 +33,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Before the first event.
+    /// Progress before the first event.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -46,7 +46,7 @@ impl Progress {
         }
     }
 
-    /// To be called after the session has handled `event` at `now`.
+    /// Takes note of an event, after the session has handled it at `now`.
     pub fn handled(&mut self, now: Millis, event: Event<'_>, session: &MyoSession) {
         match event {
             Event::Advertisement { .. }

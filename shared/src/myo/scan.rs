@@ -4,10 +4,10 @@ use super::address::Address;
 use super::advertisement::offers_control;
 use crate::units::Millis;
 
-/// How long other armbands are collected after the first one. Advertising repeats several times
+/// Milliseconds for which other armbands are collected after the first one. Advertising repeats several times
 /// within it.
 const WINDOW_MS: u32 = 500;
-/// What radios report where they do not know the signal strength.
+/// Value that radios report for an unknown signal strength.
 const RSSI_UNKNOWN: i8 = 127;
 
 /// The armband with the strongest signal so far.
@@ -18,7 +18,7 @@ pub(super) struct Strongest(Option<Candidate>);
 struct Candidate {
     address: Address,
     rssi: i8,
-    /// When the first candidate was received.
+    /// Time at which the first candidate was received.
     since: Millis,
 }
 
@@ -37,12 +37,12 @@ impl Strongest {
         }
     }
 
-    /// Its address.
+    /// Address of the strongest armband.
     pub(super) fn address(&self) -> Option<Address> {
         self.0.map(|best| best.address)
     }
 
-    /// Its address, once the collection time is over.
+    /// Address of the strongest armband, once the collection time is over.
     fn choice(&self, now: Millis) -> Option<Address> {
         self.0
             .filter(|best| now.elapsed_since(best.since) >= WINDOW_MS)

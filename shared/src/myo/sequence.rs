@@ -1,4 +1,4 @@
-//! From the notifications of four lanes to one stream of samples and gaps.
+//! Orders the notifications of four lanes into one stream of samples and gaps.
 //!
 //! ```text
 //! Arrival -> duplicates -> Order --Placed--> ArrivalTiming -> Ordered
@@ -20,7 +20,7 @@ use super::packet::PAIR_SAMPLES;
 /// which takes 40 ms in a stream without delay.
 const DUPLICATE_WITHIN_MS: u32 = 20;
 
-/// One stream, from subscription to disconnection.
+/// State of one stream, from subscription to disconnection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Sequence {
     newest: Option<Arrival>,

@@ -24,7 +24,7 @@ pub struct Settings {
     pub pinned: Option<Address>,
     /// The armband that is bound at first: the only one to connect to.
     pub bound: Option<Address>,
-    /// Without either: whether the armband with the strongest signal is followed, whoever wears it. Otherwise nobody's is.
+    /// Whether, without either, the armband with the strongest signal is followed, whoever wears it. Otherwise none is.
     pub follow_strongest: bool,
     /// The mode that the model was trained with. `Filtered` by default: the vendor recommends it, and
     /// the recordings were made with it.
@@ -34,7 +34,7 @@ pub struct Settings {
 /// Phase of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Phase {
-    /// Before the first event.
+    /// No event has come yet.
     Idle,
     /// No armband is to be followed.
     Unbound,

@@ -20,10 +20,10 @@ pub(super) enum Step {
     SetMode,
 }
 
-/// How an event answers a step.
+/// Answer of an event to a step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Response {
-    /// Not at all.
+    /// No answer to this step.
     None,
     Done,
     Found(Found),
@@ -72,7 +72,7 @@ impl Step {
         matches!(self, Self::ReadBattery | Self::SubscribeBattery)
     }
 
-    /// How `event` answers this step.
+    /// The answer of `event` to this step.
     pub(super) fn response(self, event: Event<'_>) -> Response {
         match (self, event) {
             (_, Event::Failed) => Response::Failed,

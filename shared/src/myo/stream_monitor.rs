@@ -12,17 +12,17 @@ pub(super) const OPERATION_MS: u32 = 5_000;
 /// The times of a running stream.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct StreamMonitor {
-    /// When EMG last arrived.
+    /// Time of the newest EMG.
     emg: Millis,
-    /// When the armband was last commanded never to sleep.
+    /// Time of the last command never to sleep.
     never_sleep: Millis,
-    /// When the mode was set again during the present silence.
+    /// Time at which the mode was set again during the present silence.
     mode_set_again: Option<Millis>,
-    /// When the outstanding write was requested.
+    /// Time of the request for the outstanding write.
     write: Option<Millis>,
 }
 
-/// What is due.
+/// Write that is due, if any.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Due {
     Nothing,
@@ -59,7 +59,7 @@ impl StreamMonitor {
         self.write = None;
     }
 
-    /// What is due at `now`. A write that is due counts as requested.
+    /// The write that is due at `now`; it counts as requested.
     pub(super) fn due(&mut self, now: Millis) -> Due {
         if self
             .write

@@ -11,11 +11,11 @@ use crate::stream::preprocess::Preprocessor;
 use crate::uart_line::alignment::{AlignmentReport, AlignmentState};
 use crate::units::{PATCH, Patch, Sample};
 
-/// What a pipeline knows about the placement of the armband.
+/// Placement of the armband, as far as a pipeline knows it.
 #[derive(Debug, Default)]
 pub(super) struct Placement {
     template: Option<Template>,
-    /// In force.
+    /// Alignment in force.
     pub(super) current: Alignment,
     /// `current` was found or given, and is not only what nothing is known against.
     is_known: bool,
@@ -24,10 +24,10 @@ pub(super) struct Placement {
     news: Option<News>,
 }
 
-/// Where an alignment stands.
+/// Stage of an alignment.
 #[derive(Debug, Default)]
 enum Stage {
-    /// None is in progress.
+    /// No alignment is in progress.
     #[default]
     Idle,
     /// Gestures are waited for.
@@ -56,12 +56,12 @@ struct View {
 }
 
 impl Placement {
-    /// What alignments are found by.
+    /// Template that alignments are found by.
     pub(super) const fn template(&self) -> Option<Template> {
         self.template
     }
 
-    /// That an alignment is in force is not known any more.
+    /// Forgets that an alignment is in force.
     pub(super) const fn forget(&mut self) {
         self.is_known = false;
     }
@@ -80,7 +80,7 @@ impl View {
     }
 }
 
-/// What is to be reported.
+/// Report that is due.
 #[derive(Clone, Copy, Debug)]
 struct News {
     state: AlignmentState,
@@ -89,7 +89,7 @@ struct News {
 }
 
 impl News {
-    /// Without a result.
+    /// A report without a result.
     const fn of(state: AlignmentState, gestures: u8) -> Self {
         Self {
             state,
@@ -107,7 +107,7 @@ impl News {
     }
 }
 
-/// What an LED may show of the alignment.
+/// Phase of the alignment, for an LED.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum AlignmentPhase {
     /// No alignment was found or given since the armband was connected.
@@ -130,7 +130,7 @@ impl<E: Encode> Pipeline<'_, E> {
         self.placement.current
     }
 
-    /// What an LED may show. An alignment that failed leaves the phase before it.
+    /// The phase, for an LED. An alignment that failed leaves the phase before it.
     #[must_use]
     pub const fn alignment_phase(&self) -> AlignmentPhase {
         if self.placement.stage.gestures().is_some() {
@@ -182,7 +182,7 @@ impl<E: Encode> Pipeline<'_, E> {
         stage.gestures()
     }
 
-    /// What is new about the alignment since the last call, to be written on the UART; to be called after every other
+    /// The newest report about the alignment since the last call, to be written on the UART; to be called after every other
     /// method. What was not taken is replaced by what comes later.
     pub fn take_alignment_report(&mut self) -> Option<AlignmentReport> {
         let News {

@@ -6,10 +6,10 @@ use crate::model::Encode;
 use crate::stream::alignment::{Alignment, Template};
 use crate::stream::preprocess::Preprocessing;
 use crate::stream::safe_state::Event;
-use crate::stream::smoother;
+use crate::stream::smoother::{self, Gate};
 use crate::units::{LOOK_BACK, Millis};
 
-/// That of a pipeline.
+/// Smoother with the pipeline's capacities.
 pub type Smoother = smoother::Smoother<MAX_LOGITS, LOOK_BACK>;
 
 /// A model, and the smoother with its settings.
@@ -19,12 +19,12 @@ pub(super) struct InUse<E> {
     pub(super) smoother: Smoother,
 }
 
-/// What a model asks of the samples before it.
+/// Input that a model requires.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Input {
-    /// What comes between them and the encoder.
+    /// Processing between the samples and the encoder.
     pub preprocessing: Preprocessing,
-    /// What an open hand looks like.
+    /// Pattern of an open hand.
     pub template: Option<Template>,
 }
 
@@ -35,7 +35,7 @@ impl<E: Encode> Pipeline<'_, E> {
         self.give_up(now, Event::Installation)
     }
 
-    /// The same for good: there is no model to be read.
+    /// Suspends permanently: there is no valid model.
     pub fn refuse_model(&mut self, now: Millis) -> Reports {
         self.give_up(now, Event::ModelRefused)
     }
@@ -51,7 +51,7 @@ impl<E: Encode> Pipeline<'_, E> {
     /// Puts a model in use, with a smoother for its number of classes and the model's confidence gate. It takes all samples
     /// so far, a patch with each new one: labels go on after at most 0.35 s.
     ///
-    /// What is known about the wearer is kept if both models ask for the same preprocessing; otherwise the samples so
+    /// The wearer's normalization is kept if both models require the same preprocessing; otherwise the samples so
     /// far cannot be used, and a new window begins. The alignment is kept if it was found by the template of this model, and
     /// otherwise dropped: what is in its place depends on how each template was measured.
     pub fn resume(&mut self, now: Millis, encoder: E, smoother: Smoother, input: Input) {
@@ -92,9 +92,28 @@ impl<E: Encode> Pipeline<'_, E> {
         }
     }
 
-    /// Has the encoder take all samples again.
+    /// Encodes all samples again.
     pub(super) fn encode_anew(&mut self) {
         self.restart_model();
         self.behind = self.ring.complete();
+    }
+
+    /// Margins in place of those of the model's confidence gate; none without a model.
+    #[must_use]
+    pub fn gate(&self) -> Gate {
+        let model = self.model.as_ref();
+        model.map_or(Gate::default(), |model| model.smoother.gate())
+    }
+
+    /// Puts margins in place of the model's, from the next label on; gives whether there is a model that has all of these
+    /// margins.
+    pub fn set_gate(&mut self, gate: Gate) -> bool {
+        let fits = |smoother: &Smoother| gate.other.is_none() || smoother.knows_other();
+        let model = self.model.as_mut();
+        let Some(model) = model.filter(|model| fits(&model.smoother)) else {
+            return false;
+        };
+        model.smoother.set_gate(gate);
+        true
     }
 }

@@ -10,7 +10,7 @@
 
 use crate::units::{Sample, SampleIndex};
 
-/// One element of the queue.
+/// Element of the queue between radio and inference.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Packet {
     /// Number of the stream: one more after every disconnection; wraps.
@@ -29,7 +29,7 @@ pub struct Sequencer {
 }
 
 impl Sequencer {
-    /// Before the first sample.
+    /// A sequencer before the first sample.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -86,7 +86,7 @@ pub struct GapDetector {
 }
 
 impl GapDetector {
-    /// Before the first packet.
+    /// A detector before the first packet.
     #[must_use]
     pub const fn new() -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! What a stream passes through beside the model: link sequence numbers, normalization to the
+//! Steps of a stream beside the model: link sequence numbers, normalization to the
 //! wearer, alignment, preprocessing, the sample ring, the smoother, the safe state.
 
 pub mod alignment;

@@ -20,7 +20,7 @@ use crate::units::{CHANNELS, CleanSample, Sample, sample_of, words};
 const BLOCK: u8 = 40;
 /// Fraction bits of levels.
 const FRACTION: u32 = 16;
-/// One count of the armband.
+/// A count of the armband in fixed point.
 const COUNT: u32 = 1 << FRACTION;
 /// Rest before the first level, which becomes the rest whatever it is.
 const UNKNOWN: u32 = u32::MAX;
@@ -34,7 +34,7 @@ const CONTRACTION: u32 = 4;
 const REST_FALLS: u32 = 2;
 /// Weight of a level above the rest, outside contractions: 1/512, a time constant of 102 s.
 const REST_RISES: u32 = 9;
-/// The same in a contraction: 1/2048, 410 s.
+/// Weight of a level above the rest, in contractions: 1/2048, 410 s.
 const REST_RISES_CONTRACTED: u32 = 11;
 /// Weight of a contraction above the strength: 1/16, 3.2 s.
 const STRENGTH_RISES: u32 = 4;
@@ -56,7 +56,7 @@ pub(super) fn rectified(sample: Sample) -> CleanSample {
     [a, b, c, d, e, f, g, h]
 }
 
-/// What is known about a wearer, and the normalization by it.
+/// Levels of a wearer, and the normalization by them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Normalizer {
     /// Sums of |x| over the block so far, of the first four electrodes and the last four.
@@ -69,7 +69,7 @@ pub struct Normalizer {
     strength: u32,
     /// Factor of |x|.
     factor: i32,
-    /// What is added to it, for rounding and for the rest of each electrode.
+    /// Offset that is added, for rounding and for the rest of each electrode.
     offsets: [i32; CHANNELS],
 }
 
@@ -80,7 +80,7 @@ impl Default for Normalizer {
 }
 
 impl Normalizer {
-    /// Nothing is known yet.
+    /// A normalizer that knows nothing about the wearer.
     #[must_use]
     pub const fn new() -> Self {
         Self {

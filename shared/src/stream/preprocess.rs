@@ -1,4 +1,4 @@
-//! From raw EMG to the model's input: a median of three over time, if the model was trained with it, then rectification.
+//! Preprocessing of raw EMG: a median of three over time, if the model was trained with it, then rectification.
 //!
 //! The median is taken of signed values, before rectification; a neighbour beyond either end of the
 //! stream counts as 0. It needs the following sample, so the streaming form lags one sample and then
@@ -23,7 +23,7 @@ pub enum Median {
     /// The median of a sample and its two neighbours, as in the paper.
     #[default]
     Three,
-    /// None: the sample itself.
+    /// No median: the sample itself.
     Off,
 }
 
@@ -48,7 +48,7 @@ impl Median {
     }
 }
 
-/// What a model asks for between the armband and its input.
+/// Processing that a model requires between the armband and its input.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Preprocessing {
     /// Whether samples are normalized to the wearer before all else ([`Normalizer`](super::normalizer::Normalizer)).
@@ -66,7 +66,7 @@ pub struct Preprocessor {
 }
 
 impl Preprocessor {
-    /// Before the first sample.
+    /// A preprocessor before the first sample.
     #[must_use]
     pub const fn new(median: Median) -> Self {
         Self {
@@ -143,7 +143,7 @@ mod tests {
             .collect()
     }
 
-    /// The same without a median.
+    /// Magnitudes without a median.
     fn sizes(values: &[i8]) -> Vec<u8> {
         values.iter().map(|value| value.unsigned_abs()).collect()
     }

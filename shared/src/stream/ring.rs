@@ -12,7 +12,7 @@ pub struct SampleRing {
     patches: [Patch; WINDOW_PATCHES],
     /// Index of the incomplete patch, 0..60.
     current: usize,
-    /// Its samples so far, 0..10.
+    /// Samples of the open patch, 0..10.
     filled: usize,
     /// Saturates, after 248 days.
     contiguous: u32,
@@ -25,9 +25,9 @@ pub struct SampleRing {
 /// Whether a sample was received.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Origin {
-    /// From the armband.
+    /// The sample came from the armband.
     Received,
-    /// In place of a lost one.
+    /// The sample replaces a lost one.
     Bridged,
 }
 
@@ -100,7 +100,7 @@ impl SampleRing {
         alignment.apply_to_all(self.patches.as_flattened_mut());
     }
 
-    /// How many complete patches it holds, at most 60.
+    /// Number of complete patches, at most 60.
     pub(crate) fn complete(&self) -> usize {
         if self.is_full() {
             WINDOW_PATCHES - usize::from(self.filled > 0)

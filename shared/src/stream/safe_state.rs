@@ -6,72 +6,35 @@
 //! silence, and enters the safe state.
 
 use crate::intent::Intent;
+use crate::names::names;
 use crate::units::Millis;
 
 /// Milliseconds without a sample after which the stream counts as silent.
 pub const SILENCE_MS: u32 = 200;
 
-/// Why the device is in its safe state.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Cause {
-    /// Power on, button or debugger.
-    Boot,
-    /// Reset by the watchdog.
-    Watchdog,
-    /// Reset by the program, after the stack had grown too deep.
-    StackOverflow,
-    /// The model file was refused. Lasts until the next reset, or until another one is installed.
-    ModelRefused,
-    /// The armband was disconnected.
-    Disconnected,
-    /// No sample for 200 ms.
-    Silence,
-    /// More consecutive samples were lost than are filled in.
-    Gap,
-    /// More samples of a window were lost, each gap short, than may be filled in.
-    Losses,
-    /// The inference did not run, and hardware cleared the pins.
-    Stalled,
-    /// Another model is being installed.
-    Installation,
-}
-
-impl Cause {
-    /// All causes.
-    pub const ALL: [Self; 10] = [
-        Self::Boot,
-        Self::Watchdog,
-        Self::StackOverflow,
-        Self::ModelRefused,
-        Self::Disconnected,
-        Self::Silence,
-        Self::Gap,
-        Self::Losses,
-        Self::Stalled,
-        Self::Installation,
-    ];
-
-    /// Name on the UART line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Boot => "boot",
-            Self::Watchdog => "watchdog",
-            Self::StackOverflow => "stack",
-            Self::ModelRefused => "model-refused",
-            Self::Disconnected => "disconnected",
-            Self::Silence => "silence",
-            Self::Gap => "gap",
-            Self::Losses => "losses",
-            Self::Stalled => "stalled",
-            Self::Installation => "installation",
-        }
-    }
-
-    /// The cause of a name as [`Cause::name`] writes it.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|cause| cause.name() == name)
+names! {
+    /// Why the device is in its safe state.
+    pub enum Cause {
+        /// Power on, button or debugger.
+        Boot = "boot",
+        /// Reset by the watchdog.
+        Watchdog = "watchdog",
+        /// Reset by the program, after the stack had grown too deep.
+        StackOverflow = "stack",
+        /// The model file was refused. Lasts until the next reset, or until another one is installed.
+        ModelRefused = "model-refused",
+        /// The armband was disconnected.
+        Disconnected = "disconnected",
+        /// No sample for 200 ms.
+        Silence = "silence",
+        /// More consecutive samples were lost than are filled in.
+        Gap = "gap",
+        /// More samples of a window were lost, each gap short, than may be filled in.
+        Losses = "losses",
+        /// The inference did not run, and hardware cleared the pins.
+        Stalled = "stalled",
+        /// Another model is being installed.
+        Installation = "installation",
     }
 }
 
@@ -138,7 +101,7 @@ pub enum Event {
     ModelRefused,
     /// Another model is being installed: there is none until it is.
     Installation,
-    /// It is in use.
+    /// The installed model is in use.
     Installed,
     /// Only time passed.
     Tick,
@@ -183,7 +146,7 @@ impl SafeState {
         self.status
     }
 
-    /// When an [`Event::Tick`] is due unless a sample arrives before; none while no stream is running.
+    /// Time at which an [`Event::Tick`] is due unless a sample arrives before; none while no stream is running.
     #[must_use]
     pub fn deadline(&self) -> Option<Millis> {
         self.last_sample.map(|last| last.plus(SILENCE_MS))

@@ -1,4 +1,4 @@
-//! From the logits of overlapping windows to one stable label: look-ahead and hold.
+//! Smooths the logits of overlapping windows to one stable label: look-ahead and hold.
 //!
 //! Every window gives a row of logits for each of its newest instants. The label of an instant `t` is
 //! decided with the window that ends `look_ahead` rows later, by a sum over all windows between: of
@@ -106,7 +106,7 @@ impl<const CLASSES: usize, const ROWS: usize> Smoother<CLASSES, ROWS> {
         self.settings.look_ahead
     }
 
-    /// What stands in place of the settings' confidence gate.
+    /// Margins in place of those of the settings' confidence gate.
     #[must_use]
     pub const fn gate(&self) -> Gate {
         self.gate

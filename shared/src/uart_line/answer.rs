@@ -44,35 +44,35 @@
 //! ```
 //!
 //! `number` and `checksum` are those of the other lines. An answer has no line number and is not counted among the
-//! lines with one: who only listens sees no jump. A line has at most 256 bytes.
+//! lines with one: a program that only listens sees no jump. A line has at most 256 bytes.
 //!
 //! ```text
 //! $OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,5f3a0c11,FA:12:34:56:78:9A,1.5.1970,80*05
 //! $ERR,checksum,04*4C
 //! ```
 
+mod counts;
 mod matching;
-mod reading;
 
-use core::fmt;
+use core::fmt::{self, Write as _};
 
-use super::alignment::Placed;
-use super::command::AlignCommand;
-use super::gate::Margins;
-use super::install::Missing;
+use super::ParseError;
+use super::command::{AlignCommand, Switch};
+use super::fields::{Fields, Reader, Rows, Writer, field, fields, rows, wrong};
+use super::frame::{framed, hexadecimal, number};
 pub use super::refusal::Refusal;
-use super::write_framed;
 use crate::installation::Progress;
-use crate::myo::{Address, Counters, FirmwareVersion, Following};
-use crate::stream::alignment::Alignment;
+use crate::myo::{Address, FirmwareVersion, Following};
+use crate::stream::alignment::{Alignment, Arm};
 use crate::stream::smoother::Gate;
+pub use counts::Counts;
 
-/// What runs here.
+/// Identity of the program, its model and the connected armband.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Identity<'a> {
-    /// Of the program.
+    /// Version of the program.
     pub version: &'a str,
-    /// Of its source.
+    /// Revision of the program's source.
     pub revision: &'a str,
     /// Board and radio.
     pub image: &'a str,
@@ -80,69 +80,16 @@ pub struct Identity<'a> {
     pub model: Option<u32>,
     /// The armband that is connected.
     pub armband: Option<Address>,
-    /// Its firmware.
+    /// Firmware of the armband.
     pub firmware: Option<FirmwareVersion>,
-    /// Its charge in percent.
+    /// Battery charge of the armband, percent.
     pub battery: Option<u8>,
-}
-
-/// What was lost and dropped since the start. Each count stays at its maximum, but for the dropped ones, which wrap.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Counts {
-    /// Of the sessions with armbands.
-    pub session: Counters,
-    /// Packets of two samples that the inference was too slow for.
-    pub packets_dropped: u32,
-    /// Lines that the UART was too slow for.
-    pub lines_dropped: u32,
-    /// `$EMG` lines that the UART was too slow for.
-    pub emg_dropped: u32,
-}
-
-impl Counts {
-    /// In the order of the line.
-    #[must_use]
-    pub const fn numbers(&self) -> [u32; 16] {
-        let Counters {
-            connections,
-            failed_connects,
-            timeouts,
-            stalls,
-            failed_set_ups,
-            refused,
-            notifications,
-            lost,
-            given_up,
-            duplicates,
-            reordered,
-            malformed,
-            foreign,
-        } = self.session;
-        [
-            connections,
-            failed_connects,
-            timeouts,
-            stalls,
-            failed_set_ups,
-            refused,
-            notifications,
-            lost,
-            given_up,
-            duplicates,
-            reordered,
-            malformed,
-            foreign,
-            self.packets_dropped,
-            self.lines_dropped,
-            self.emg_dropped,
-        ]
-    }
 }
 
 /// Which armband is followed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Binding {
-    /// Which one, and why.
+    /// The armband, and why it is followed.
     pub following: Following,
     /// Whether the bound armband, or that there is none, will outlast a restart.
     pub is_kept: bool,
@@ -151,91 +98,119 @@ pub struct Binding {
 /// Content of an answer. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer<'a> {
-    /// To `IDENTIFY`.
+    /// Answer to `IDENTIFY`.
     Identity(Identity<'a>),
-    /// To `COUNTERS`.
+    /// Answer to `COUNTERS`.
     Counts(Counts),
-    /// To `ALIGN`: accepted. `$ALIGN` lines say what comes of it.
+    /// Answer to `ALIGN`: accepted. `$ALIGN` lines report the result.
     Align(AlignCommand),
-    /// To `ALIGN,state`: in force.
+    /// Answer to `ALIGN,state`: the alignment in force.
     Alignment(Alignment),
-    /// To `RAW`, as it is from now on.
+    /// Answer to `RAW`: whether the raw stream is on from now on.
     Raw(bool),
-    /// To `BIND`, as it is from now on.
+    /// Answer to `BIND`: the binding from now on.
     Binding(Binding),
-    /// To `GATE`, as it is from now on.
+    /// Answer to `GATE`: the gate from now on.
     Gate(Gate),
-    /// To `INSTALL` and `BLOCK`: what is missing.
+    /// Answer to `INSTALL` and `BLOCK`: the next missing block.
     Install(Progress),
     /// The command is not carried out.
     Refused(Refusal),
 }
 
-impl fmt::Display for Answer<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Identity(identity) => {
-                write_framed(formatter, format_args!("OK,IDENTIFY,{identity}"))
-            }
-            Self::Counts(counts) => {
-                write_framed(formatter, format_args!("OK,COUNTERS{}", Listed(counts)))
-            }
-            Self::Align(command) => {
-                write_framed(formatter, format_args!("OK,ALIGN,{}", command.name()))
-            }
-            Self::Alignment(alignment) => write_framed(
-                formatter,
-                format_args!("OK,ALIGN,state,{}", Placed(*alignment)),
-            ),
-            Self::Raw(true) => write_framed(formatter, format_args!("OK,RAW,on")),
-            Self::Raw(false) => write_framed(formatter, format_args!("OK,RAW,off")),
-            Self::Binding(binding) => write_framed(formatter, format_args!("OK,BIND,{binding}")),
-            Self::Gate(gate) => write_framed(formatter, format_args!("OK,GATE,{}", Margins(*gate))),
-            Self::Install(progress) => {
-                write_framed(formatter, format_args!("OK,INSTALL,{}", Missing(*progress)))
-            }
-            Self::Refused(Refusal::Checksum(expected)) => {
-                write_framed(formatter, format_args!("ERR,checksum,{expected:02X}"))
-            }
-            Self::Refused(refusal) => {
-                write_framed(formatter, format_args!("ERR,{}", refusal.name()))
-            }
-        }
+impl<'a> Answer<'a> {
+    /// Reads one line, CR LF included.
+    ///
+    /// Values that are not on the line are replaced: an alignment that was set is read as [`Alignment::NONE`], the armband's
+    /// hardware revision as 0, its address as public. Written again, the answer is the same line.
+    ///
+    /// # Errors
+    /// A wrong frame, a wrong checksum, a wrong number of fields, or the first wrong field.
+    pub fn parse(line: &'a [u8]) -> Result<Self, ParseError> {
+        Self::of_body(framed(line)?)
     }
 }
 
-impl fmt::Display for Identity<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            version,
-            revision,
-            image,
-            ..
-        } = self;
-        write!(formatter, "{version},{revision},{image},")?;
-        match self.model {
-            Some(checksum) => write!(formatter, "{checksum:08x},")?,
-            None => formatter.write_str("refused,")?,
-        }
-        match self.armband {
-            Some(address) => write!(formatter, "{address},")?,
-            None => formatter.write_str("-,")?,
-        }
-        match self.firmware {
-            Some(FirmwareVersion {
-                major,
-                minor,
-                patch,
-                ..
-            }) => write!(formatter, "{major}.{minor}.{patch},")?,
-            None => formatter.write_str("-,")?,
-        }
-        match self.battery {
-            Some(percent) => write!(formatter, "{percent}"),
-            None => formatter.write_str("-"),
-        }
-    }
+rows!(Answer<'a> {
+    "OK,IDENTIFY" (identity: Identity<'_>) => Self::Identity(identity),
+    "OK,COUNTERS" (counts: Counts) => Self::Counts(counts),
+    "OK,ALIGN,state" (alignment: Alignment) => Self::Alignment(alignment),
+    "OK,ALIGN" (align: AlignCommand) => Self::Align(align),
+    "OK,RAW" (raw: Switch) => Self::Raw(raw),
+    "OK,BIND" (binding: Binding) => Self::Binding(binding),
+    "OK,GATE" (gate: Gate) => Self::Gate(gate),
+    "OK,INSTALL,done" => Self::Install(Progress::Installed),
+    "OK,INSTALL" (block: u32) => Self::Install(Progress::Next(block)),
+    "ERR,too-long" => Self::Refused(Refusal::TooLong),
+    "ERR,frame" => Self::Refused(Refusal::Frame),
+    "ERR,checksum" (expected: Checksum) => Self::Refused(Refusal::Checksum(expected)),
+    "ERR,unknown" => Self::Refused(Refusal::Unknown),
+    "ERR,arguments" => Self::Refused(Refusal::Arguments),
+    "ERR,no-model" => Self::Refused(Refusal::NoModel),
+    "ERR,no-stream" => Self::Refused(Refusal::NoStream),
+    "ERR,built-in" => Self::Refused(Refusal::BuiltIn),
+    "ERR,busy" => Self::Refused(Refusal::Busy),
+    "ERR,length" => Self::Refused(Refusal::Length),
+    "ERR,block" => Self::Refused(Refusal::Block),
+    "ERR,not-begun" => Self::Refused(Refusal::NotBegun),
+    "ERR,model" => Self::Refused(Refusal::Model),
+    "ERR,flash" => Self::Refused(Refusal::Flash),
+});
+
+fields!(<'a> Identity<'a> {
+    version: str,
+    revision: str,
+    image: str,
+    model: ModelChecksum,
+    armband: Option<Address>,
+    firmware: Option<FirmwareVersion>,
+    battery: Option<u8>,
+});
+
+/// Codec of the CRC-32 of the model file; none if it was refused.
+struct ModelChecksum;
+field!(ModelChecksum => Option<u32>: |text, checksum| match checksum {
+    Some(checksum) => write!(text, "{checksum:08x}"),
+    None => text.write_str("refused"),
+}, |text| match text {
+    "refused" => Some(None),
+    _ => hexadecimal(text.as_bytes(), 8, b'a').map(Some),
+});
+
+/// Codec of the checksum that a line should have had.
+struct Checksum;
+field!(Checksum => u8: |text, sum| write!(text, "{sum:02X}"), |text| {
+    hexadecimal(text.as_bytes(), 2, b'A').map(|sum| sum as u8)
+});
+
+field!(FirmwareVersion => Self: |text, version| {
+    write!(text, "{}.{}.{}", version.major, version.minor, version.patch)
+}, firmware_version);
+
+fn firmware_version(text: &str) -> Option<FirmwareVersion> {
+    let mut parts = text.split('.');
+    let mut part = || number(parts.next()?)?.try_into().ok();
+    let [major, minor, patch] = [part()?, part()?, part()?];
+    let version = FirmwareVersion {
+        major,
+        minor,
+        patch,
+        hardware: 0,
+    };
+    parts.next().is_none().then_some(version)
 }
+
+// An address in capitals, as it is written.
+field!(Address => Self: |text, address| write!(text, "{address}"), |text| {
+    let address = Self::parse(text).ok()?;
+    (!text.bytes().any(|byte| byte.is_ascii_lowercase())).then_some(address)
+});
+
+// The name of what was accepted.
+field!(AlignCommand => Self: |text, align| text.write_str(align.name()), |text| {
+    let known = [Self::Begin(Arm::Unknown), Self::Cancel, Self::Set(Alignment::NONE)];
+    known.into_iter().find(|known| known.name() == text)
+});
 
 impl Binding {
     /// Why this armband is followed, as the line has it.
@@ -251,164 +226,34 @@ impl Binding {
     }
 }
 
-impl fmt::Display for Binding {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.name();
-        let is_kept = u8::from(self.is_kept);
-        match self.following.address() {
-            Some(address) => write!(formatter, "{name},{address},{is_kept}"),
-            None => write!(formatter, "{name},-,{is_kept}"),
-        }
+impl Fields<'_> for Binding {
+    type Value = Self;
+    const COUNT: usize = 3;
+
+    fn write(binding: &Self, line: &mut Writer<'_, '_>) -> fmt::Result {
+        line.text(binding.name())?;
+        Option::<Address>::write(&binding.following.address(), line)?;
+        bool::write(&binding.is_kept, line)
     }
-}
 
-/// Numbers, a comma before each.
-struct Listed<'c>(&'c Counts);
-
-impl fmt::Display for Listed<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut numbers = self.0.numbers().into_iter();
-        numbers.try_for_each(|number| write!(formatter, ",{number}"))
+    fn read(line: &mut Reader<'_>, _name: &'static str) -> Result<Self, ParseError> {
+        let why = <str as Fields<'_>>::read(line, "why-this")?;
+        let address = Option::<Address>::read(line, "address")?;
+        let following = match (why, address) {
+            ("built-in", Some(armband)) => Following::Pinned(armband),
+            ("bound", Some(armband)) => Following::Bound(armband),
+            ("strongest", None) => Following::Strongest,
+            ("nobody", None) => Following::Nobody,
+            ("pairing", None) => Following::Pairing,
+            ("built-in" | "bound" | "strongest" | "nobody" | "pairing", _) => {
+                return Err(wrong("address"));
+            }
+            _ => return Err(wrong("why-this")),
+        };
+        let is_kept = bool::read(line, "kept")?;
+        Ok(Self { following, is_kept })
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::myo::AddressKind;
-    use crate::stream::alignment::Arm;
-    use alloc::{format, string::ToString};
-
-    const IDENTITY: Identity<'_> = Identity {
-        version: "0.1.0",
-        revision: "0123456789ab",
-        image: "nrf52840-s140",
-        model: Some(0x5f3a_0c11),
-        armband: Some(Address {
-            kind: AddressKind::Public,
-            bytes: [0x9a, 0x78, 0x56, 0x34, 0x12, 0xfa],
-        }),
-        firmware: Some(FirmwareVersion {
-            major: 1,
-            minor: 5,
-            patch: 1970,
-            hardware: 2,
-        }),
-        battery: Some(80),
-    };
-
-    /// A line with the right checksum.
-    fn framed(body: &str) -> alloc::string::String {
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        format!("${body}*{sum:02X}\r\n")
-    }
-
-    #[test]
-    fn lines_are_those_of_the_documentation() {
-        let line = "$OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,5f3a0c11,FA:12:34:56:78:9A,1.5.1970,80*05\r\n";
-        assert_eq!(Answer::Identity(IDENTITY).to_string(), line);
-        let refused = Answer::Refused(Refusal::Checksum(4)).to_string();
-        assert_eq!(refused, "$ERR,checksum,04*4C\r\n");
-    }
-
-    #[test]
-    fn every_answer_has_the_body_of_its_grammar() {
-        let unknown = Identity {
-            model: None,
-            armband: None,
-            firmware: None,
-            battery: None,
-            ..IDENTITY
-        };
-        let counts = Counts {
-            session: Counters {
-                connections: 1,
-                foreign: 13,
-                ..Counters::default()
-            },
-            packets_dropped: 14,
-            lines_dropped: 15,
-            emg_dropped: u32::MAX,
-        };
-        let set = AlignCommand::Set(Alignment::new(3, true));
-        for (answer, body) in [
-            (
-                Answer::Identity(unknown),
-                "OK,IDENTIFY,0.1.0,0123456789ab,nrf52840-s140,refused,-,-,-",
-            ),
-            (
-                Answer::Counts(counts),
-                "OK,COUNTERS,1,0,0,0,0,0,0,0,0,0,0,0,13,14,15,4294967295",
-            ),
-            (
-                Answer::Align(AlignCommand::Begin(Arm::Unknown)),
-                "OK,ALIGN,begin",
-            ),
-            (Answer::Align(AlignCommand::Cancel), "OK,ALIGN,cancel"),
-            (Answer::Align(set), "OK,ALIGN,set"),
-            (
-                Answer::Alignment(Alignment::new(3, true)),
-                "OK,ALIGN,state,3,1",
-            ),
-            (Answer::Raw(true), "OK,RAW,on"),
-            (Answer::Raw(false), "OK,RAW,off"),
-            (
-                binding(Following::Bound(IDENTITY.armband.unwrap()), true),
-                "OK,BIND,bound,FA:12:34:56:78:9A,1",
-            ),
-            (binding(Following::Nobody, false), "OK,BIND,nobody,-,0"),
-            (binding(Following::Pairing, true), "OK,BIND,pairing,-,1"),
-            (binding(Following::Strongest, true), "OK,BIND,strongest,-,1"),
-            (Answer::Install(Progress::Next(1355)), "OK,INSTALL,1355"),
-            (Answer::Install(Progress::Installed), "OK,INSTALL,done"),
-            (Answer::Refused(Refusal::TooLong), "ERR,too-long"),
-            (Answer::Refused(Refusal::NoModel), "ERR,no-model"),
-        ] {
-            assert_eq!(answer.to_string(), framed(body));
-        }
-    }
-
-    fn binding(following: Following, is_kept: bool) -> Answer<'static> {
-        Answer::Binding(Binding { following, is_kept })
-    }
-
-    #[test]
-    fn the_longest_answer_fits_256_bytes() {
-        let most = u32::MAX;
-        let session = Counters {
-            connections: most,
-            failed_connects: most,
-            timeouts: most,
-            stalls: most,
-            failed_set_ups: most,
-            refused: most,
-            notifications: most,
-            lost: most,
-            given_up: most,
-            duplicates: most,
-            reordered: most,
-            malformed: most,
-            foreign: most,
-        };
-        let counts = Counts {
-            session,
-            packets_dropped: most,
-            lines_dropped: most,
-            emg_dropped: most,
-        };
-        assert!(Answer::Counts(counts).to_string().len() <= 256);
-        let identity = Identity {
-            version: "100.100.100",
-            revision: "0123456789ab-dirty",
-            firmware: Some(FirmwareVersion {
-                major: u16::MAX,
-                minor: u16::MAX,
-                patch: u16::MAX,
-                hardware: 0,
-            }),
-            battery: Some(100),
-            ..IDENTITY
-        };
-        assert!(Answer::Identity(identity).to_string().len() <= 256);
-    }
-}
+mod tests;

@@ -33,16 +33,17 @@
 //! $ALIGN,set,3,0*00
 //! ```
 
-use core::fmt;
+use core::fmt::{self, Write as _};
 
-use super::alignment::{Placed, placement};
-use super::gate::{GateCommand, Margins};
-use super::install::{self, Begun, Numbered, Wrong};
+use super::ParseError;
+use super::fields::{Fields, Reader, Rows, Writer, field, rows};
+use super::frame::unframed;
+use super::gate::GateCommand;
 use super::refusal::Refusal;
-use super::{ParseError, flag, unframed, write_framed};
 use crate::installation::{Block, Transfer};
 use crate::myo::Address;
 use crate::stream::alignment::{Alignment, Arm};
+use crate::stream::smoother::Gate;
 
 /// Most bytes of a command's line, without its end: a block's.
 pub const MAX_COMMAND_BYTES: usize = 112;
@@ -50,7 +51,7 @@ pub const MAX_COMMAND_BYTES: usize = 112;
 /// The line that begins a pairing, for a text that tells a person to send it.
 pub const BEGIN_PAIRING: &str = "$BIND,begin*4A\r\n";
 
-/// What the device is asked to do. `Display` writes the line, CR LF included.
+/// Command to the device. `Display` writes the line, CR LF included.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Command {
     /// Say what runs here.
@@ -98,7 +99,7 @@ pub enum AlignCommand {
 }
 
 impl AlignCommand {
-    /// Its name on the line.
+    /// Name on the line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -120,43 +121,47 @@ impl Command {
             ParseError::Checksum { expected, .. } => Refusal::Checksum(expected),
             _ => Refusal::Frame,
         })?;
-        let (name, arguments) = match body.split_once(',') {
-            Some((name, arguments)) => (name, Some(arguments)),
-            None => (body, None),
-        };
-        let command = match (name, arguments) {
-            _ if is_own(body) => return Ok(None),
-            ("IDENTIFY", None) => Self::Identify,
-            ("COUNTERS", None) => Self::Counters,
-            ("ALIGN", Some(arguments)) => Self::Align(align(arguments)?),
-            ("RAW", Some("on")) => Self::Raw(true),
-            ("RAW", Some("off")) => Self::Raw(false),
-            ("BIND", Some(arguments)) => Self::Bind(bind(arguments)?),
-            ("GATE", Some(arguments)) => {
-                Self::Gate(GateCommand::parse(arguments).ok_or(Refusal::Arguments)?)
-            }
-            ("INSTALL", Some(arguments)) => {
-                Self::Install(install::transfer(arguments).ok_or(Refusal::Arguments)?)
-            }
-            ("BLOCK", Some(arguments)) => {
-                let block = install::block(arguments).map_err(|wrong| match wrong {
-                    Wrong::Arguments => Refusal::Arguments,
-                    Wrong::Block => Refusal::Block,
-                });
-                let (number, block) = block?;
-                Self::Block(number, block)
-            }
-            (
-                "IDENTIFY" | "COUNTERS" | "ALIGN" | "RAW" | "BIND" | "GATE" | "INSTALL" | "BLOCK",
-                _,
-            ) => {
-                return Err(Refusal::Arguments);
-            }
-            _ => return Err(Refusal::Unknown),
-        };
-        Ok(Some(command))
+        if is_own(body) {
+            return Ok(None);
+        }
+        Self::of_body(body).map(Some).map_err(|error| match error {
+            ParseError::Field { field: "kind" } => Refusal::Unknown,
+            ParseError::Field { field: "block" } => Refusal::Block,
+            _ => Refusal::Arguments,
+        })
     }
 }
+
+rows!(Command {
+    "IDENTIFY" => Self::Identify,
+    "COUNTERS" => Self::Counters,
+    "ALIGN,begin" => Self::Align(AlignCommand::Begin(Arm::Unknown)),
+    "ALIGN,begin" (mirrored: bool) => Self::Align(AlignCommand::Begin(Arm::Known { mirrored })),
+    "ALIGN,cancel" => Self::Align(AlignCommand::Cancel),
+    "ALIGN,set" (alignment: Alignment) => Self::Align(AlignCommand::Set(alignment)),
+    "ALIGN,state" => Self::Align(AlignCommand::State),
+    "RAW" (raw: Switch) => Self::Raw(raw),
+    "BIND,begin" => Self::Bind(BindCommand::Begin),
+    "BIND,set" (address: AnyCase) => Self::Bind(BindCommand::Set(address)),
+    "BIND,forget" => Self::Bind(BindCommand::Forget),
+    "BIND,state" => Self::Bind(BindCommand::State),
+    "GATE,set" (gate: Gate) => Self::Gate(GateCommand::Set(gate)),
+    "GATE,state" => Self::Gate(GateCommand::State),
+    "INSTALL" (transfer: Transfer) => Self::Install(transfer),
+    "BLOCK" (number: u32, block: Block) => Self::Block(number, block),
+});
+
+/// Codec of `on` and `off`.
+pub(super) struct Switch;
+field!(Switch => bool: |text, on| text.write_str(if *on { "on" } else { "off" }), |text| match text {
+    "on" => Some(true),
+    "off" => Some(false),
+    _ => None,
+});
+
+/// Codec of an address that a person may have written in small letters.
+struct AnyCase;
+field!(AnyCase => Address: |text, address| write!(text, "{address}"), |text| Address::parse(text).ok());
 
 /// Whether a line with this body is one that the device writes.
 ///
@@ -167,72 +172,6 @@ fn is_own(body: &str) -> bool {
         "OK" | "ERR" | "LABEL" | "STATE" | "EMG" => true,
         "ALIGN" => arguments.starts_with(|first: char| first.is_ascii_digit()),
         _ => false,
-    }
-}
-
-fn align(arguments: &str) -> Result<AlignCommand, Refusal> {
-    match arguments {
-        "begin" => return Ok(AlignCommand::Begin(Arm::Unknown)),
-        "cancel" => return Ok(AlignCommand::Cancel),
-        "state" => return Ok(AlignCommand::State),
-        _ => {}
-    }
-    if let Some(told) = arguments.strip_prefix("begin,") {
-        let mirrored = flag(told).ok_or(Refusal::Arguments)?;
-        return Ok(AlignCommand::Begin(Arm::Known { mirrored }));
-    }
-    let placement = arguments.strip_prefix("set,").and_then(placement);
-    placement.map(AlignCommand::Set).ok_or(Refusal::Arguments)
-}
-
-fn bind(arguments: &str) -> Result<BindCommand, Refusal> {
-    match arguments {
-        "begin" => Ok(BindCommand::Begin),
-        "forget" => Ok(BindCommand::Forget),
-        "state" => Ok(BindCommand::State),
-        _ => {
-            let address = arguments.strip_prefix("set,").map(Address::parse);
-            let address = address.and_then(Result::ok).ok_or(Refusal::Arguments)?;
-            Ok(BindCommand::Set(address))
-        }
-    }
-}
-
-impl fmt::Display for Command {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Identify => write_framed(formatter, format_args!("IDENTIFY")),
-            Self::Counters => write_framed(formatter, format_args!("COUNTERS")),
-            Self::Align(AlignCommand::Set(alignment)) => {
-                write_framed(formatter, format_args!("ALIGN,set,{}", Placed(*alignment)))
-            }
-            Self::Align(AlignCommand::Begin(Arm::Known { mirrored })) => write_framed(
-                formatter,
-                format_args!("ALIGN,begin,{}", u8::from(*mirrored)),
-            ),
-            Self::Align(command) => {
-                write_framed(formatter, format_args!("ALIGN,{}", command.name()))
-            }
-            Self::Raw(true) => write_framed(formatter, format_args!("RAW,on")),
-            Self::Raw(false) => write_framed(formatter, format_args!("RAW,off")),
-            Self::Bind(BindCommand::Set(address)) => {
-                write_framed(formatter, format_args!("BIND,set,{address}"))
-            }
-            Self::Bind(BindCommand::Begin) => write_framed(formatter, format_args!("BIND,begin")),
-            Self::Bind(BindCommand::Forget) => write_framed(formatter, format_args!("BIND,forget")),
-            Self::Bind(BindCommand::State) => write_framed(formatter, format_args!("BIND,state")),
-            Self::Gate(GateCommand::Set(gate)) => {
-                write_framed(formatter, format_args!("GATE,set,{}", Margins(*gate)))
-            }
-            Self::Gate(GateCommand::State) => write_framed(formatter, format_args!("GATE,state")),
-            Self::Install(transfer) => {
-                write_framed(formatter, format_args!("INSTALL,{}", Begun(*transfer)))
-            }
-            Self::Block(number, block) => write_framed(
-                formatter,
-                format_args!("BLOCK,{}", Numbered(*number, block)),
-            ),
-        }
     }
 }
 
@@ -253,7 +192,7 @@ impl Default for CommandReader {
 }
 
 impl CommandReader {
-    /// Before the first byte.
+    /// A reader before the first byte.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -297,18 +236,13 @@ mod tests {
     use super::*;
     use crate::myo::AddressKind;
     use crate::stream::smoother::Gate;
+    use crate::uart_line::tests::line as framed;
     use alloc::{format, string::ToString, vec, vec::Vec};
     use proptest::prelude::*;
 
     fn read(bytes: &[u8]) -> Vec<Result<Command, Refusal>> {
         let mut reader = CommandReader::new();
         bytes.iter().filter_map(|&byte| reader.push(byte)).collect()
-    }
-
-    /// A line with the right checksum.
-    fn framed(body: &str) -> alloc::string::String {
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        format!("${body}*{sum:02X}\r\n")
     }
 
     #[test]
@@ -368,6 +302,10 @@ mod tests {
             ("INSTALL", Refusal::Arguments),
             ("INSTALL,1", Refusal::Arguments),
             ("BLOCK,0,00000000,", Refusal::Arguments),
+            ("GATE,states", Refusal::Arguments),
+            ("GATE,set,1", Refusal::Arguments),
+            ("GATE,set,-1,0", Refusal::Arguments),
+            ("GATE,set,1,2,3", Refusal::Arguments),
         ] {
             assert_eq!(read(framed(body).as_bytes()), [Err(refusal)], "{body}");
         }

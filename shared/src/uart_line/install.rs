@@ -9,47 +9,41 @@
 //!
 //! Both are answered with the number of the block that is missing next, or with `done`.
 
-use core::fmt::{self, Write as _};
+use core::fmt;
 
-use super::number;
+use super::ParseError;
+use super::fields::{Crc, Fields, Reader, Writer, fields, wrong};
 use crate::checksum::crc32;
-use crate::installation::{BLOCK_BYTES, Block, Progress, Transfer};
+use crate::installation::{BLOCK_BYTES, Block, Transfer};
 
 /// Characters of a block's content: six bits each, the last two of the last one are zeros.
 const CONTENT: usize = (BLOCK_BYTES * 8).div_ceil(6);
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// Why the arguments are none.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Wrong {
-    /// Not written so.
-    Arguments,
-    /// The block's own checksum.
-    Block,
-}
+fields!(Transfer {
+    length: u32,
+    checksum: Crc
+});
 
-/// Reads `length,crc`.
-pub(super) fn transfer(arguments: &str) -> Option<Transfer> {
-    let (length, checksum) = arguments.split_once(',')?;
-    Some(Transfer {
-        length: number(length, "length").ok()?,
-        checksum: digits(checksum)?,
-    })
-}
+/// Codec of a block: its CRC-32, its content.
+impl Fields<'_> for Block {
+    type Value = Self;
+    const COUNT: usize = 2;
 
-/// Reads `number,crc,content`.
-pub(super) fn block(arguments: &str) -> Result<(u32, Block), Wrong> {
-    let parts = || {
-        let (place, rest) = arguments.split_once(',')?;
-        let (checksum, content) = rest.split_once(',')?;
-        let place = number(place, "block").ok()?;
-        Some((place, digits(checksum)?, decoded(content.as_bytes())?))
-    };
-    let (place, expected, block) = parts().ok_or(Wrong::Arguments)?;
-    if crc32(&block.0) != expected {
-        return Err(Wrong::Block);
+    fn write(block: &Self, line: &mut Writer<'_, '_>) -> fmt::Result {
+        Crc::write(&crc32(&block.0), line)?;
+        encode(block, line.field()?)
     }
-    Ok((place, block))
+
+    fn read(line: &mut Reader<'_>, name: &'static str) -> Result<Self, ParseError> {
+        let expected = Crc::read(line, "crc")?;
+        let block = line.field("content", |text| decoded(text.as_bytes()))?;
+        if crc32(&block.0) == expected {
+            Ok(block)
+        } else {
+            Err(wrong(name))
+        }
+    }
 }
 
 /// A block's bytes from its characters; none if it would not be written so.
@@ -83,7 +77,7 @@ fn decoded(content: &[u8]) -> Option<Block> {
 }
 
 /// Writes a block's characters.
-fn encode(block: &Block, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+fn encode(block: &Block, text: &mut impl fmt::Write) -> fmt::Result {
     let mut bytes = block.0.iter();
     let (mut bits, mut count) = (0_u32, 0);
     for _ in 0..CONTENT {
@@ -95,93 +89,48 @@ fn encode(block: &Block, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         count -= 6;
         let value = (bits >> count) as usize % ALPHABET.len();
         bits &= (1 << count) - 1;
-        formatter.write_char(char::from(ALPHABET[value]))?;
+        text.write_char(char::from(ALPHABET[value]))?;
     }
     Ok(())
-}
-
-/// Eight lower-case hexadecimal digits.
-fn digits(text: &str) -> Option<u32> {
-    let is_digit = |byte: u8| matches!(byte, b'0'..=b'9' | b'a'..=b'f');
-    if text.len() != 8 || !text.bytes().all(is_digit) {
-        return None;
-    }
-    u32::from_str_radix(text, 16).ok()
-}
-
-/// `length,crc`, as on the line.
-pub(super) struct Begun(pub(super) Transfer);
-
-impl fmt::Display for Begun {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Transfer { length, checksum } = self.0;
-        write!(formatter, "{length},{checksum:08x}")
-    }
-}
-
-/// `number,crc,content`, as on the line.
-pub(super) struct Numbered<'b>(pub(super) u32, pub(super) &'b Block);
-
-impl fmt::Display for Numbered<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{},{:08x},", self.0, crc32(&self.1.0))?;
-        encode(self.1, formatter)
-    }
-}
-
-/// What is missing, as on the line.
-pub(super) struct Missing(pub(super) Progress);
-
-impl fmt::Display for Missing {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Progress::Next(block) => write!(formatter, "{block}"),
-            Progress::Installed => formatter.write_str("done"),
-        }
-    }
-}
-
-/// Reads what [`Missing`] writes.
-pub(super) fn progress(text: &str) -> Option<Progress> {
-    match text {
-        "done" => Some(Progress::Installed),
-        _ => number(text, "block").ok().map(Progress::Next),
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::uart_line::command::Command;
+    use crate::uart_line::refusal::Refusal;
+    use crate::uart_line::tests::line;
     use alloc::{format, string::ToString};
 
+    fn body(block: &Block) -> alloc::string::String {
+        let text = Command::Block(1355, *block).to_string();
+        text[1..text.len() - 5].to_string()
+    }
+
+    fn read(body: &str) -> Result<Option<Command>, Refusal> {
+        Command::parse(line(body).trim_end().as_bytes())
+    }
+
     #[test]
-    fn a_block_is_written_and_read_back_and_a_damaged_one_refused() {
+    fn a_damaged_block_is_refused() {
         let block = Block(core::array::from_fn(|place| (7 * place) as u8));
-        let text = Numbered(1355, &block).to_string();
-        assert_eq!(text.len(), 4 + 1 + 8 + 1 + 86);
-        assert_eq!(super::block(&text), Ok((1355, block)));
-        // Two bits that the line's checksum does not see.
-        let mut bytes = text.clone().into_bytes();
-        bytes[20] ^= 1;
-        bytes[30] ^= 1;
-        let damaged = alloc::string::String::from_utf8(bytes).unwrap();
-        assert_ne!(super::block(&damaged), Ok((1355, block)));
-        let wrong = text.replace("1355,", "1355,0");
-        assert_eq!(super::block(&wrong), Err(Wrong::Arguments));
+        let text = body(&block);
+        assert_eq!(text.len(), "BLOCK,1355,".len() + 8 + 1 + 86);
+        assert_eq!(read(&text), Ok(Some(Command::Block(1355, block))));
         for wrong in [
             &text[..text.len() - 1],
             &format!("{text}A"),
             &format!("{text}=="),
-            &text.to_uppercase(),
-            &format!("0{text}"),
-            "1,2,3",
-            "",
+            &text.replace("1355,", "01355,"),
+            // Bits behind the last byte.
+            &format!("{}R", &text[..text.len() - 1]),
+            "BLOCK,1,2,3",
         ] {
-            assert_eq!(super::block(wrong), Err(Wrong::Arguments), "{wrong}");
+            assert_eq!(read(wrong), Err(Refusal::Arguments), "{wrong}");
         }
-        let other = Numbered(1355, &Block::ERASED).to_string();
-        let mixed = format!("{}{}", &text[..14], &other[14..]);
-        assert_eq!(super::block(&mixed), Err(Wrong::Block));
+        let other = body(&Block::ERASED);
+        let mixed = format!("{}{}", &text[..20], &other[20..]);
+        assert_eq!(read(&mixed), Err(Refusal::Block));
     }
 
     #[test]
@@ -189,20 +138,19 @@ mod tests {
         let block = Block(core::array::from_fn(|place| (7 * place) as u8));
         // Python: base64.b64encode(bytes(7 * place % 256 for place in range(64))).
         let expected = "AAcOFRwjKjE4P0ZNVFtiaXB3foWMk5qhqK+2vcTL0tng5+71/AMKERgfJi00O0JJUFdeZWxzeoGIj5adpKuyuQ==";
-        let text = Numbered(0, &block).to_string();
+        let text = body(&block);
         let (_, content) = text.rsplit_once(',').unwrap();
         assert_eq!(content, expected.trim_end_matches('='));
     }
 
     #[test]
-    fn a_transfer_is_written_and_read_back() {
-        let of = Transfer {
+    fn a_transfer_has_one_spelling() {
+        let transfer = Transfer {
             length: 86_729,
             checksum: 0x0f3a_0c11,
         };
-        let text = Begun(of).to_string();
-        assert_eq!(text, "86729,0f3a0c11");
-        assert_eq!(transfer(&text), Some(of));
+        let command = Command::Install(transfer);
+        assert_eq!(command.to_string(), line("INSTALL,86729,0f3a0c11"));
         for wrong in [
             "86729",
             "086729,0f3a0c11",
@@ -212,14 +160,8 @@ mod tests {
             ",",
             "",
         ] {
-            assert_eq!(transfer(wrong), None, "{wrong}");
+            let wrong = format!("INSTALL,{wrong}");
+            assert_eq!(read(&wrong), Err(Refusal::Arguments), "{wrong}");
         }
-        for progress in [Progress::Next(0), Progress::Next(1355), Progress::Installed] {
-            assert_eq!(
-                super::progress(&Missing(progress).to_string()),
-                Some(progress)
-            );
-        }
-        assert_eq!(super::progress("-"), None);
     }
 }

@@ -1,9 +1,20 @@
 //! Lines written, parsed and damaged.
 
+use super::alignment::{AlignmentReport, AlignmentState};
+use super::answer::{Answer, Binding, Identity, Refusal};
+use super::command::AlignCommand;
+use super::emg::EmgReport;
+use super::line::{Line, MAX_LINE_BYTES};
 use super::*;
+use crate::installation::Progress;
+use crate::myo::{Address, AddressKind, FirmwareVersion, Following};
+use crate::stream::alignment::{Alignment, Arm};
+use crate::stream::smoother::Gate;
+use crate::units::Sample;
 use alloc::{
     format,
     string::{String, ToString},
+    vec,
     vec::Vec,
 };
 use proptest::prelude::*;
@@ -28,11 +39,11 @@ fn any_status() -> impl Strategy<Value = Status> {
     ]
 }
 
-fn any_report() -> impl Strategy<Value = Report> {
+fn any_report() -> impl Strategy<Value = Line<'static>> {
     let kind = prop_oneof![Just(Kind::Label), Just(Kind::State)];
     (kind, any::<[u32; 6]>(), any_status()).prop_map(|(kind, numbers, status)| {
         let [sequence, instant, emitted, lost, bridged, resets] = numbers;
-        Report {
+        Line::Report(Report {
             kind,
             sequence,
             instant: SampleIndex(instant),
@@ -43,8 +54,100 @@ fn any_report() -> impl Strategy<Value = Report> {
                 bridged,
                 resets,
             },
-        }
+        })
     })
+}
+
+prop_compose! {
+    fn any_placement()(turn in 0_u8..8, mirrored: bool) -> Alignment {
+        Alignment::new(turn, mirrored)
+    }
+}
+
+prop_compose! {
+    fn any_alignment()(
+        (sequence, emitted, gestures) in any::<(u32, u32, u8)>(),
+        state in prop::sample::select(&AlignmentState::ALL[..]),
+        alignment in any_placement(),
+        quality: Option<(u32, u32)>,
+    ) -> Line<'static> {
+        let emitted = SampleIndex(emitted);
+        Line::Alignment(AlignmentReport { sequence, emitted, state, gestures, alignment, quality })
+    }
+}
+
+prop_compose! {
+    fn any_emg()(first: u32, samples: [Sample; 2]) -> Line<'static> {
+        Line::Emg(EmgReport { first: SampleIndex(first), samples })
+    }
+}
+
+prop_compose! {
+    fn any_address()(bytes: [u8; 6]) -> Address {
+        Address { kind: AddressKind::Public, bytes }
+    }
+}
+
+prop_compose! {
+    fn any_identity()(
+        words in [(); 3].map(|()| prop::sample::select(&["0.1.0", "0123456789ab-dirty", "-", "x"][..])),
+        model: Option<u32>,
+        armband in prop::option::of(any_address()),
+        firmware: Option<[u16; 3]>,
+        battery: Option<u8>,
+    ) -> Answer<'static> {
+        let [version, revision, image] = words;
+        let firmware = firmware.map(|[major, minor, patch]| FirmwareVersion { major, minor, patch, hardware: 0 });
+        Answer::Identity(Identity { version, revision, image, model, armband, firmware, battery })
+    }
+}
+
+prop_compose! {
+    fn any_counts()(numbers: [u32; 16]) -> Answer<'static> {
+        let body = numbers.map(|number| number.to_string()).join(",");
+        let line = line(&format!("OK,COUNTERS,{body}"));
+        let Ok(Answer::Counts(counts)) = Answer::parse(line.as_bytes()) else {
+            panic!("{line}");
+        };
+        assert_eq!(counts.numbers(), numbers);
+        Answer::Counts(counts)
+    }
+}
+
+fn any_answer() -> impl Strategy<Value = Line<'static>> {
+    let following = prop_oneof![
+        any_address().prop_map(Following::Pinned),
+        any_address().prop_map(Following::Bound),
+        Just(Following::Strongest),
+        Just(Following::Nobody),
+        Just(Following::Pairing),
+    ];
+    let binding = (following, any::<bool>())
+        .prop_map(|(following, is_kept)| Answer::Binding(Binding { following, is_kept }));
+    let margin = |least| prop::option::of(least..=5000_i16);
+    let gate =
+        (margin(0), margin(-5000)).prop_map(|(entry, other)| Answer::Gate(Gate { entry, other }));
+    let answer = prop_oneof![
+        any_identity(),
+        any_counts(),
+        binding,
+        gate,
+        any_placement().prop_map(Answer::Alignment),
+        any::<bool>().prop_map(Answer::Raw),
+        any::<u32>().prop_map(|block| Answer::Install(Progress::Next(block))),
+        Just(Answer::Install(Progress::Installed)),
+        Just(Answer::Align(AlignCommand::Begin(Arm::Unknown))),
+        Just(Answer::Align(AlignCommand::Cancel)),
+        Just(Answer::Align(AlignCommand::Set(Alignment::NONE))),
+        any::<u8>().prop_map(|sum| Answer::Refused(Refusal::Checksum(sum))),
+        Just(Answer::Refused(Refusal::TooLong)),
+        Just(Answer::Refused(Refusal::Flash)),
+    ];
+    answer.prop_map(Line::Answer)
+}
+
+fn any_line() -> impl Strategy<Value = Line<'static>> {
+    prop_oneof![any_report(), any_alignment(), any_emg(), any_answer()]
 }
 
 /// Text of 1 to `most` of these letters.
@@ -73,50 +176,67 @@ fn likely_body() -> impl Strategy<Value = String> {
 }
 
 /// A line around any body, with the right checksum.
-fn line(body: &str) -> String {
+pub(super) fn line(body: &str) -> String {
     format!("${body}*{:02X}\r\n", checksum(body))
 }
 
-/// Bytes of the longest line, line end included.
+fn checksum(body: &str) -> u8 {
+    body.bytes().fold(0, |sum, byte| sum ^ byte)
+}
+
+/// Bytes of the longest report, line end included.
 const MAX_LINE: usize = 99;
 
 proptest! {
     #[test]
-    fn what_is_written_is_read_back(report in any_report()) {
-        let line = report.to_string();
-        prop_assert!(line.is_ascii() && line.len() <= MAX_LINE);
-        prop_assert_eq!(Report::parse(line.as_bytes()), Ok(report));
+    fn what_is_written_is_read_back(written in any_line()) {
+        let line = written.to_string();
+        let most = if matches!(written, Line::Report(_)) { MAX_LINE } else { MAX_LINE_BYTES };
+        prop_assert!(line.is_ascii() && line.len() <= most);
+        prop_assert_eq!(Line::parse(line.as_bytes()), Ok(written));
     }
 
     #[test]
-    fn a_changed_byte_is_never_read(report in any_report(), place: usize, flips in 1u8..) {
-        let mut bytes = report.to_string().into_bytes();
+    fn a_changed_byte_is_never_read(line in any_line(), place: usize, flips in 1u8..) {
+        let mut bytes = line.to_string().into_bytes();
         let place = place % bytes.len();
         bytes[place] ^= flips;
-        prop_assert!(Report::parse(&bytes).is_err());
+        prop_assert!(Line::parse(&bytes).is_err());
     }
 
     #[test]
-    fn a_cut_line_is_never_read(report in any_report(), kept: usize) {
-        let line = report.to_string();
-        prop_assert!(Report::parse(&line.as_bytes()[..kept % line.len()]).is_err());
+    fn a_cut_line_is_never_read(line in any_line(), kept: usize) {
+        let line = line.to_string();
+        prop_assert!(Line::parse(&line.as_bytes()[..kept % line.len()]).is_err());
     }
 
     #[test]
-    fn arbitrary_bytes_are_refused_or_written_back(bytes: Vec<u8>) {
-        if let Ok(report) = Report::parse(&bytes) {
-            prop_assert_eq!(report.to_string().into_bytes(), bytes);
+    fn arbitrary_bytes_are_refused_or_written_back(
+        bytes: Vec<u8>,
+        start in prop::sample::select(&["", "#", "$"][..]),
+        text in prop::collection::vec(b' '..=b'~', 0..30),
+    ) {
+        let text = format!("{start}{}\r\n", core::str::from_utf8(&text).unwrap());
+        for bytes in [bytes, text.into_bytes()] {
+            if let Ok(line) = Line::parse(&bytes) {
+                prop_assert_eq!(line.to_string().into_bytes(), bytes);
+            }
         }
     }
 
-    /// As above, but past the frame and the checksum.
+    /// Bodies in a right frame with the right checksum.
     #[test]
     fn arbitrary_fields_are_refused_or_written_back(
-        body in likely_body(),
+        report in likely_body(),
+        kind in prop::sample::select(&["OK,IDENTIFY", "OK,BIND", "OK,RAW", "OK,ALIGN", "OK,GATE", "ERR"][..]),
+        rest in prop::collection::vec(prop::sample::select(&b"-0123456789abcdefABCDEF:.,"[..]), 0..40),
     ) {
-        let text = line(&body);
-        if let Ok(report) = Report::parse(text.as_bytes()) {
-            prop_assert_eq!(report.to_string(), text);
+        let rest = core::str::from_utf8(&rest).unwrap();
+        for body in [report, format!("{kind},{rest}")] {
+            let text = line(&body);
+            if let Ok(line) = Line::parse(text.as_bytes()) {
+                prop_assert_eq!(line.to_string(), text);
+            }
         }
     }
 }

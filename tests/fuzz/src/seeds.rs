@@ -20,11 +20,11 @@ use shared::uart_line::gate::GateCommand;
 use shared::uart_line::{Counters, Kind, Report};
 use shared::units::SampleIndex;
 
+use crate::radio::{CONTROL, address, advertisement};
+use crate::targets::recording::{PAIRS, PATHS};
+use presets::BUILT_IN;
 pub use recordings::readers::mat::fixture::{compressed, doubles, file, variable};
 use recordings::readers::npy::encode;
-use crate::radio::{CONTROL, address, advertisement};
-use presets::BUILT_IN;
-use crate::targets::recording::{PAIRS, PATHS};
 
 /// Rows of a recording.
 const ROWS: usize = 24;

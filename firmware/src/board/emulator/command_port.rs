@@ -6,7 +6,7 @@ use super::irq::Irq;
 use super::uart::{RX_ENABLE, RX_FULL, RX_INTERRUPT, TX_ENABLE, Uart};
 use crate::board::BytesLost;
 
-/// As many bytes as the receiver of a chip buffers.
+/// Received bytes: as many as the receiver of a chip buffers.
 static RECEIVED: Pipe<CriticalSectionRawMutex, 128> = Pipe::new();
 
 /// Receives commands.

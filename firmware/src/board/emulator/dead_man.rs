@@ -39,7 +39,7 @@ impl DeadMan {
         CONTROL.write(ONE_SHOT);
     }
 
-    /// Whether it has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
+    /// Whether the timer has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
     pub fn has_expired(&self) -> bool {
         has_expired()
     }

@@ -14,7 +14,7 @@ use super::uart::{RX_ENABLE, RX_FULL, RX_INTERRUPT, TX_ENABLE, Uart};
 
 /// 60 notifications: more than `trouble` queues.
 static RECEIVED: Pipe<CriticalSectionRawMutex, 2048> = Pipe::new();
-/// When the newest byte was received, in microseconds; wraps after 71 minutes.
+/// Time at which the newest byte was received, in microseconds; wraps after 71 minutes.
 static LAST_BYTE: AtomicU32 = AtomicU32::new(0);
 
 /// Receives HCI packets.
@@ -45,7 +45,7 @@ pub async fn synchronize(from: &mut FromController, to: &mut ToController) {
     }
 }
 
-/// When the newest byte was received, in microseconds.
+/// Time at which the newest byte was received, in microseconds.
 pub fn last_byte() -> u32 {
     LAST_BYTE.load(Ordering::Relaxed)
 }

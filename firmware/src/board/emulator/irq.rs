@@ -14,9 +14,9 @@ pub enum Irq {
     Alarm = 9,
     /// The dual timer has reached zero.
     DeadMan = 10,
-    /// No peripheral's and never enabled: a task is to be polled ([`Executor`](super::Executor)).
+    /// Interrupt of no peripheral, never enabled: a task is to be polled ([`Executor`](super::Executor)).
     Woken = 30,
-    /// No peripheral's: only a fault that is injected pends it.
+    /// Interrupt of no peripheral: only an injected fault pends it.
     Storm = 31,
 }
 

@@ -1,9 +1,8 @@
 //! QEMU's `mps2-an386`: a Cortex-M4F with UARTs and without a radio.
 //!
-//! UART0 carries the labels out and the commands in, UART1 HCI, UART2 the pin levels, those of the outputs out and that of the button in. Everything above this module is the
-//! program of the board, unchanged.
+//! UART0 carries the labels out and the commands in, UART1 HCI, UART2 the pin levels: those of the outputs out, that of the
+//! button in. Everything above this module is the program of the board, unchanged.
 
-mod button;
 mod clock;
 mod command_port;
 mod dead_man;
@@ -34,11 +33,10 @@ use crate::messages::pin_state::PinState;
 use crate::radio::{driver::SessionDriver, trouble};
 use crate::reset_reason::{End, ResetReason, keep_end, previous_end};
 use crate::settings::{DEAD_MAN_MS, WATCHDOG_MS};
-pub use button::Button;
 pub use command_port::CommandPort;
 pub use dead_man::DeadMan;
 pub use executor::Executor;
-use uart::Uart;
+use uart::{RX_ENABLE, Uart};
 pub use watchdog::Watchdog;
 
 /// A constant: the emulator has no factory-programmed address as a chip has.
@@ -125,6 +123,30 @@ impl Pins {
             // Writing to it never fails.
             let _ = write!(uart, "{levels}");
         });
+    }
+}
+
+/// The level while the button is down, as of a pin that the button connects to ground.
+const LOW: u8 = b'0';
+
+/// The button: the emulated board has none that the outside could press, so UART2 receives the level of its pin.
+pub struct Button {
+    is_down: bool,
+}
+
+impl Button {
+    /// Enables UART2. The button is up.
+    pub fn start() -> Self {
+        Uart::PINS.start(RX_ENABLE);
+        Self { is_down: false }
+    }
+
+    /// Whether the button is down at this moment.
+    pub fn is_down(&mut self) -> bool {
+        if let Some(level) = Uart::PINS.receive() {
+            self.is_down = level == LOW;
+        }
+        self.is_down
     }
 }
 

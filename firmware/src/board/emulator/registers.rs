@@ -1,6 +1,6 @@
 //! Registers of the CMSDK peripherals (Arm DDI 0479): the only code that accesses them.
 
-/// One 32-bit register.
+/// A 32-bit register.
 #[derive(Clone, Copy)]
 pub struct Register(usize);
 

@@ -25,7 +25,7 @@ pub enum Fault {
     InferencePauses,
 }
 
-/// How many times slower than real time the clock runs, 1 if nothing was set.
+/// Factor by which the clock runs slower than real time, 1 if nothing was set.
 ///
 /// With 5, the 200 ms of silence are a second of real time, so that a busy host does not look silent.
 pub fn time_scale() -> u64 {

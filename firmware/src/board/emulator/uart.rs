@@ -12,7 +12,7 @@ pub(super) const RX_INTERRUPT: u32 = 1 << 3;
 /// Smallest divider that QEMU's model accepts; it ignores the rate otherwise.
 const DIVIDER: u32 = 16;
 
-/// One of the UARTs.
+/// A UART.
 #[derive(Clone, Copy)]
 pub struct Uart {
     pub(super) data: Register,

@@ -24,7 +24,7 @@ const EXPIRES_US: u32 = DEAD_MAN_MS * 1000;
 /// Relax rises after the other labels have fallen, as everywhere.
 const RELAX_US: u32 = EXPIRES_US + 2;
 
-/// What it needs.
+/// Peripherals of the dead-man timer.
 pub struct Parts {
     pub timer: Peri<'static, TIMER1>,
     pub links: [Peri<'static, AnyConfigurableChannel>; 4],
@@ -74,7 +74,7 @@ impl DeadMan {
         self.timer.clear();
     }
 
-    /// Whether it has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
+    /// Whether the timer has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
     pub fn has_expired(&self) -> bool {
         self.expired().is_triggered()
     }

@@ -239,7 +239,7 @@ fn led(on: bool) -> Level {
 pub struct Button(Input<'static>);
 
 impl Button {
-    /// Whether it is down at this moment; its contact may bounce.
+    /// Whether the button is down at this moment; its contact may bounce.
     pub fn is_down(&mut self) -> bool {
         self.0.is_low()
     }

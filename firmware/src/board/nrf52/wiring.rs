@@ -20,7 +20,7 @@ pub const LED_OFF: Level = Level::High;
 
 /// The peripherals and pins of the program, by purpose.
 pub struct Wiring {
-    /// One pin per intent, in class order: relax, open, close, wave-in, wave-out, pinch.
+    /// Pins of the intents, in class order: relax, open, close, wave-in, wave-out, pinch.
     pub intents: [OutputChannel<'static>; MAX_CLASSES],
     /// High while the label is valid.
     pub valid: OutputChannel<'static>,
@@ -34,7 +34,7 @@ pub struct Wiring {
     pub button: Input<'static>,
     /// The UART of labels and commands, 115200 8N1.
     pub uart: Uart,
-    /// What the radio needs.
+    /// Parts of the radio.
     pub radio: super::RadioParts,
     /// The dead-man timer and its connections to the pins.
     pub dead_man: super::dead_man::Parts,

@@ -1,4 +1,4 @@
-//! What runs beside the program: the clock, the dead-man timer, the watchdog, the levels of the outputs, and the log of what happens when.
+//! Hardware beside the program: clock, dead-man timer, watchdog, levels of the outputs, log of events.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -16,7 +16,7 @@ use crate::messages::pin_state::{self, PinState};
 const LINES: &str = "uart0.out";
 /// Every change of a level.
 const LEVELS: &str = "uart2.out";
-/// What happened when: a word, the microseconds since the start, and what belongs to it.
+/// Log of events: a word, the microseconds since the start, and details.
 const EVENTS: &str = "events.out";
 
 static HARDWARE: Mutex<Option<Hardware>> = Mutex::new(None);
@@ -25,17 +25,17 @@ struct Hardware {
     lines: File,
     levels: File,
     events: File,
-    /// When the dead-man timer expires, once it runs.
+    /// Time at which the dead-man timer expires, once it runs.
     dead_man_us: Option<u64>,
     has_expired: bool,
-    /// When the watchdog bites, once it runs.
+    /// Time at which the watchdog resets, once it runs.
     watchdog_us: Option<u64>,
-    /// When the newest packet was received.
+    /// Time at which the newest packet was received.
     last_received_us: u64,
     end_us: u64,
 }
 
-/// What the hardware does by itself.
+/// Event of the hardware itself.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Incident {
     /// The watchdog resets the board.
@@ -166,7 +166,7 @@ pub fn sent(count: usize) {
     SENT.store(count, Ordering::Relaxed);
 }
 
-/// How many notifications the wearer's armband has sent.
+/// Number of notifications that the wearer's armband has sent.
 pub fn packets_sent() -> usize {
     SENT.load(Ordering::Relaxed)
 }

@@ -43,14 +43,14 @@ const ARMBAND: &str = "FA:12:34:56:78:9A";
 /// Strength of its signal, dBm.
 const RSSI: i8 = -50;
 
-/// What surrounds the board, from its start on.
+/// Surroundings of the board, from its start on.
 static SURROUNDINGS: OnceLock<Surroundings> = OnceLock::new();
 
 struct Surroundings {
     arguments: &'static Arguments,
     scenario: Scenario,
     samples: Vec<Sample>,
-    /// What the person installs.
+    /// Model file that the person installs.
     file: Vec<u8>,
 }
 
@@ -126,7 +126,7 @@ fn surroundings() -> &'static Surroundings {
         .expect("set before the program is started")
 }
 
-/// What the radio needs.
+/// Parts of the radio.
 pub struct RadioParts(());
 
 /// Takes the peripherals; the pin levels are safe from here on.
@@ -227,7 +227,7 @@ impl Pins {
 pub struct Button(());
 
 impl Button {
-    /// Whether it is down at this moment.
+    /// Whether the button is down at this moment.
     pub fn is_down(&mut self) -> bool {
         IS_DOWN.load(Ordering::Relaxed)
     }
@@ -256,7 +256,7 @@ impl DeadMan {
         clock::spend(self.packet_us);
     }
 
-    /// Whether it has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
+    /// Whether the timer has expired since the last [`DeadMan::acknowledge`]: the pins are safe, and stay so.
     pub fn has_expired(&self) -> bool {
         hardware::dead_man_has_expired()
     }

@@ -20,7 +20,7 @@ const PATIENCE_US: u64 = 2_000_000;
 /// Bytes of a block's line after which it is pulled.
 const PULLED_BYTE: usize = 40;
 
-/// What the board answers to an installation.
+/// Answers of the board to an installation.
 static HEARD: Mutex<VecDeque<Result<Progress, Refusal>>> = Mutex::new(VecDeque::new());
 
 /// The board has sent a line.
@@ -36,7 +36,7 @@ pub fn hear(line: &[u8]) {
 /// Microseconds of a byte at 115200 baud, ten bits.
 pub const BYTE_US: u64 = 87;
 
-/// As many bytes as the receiver of a chip buffers.
+/// Received bytes: as many as the receiver of a chip buffers.
 pub static RECEIVED: Pipe<CriticalSectionRawMutex, 128> = Pipe::new();
 /// Bytes came while it was full.
 pub static OVERRUN: AtomicBool = AtomicBool::new(false);
@@ -49,26 +49,26 @@ pub struct Person {
     sending: VecDeque<u8>,
     next_byte_us: u64,
     released_us: u64,
-    /// What is installed.
+    /// Model file to install.
     file: Vec<u8>,
     sender: Option<Sender>,
 }
 
 /// An installation in progress.
 struct Sender {
-    /// When the next command is sent, or the last one is given up.
+    /// Time at which the next command is sent, or the last one is given up.
     due_us: u64,
-    /// That command; none while an answer is waited for.
+    /// Next command; none while an answer is awaited.
     next: Option<Command>,
-    /// After how many blocks the line is pulled, and at which byte.
+    /// Numbers of blocks after which the line is pulled, and at which byte.
     pulls: VecDeque<(u32, usize)>,
     pulled_us: u64,
-    /// Until then nothing that the board says is heard.
+    /// Time until which nothing from the board is heard.
     pulled_until_us: u64,
 }
 
 impl Person {
-    /// What is due before the notification `next` is done already.
+    /// A person whose acts before notification `next` are done already.
     pub fn new(acts: &[Act], next: usize, file: Vec<u8>) -> Self {
         // An installation is gone on with after a loss of power.
         let goes_on = |act: &Act| matches!(act, Act::Install { .. });
@@ -141,7 +141,7 @@ impl Person {
         }
     }
 
-    /// As a PC does: one command at a time, the block that is missing, and anew where there is no answer.
+    /// Installs as a PC does: one command at a time, the block that is missing, and again where there is no answer.
     fn install(&mut self, now_us: u64) {
         let transfer = self.transfer();
         let begin = Command::Install(transfer);

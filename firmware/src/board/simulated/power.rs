@@ -1,4 +1,4 @@
-//! From one start of the program to the next: a reset is a new process, for nothing but flash is
+//! Restarts of the program: a reset is a new process, for nothing but flash is
 //! kept by it.
 
 use std::fmt::Display;
@@ -21,19 +21,19 @@ pub struct Arguments {
     /// The scenario.
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
-    /// What the region of the model holds; written when it changes.
+    /// Content of the model's region; written when it changes.
     #[arg(long, value_name = "FILE.intent")]
     pub model: PathBuf,
-    /// What the journal of an installation holds; written when it changes.
+    /// Content of the installation's journal; written when it changes.
     #[arg(long, value_name = "FILE")]
     pub journal: Option<PathBuf>,
-    /// What the person installs.
+    /// Model file that the person installs.
     #[arg(long, value_name = "FILE.intent")]
     pub install: Option<PathBuf>,
-    /// What the armband streams: 8 signed bytes a sample, 200 samples a second.
+    /// Samples that the armband streams: 8 signed bytes a sample, 200 samples a second.
     #[arg(long, value_name = "FILE.i8")]
     pub samples: PathBuf,
-    /// What the page of the bound armband holds; written when it changes.
+    /// Content of the bound armband's page; written when it changes.
     #[arg(long, value_name = "FILE")]
     pub page: PathBuf,
     /// Folder for what is written.
@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Microseconds of all starts before.
     #[arg(long, hide = true, default_value_t = 0)]
     pub elapsed_us: u64,
-    /// How often the program has started before.
+    /// Number of earlier starts of the program.
     #[arg(long, hide = true, default_value_t = 0)]
     pub starts: usize,
     /// Notifications that the armband has sent before.
@@ -56,13 +56,13 @@ pub struct Arguments {
 /// A reset that the program is told of by hardware.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 pub enum Reset {
-    /// By a loss of power.
+    /// Reset by a loss of power.
     Power,
-    /// By the watchdog.
+    /// Reset by the watchdog.
     Watchdog,
-    /// By the program, after a panic.
+    /// Reset by the program, after a panic.
     Software,
-    /// By the program, after the stack had grown too deep.
+    /// Reset by the program, after the stack had grown too deep.
     StackOverflow,
 }
 

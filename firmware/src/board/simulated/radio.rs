@@ -25,7 +25,7 @@ const NOTICED_MS: u64 = 1;
 
 /// The board's Bluetooth stack, in a room with armbands.
 pub struct SimulatedRadio<'a> {
-    /// Those within its reach.
+    /// Armbands within reach.
     pub armbands: &'a [RefCell<Armband>],
 }
 

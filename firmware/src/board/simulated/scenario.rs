@@ -1,4 +1,4 @@
-//! What armband and person do: the part of a scenario that the board's surroundings carry out.
+//! Acts of armband and person: the part of a scenario that the board's surroundings carry out.
 
 use serde::Deserialize;
 use virtual_armband::{Behaviour, End, Step};
@@ -8,10 +8,10 @@ use virtual_armband::{Behaviour, End, Step};
 pub struct Scenario {
     /// Seconds that are simulated.
     pub run_seconds: f64,
-    /// What follows the armband's last sample.
+    /// Behaviour after the armband's last sample.
     #[serde(default)]
     pub end: End,
-    /// How many times faster than an armband it streams.
+    /// Factor by which it streams faster than an armband.
     #[serde(default = "once")]
     pub pace: f64,
     /// Milliseconds from one connection event to the next: what is due between them comes at once. 0: everything when due.
@@ -20,15 +20,15 @@ pub struct Scenario {
     /// The EMG characteristic that a stream starts with.
     #[serde(default)]
     pub first_lane: u8,
-    /// What the armband does wrong.
+    /// Faults of the armband.
     #[serde(default)]
     pub armband: Vec<Step>,
     /// Another armband.
     pub stranger: Option<Stranger>,
-    /// What a person does.
+    /// Acts of a person.
     #[serde(default)]
     pub person: Vec<Act>,
-    /// What goes wrong on the board.
+    /// Fault of the board.
     pub fault: Option<Fault>,
     /// Processor time that a packet of two samples takes, in milliseconds.
     #[serde(default)]
@@ -39,13 +39,13 @@ pub struct Scenario {
     /// Power fails in the middle of an operation of flash and comes back at once: after each start so many operations, from 1 on.
     #[serde(default)]
     pub power_fails_at: Vec<u32>,
-    /// How much of each is done, in percent; half of it where nothing is said.
+    /// Part of each that is done, in percent; 50 by default.
     #[serde(default)]
     pub power_fails_done: Vec<u32>,
 }
 
 impl Scenario {
-    /// How the wearer's armband behaves.
+    /// Behaviour of the wearer's armband.
     pub fn behaviour(&self) -> Behaviour {
         Behaviour {
             pace: self.pace,
@@ -75,7 +75,7 @@ pub struct Stranger {
     pub rssi: i8,
 }
 
-/// What a person does, once as many notifications were sent as `at` says.
+/// Act of a person, once `at` notifications were sent.
 #[derive(Deserialize, Clone)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Act {
@@ -90,16 +90,16 @@ pub enum Act {
     Send {
         /// Notifications before.
         at: usize,
-        /// Without `$`, checksum and line end.
+        /// Command without `$`, checksum and line end.
         command: String,
     },
     /// Sends bytes to the UART.
     SendBytes {
         /// Notifications before.
         at: usize,
-        /// As text; each character is a byte.
+        /// Bytes as text, one per character.
         text: String,
-        /// How often.
+        /// Number of repetitions.
         #[serde(default = "one")]
         times: usize,
     },
@@ -110,7 +110,7 @@ pub enum Act {
         /// The line is pulled after so many blocks, for each number once.
         #[serde(default)]
         pulled_after: Vec<u32>,
-        /// How many bytes of the block after them have passed by then, 40 where nothing is said; if it is all of them, its answer is
+        /// Bytes of the block after them that have passed by then, 40 by default; if it is all of them, its answer is
         /// not heard.
         #[serde(default)]
         pulled_byte: Vec<usize>,
@@ -136,7 +136,7 @@ impl Act {
     }
 }
 
-/// What goes wrong on the board, after its third label.
+/// Fault of the board, after its third label.
 #[derive(Deserialize, Clone, Copy, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fault {

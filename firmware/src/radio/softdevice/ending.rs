@@ -9,7 +9,7 @@ use core::cell::RefCell;
 use embassy_time::{Duration, Timer};
 use nrf_softdevice::{RawError, ble::Connection, raw};
 
-/// How often it is looked whether a connection has ended. It takes an interval or two, 30 ms, and 2 s where the armband
+/// Period at which the end of a connection is checked. It takes an interval or two, 30 ms, and 2 s where the armband
 /// has gone.
 const LOOK: Duration = Duration::from_millis(10);
 

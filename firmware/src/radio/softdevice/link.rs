@@ -20,13 +20,13 @@ use crate::radio::{Disconnected, Link, MAX_VALUE_BYTES, OperationFailed};
 
 pub struct SoftdeviceLink<'e> {
     connection: Connection,
-    /// While set, the connection's only event portal of nrf-softdevice is occupied.
+    /// Whether the connection's only event portal of nrf-softdevice is occupied.
     listening: Cell<bool>,
     ending: &'e Ending,
 }
 
 impl<'e> SoftdeviceLink<'e> {
-    /// Of a new connection, which is handed to `ending` when the link is dropped.
+    /// Link of a new connection, which is handed to `ending` when the link is dropped.
     pub fn new(connection: Connection, ending: &'e Ending) -> Self {
         Self {
             connection,

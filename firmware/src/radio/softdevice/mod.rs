@@ -45,14 +45,14 @@ struct SoftdeviceRadio<'s> {
 /// nothing but power.
 const SCAN_WINDOW: u32 = 96;
 
-/// When an attempt to connect ends by itself, in units of 10 ms: before the session's time-out of 5 s would cancel
+/// Time after which an attempt to connect ends by itself, in units of 10 ms: before the session's time-out of 5 s cancels
 /// it. nrf-softdevice 0.1 panics if a connection was established in the moment of its cancellation.
 const CONNECT_TIMEOUT: u16 = 450;
 
-/// When an attempt to connect is over in any case: after its own end, and before the session's.
+/// Time after which an attempt to connect is over in any case: after its own end, and before the session's.
 const CONNECT_LIMIT: Duration = Duration::from_millis(4_700);
 
-/// In the words of the SoftDevice, which has the same units.
+/// Connection parameters as the SoftDevice's type, which has the same units.
 const fn raw_parameters(parameters: ConnectionParameters) -> raw::ble_gap_conn_params_t {
     raw::ble_gap_conn_params_t {
         min_conn_interval: parameters.min_interval,

@@ -15,11 +15,11 @@ use evaluation::Trial;
 use execution::fingerprint::Fingerprint;
 use execution::parallel;
 use execution::run_folder::{RunError, RunFolder};
-use myointent::run::context::RunContext;
-use myointent::run::evaluate::if_own;
-use myointent::training::dropout::Dropout;
-use myointent::training::tensor::read_back;
-use myointent::weights::Weights as _;
+use training::optimization::dropout::Dropout;
+use training::optimization::tensor::read_back;
+use training::run::context::RunContext;
+use training::run::evaluate::if_own;
+use training::weights::Weights as _;
 
 /// Windows that are predicted at once.
 const BATCH: usize = 256;

@@ -217,7 +217,9 @@ mod tests {
         }
         let right = examples()
             .iter()
-            .filter(|(x, class)| myointent::training::tensor::best_class(&lda.scores(x)) == *class)
+            .filter(|(x, class)| {
+                training::optimization::tensor::best_class(&lda.scores(x)) == *class
+            })
             .count();
         assert_eq!(right, 79, "an accuracy of 0.8778 on 90, as in scikit-learn");
     }

@@ -9,10 +9,11 @@ use clap::Args;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
-use myointent::cli::arguments::{BackendArguments, DataArguments, open_run};
-use myointent::run::context::RunContext;
+use myointent::cli::steps::{DataArguments, open_run};
 use presets::Preset;
 use presets::config::ResolvedConfig;
+use training::backend::BackendArguments;
+use training::run::context::RunContext;
 
 use crate::baselines::Baseline;
 use crate::baselines::settings::find_preset;

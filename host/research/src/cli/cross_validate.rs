@@ -11,8 +11,10 @@ use std::sync::Arc;
 use clap::Args;
 use execution::interrupt::Interrupt;
 use execution::progress;
-use myointent::cli::arguments::{BackendArguments, DataArguments, warn_of_test_people};
+use myointent::cli::arguments::warn_of_test_people;
+use myointent::cli::steps::DataArguments;
 use presets::resolve::{ConfigError, test_people};
+use training::backend::BackendArguments;
 
 use self::contenders::{Compared, contenders, presets};
 use self::output::{Tables, merged};

@@ -9,9 +9,10 @@ use clap::Args;
 use evaluation::model_evaluation::{NamedModel, beside};
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::tables;
-use myointent::cli::arguments::{BackendArguments, open_run};
-use myointent::run::evaluate::evaluate;
-use myointent::run::quantize::ModelFile;
+use myointent::cli::steps::open_run;
+use training::backend::BackendArguments;
+use training::run::evaluate::evaluate;
+use training::run::quantize::ModelFile;
 
 use crate::baselines::inference::candidates;
 

@@ -100,7 +100,7 @@ fn is_interrupt(error: &anyhow::Error) -> bool {
 #[cfg(test)]
 mod tests {
     use execution::run_folder::RunError;
-    use myointent::run::StepError;
+    use training::run::StepError;
 
     use super::*;
 

@@ -8,12 +8,12 @@ use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use execution::interrupt::Interrupt;
 use execution::run_folder::{RunFolder, write_whole};
-use myointent::cli::arguments::BackendArguments;
-use myointent::run::personalize::TuningSettings;
-use myointent::run::quantize::MODEL;
 use recordings::split::circles::is_test;
 use recordings::{Library, LoadOptions, load};
 use shared::model::file::Model;
+use training::backend::BackendArguments;
+use training::run::personalize::TuningSettings;
+use training::run::quantize::MODEL;
 
 use crate::personalization::{Measured, Measurement, curve, people, rule};
 

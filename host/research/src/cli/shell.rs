@@ -1,7 +1,8 @@
 //! Commands for a shell or a scheduler.
 
 use clap::ValueEnum as _;
-use myointent::cli::arguments::{BackendArguments, DataArguments};
+use myointent::cli::steps::DataArguments;
+use training::backend::BackendArguments;
 
 /// A command line of these words, each quoted where a shell needs it.
 pub(super) fn line(words: &[String]) -> String {

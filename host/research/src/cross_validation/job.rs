@@ -13,8 +13,6 @@ use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::{RunFolder, weights_file};
-use myointent::run::StepError;
-use myointent::run::context::RunContext;
 use presets::EntryMargins;
 use presets::config::ResolvedConfig;
 use presets::resolve::{FoldChoice, fold_people, test_people};
@@ -22,6 +20,8 @@ use recordings::Library;
 use recordings::folds::Protocol;
 use recordings::split::Role;
 use recordings::split::circles::is_test;
+use training::run::StepError;
+use training::run::context::RunContext;
 
 use super::contender::{Contender, Kind};
 use super::gate::Gate;
@@ -178,7 +178,7 @@ impl CrossValidation<'_> {
                 let only = start.name();
                 return Err(JobError::NoStart { path, only });
             }
-            myointent::run::start::start_from(&mut config, &path)?;
+            training::run::start::start_from(&mut config, &path)?;
         }
         Ok(config)
     }

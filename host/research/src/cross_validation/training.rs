@@ -2,13 +2,13 @@
 
 use evaluation::model_evaluation::{NamedModel, beside};
 use evaluation::{Candidate, Trial, constant};
-use myointent::run::candidates::teacher_candidate;
-use myointent::run::context::RunContext;
-use myointent::run::distill::distill;
-use myointent::run::evaluate::energy_detector;
-use myointent::run::quantize::{MODEL, quantize};
-use myointent::run::train::train;
 use shared::intent::MAX_CLASSES;
+use training::run::candidates::teacher_candidate;
+use training::run::context::RunContext;
+use training::run::distill::distill;
+use training::run::evaluate::energy_detector;
+use training::run::quantize::{MODEL, quantize};
+use training::run::train::train;
 
 use super::contender::Kind;
 use super::job::{CrossValidation, Job};
@@ -35,7 +35,10 @@ impl CrossValidation<'_> {
                     bytes: quantize(context, &context.folder.file(MODEL))?,
                 };
                 let trials = trials();
-                Ok((beside(&model, &trials).map_err(myointent::run::StepError::from)?, trials))
+                Ok((
+                    beside(&model, &trials).map_err(training::run::StepError::from)?,
+                    trials,
+                ))
             }
             Kind::Teacher(teacher) => {
                 train(context)?;

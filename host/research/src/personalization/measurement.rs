@@ -9,11 +9,11 @@ use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
-use myointent::run::personalize::{
+use recordings::Library;
+use training::run::personalize::{
     ABOVE_CONSTANT, Part, Person, PersonalizeError, TuningSettings, exchange, judge,
     judge_constant, tune, worse,
 };
-use recordings::Library;
 
 /// Measures that are kept, in this order.
 pub(crate) const MEASURES: [Measure; 5] = [

@@ -8,7 +8,7 @@ use recordings::npy;
 
 /// How a matrix is written.
 #[derive(Clone, Copy)]
-pub(super) enum Format {
+pub(in crate::cli) enum Format {
     /// Without the names of the columns, f32.
     Npy,
     /// With the names of the columns in the first row.

@@ -5,33 +5,31 @@ mod matrix;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
+#[cfg(feature = "train")]
+use clap::ValueEnum;
 use shared::intent::Intent;
 use shared::model::LookBackLogits;
 use shared::model::file::Model;
 use shared::stream::smoother::Settings;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH, Sample, WINDOW};
 
-use self::matrix::{Format, Matrix};
-use super::arguments::BackendArguments;
+use self::matrix::Format;
+pub(super) use self::matrix::Matrix;
 use super::replay::one_recording;
 use crate::cli::output::{first_line, refuse_unlike};
 use crate::cli::read_model;
-use crate::inference::{student_logits, teacher_logits};
-use crate::run::context::{RunContext, load_student, load_teacher};
-use crate::teacher::model::TeacherInput;
-use crate::training::tensor::read_back;
 use evaluation::inference::{input, integer_logits};
 use evaluation::smooth;
-use execution::run_folder::{RunFolder, write_whole};
-use presets::augmentation::Variation;
-use presets::config::ResolvedConfig;
-use presets::distillation;
+use execution::run_folder::write_whole;
 use recordings::npy::{self, Values};
+#[cfg(feature = "train")]
+use training::backend::BackendArguments;
 
 /// A checkpoint of a run folder.
+#[cfg(feature = "train")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Which {
+pub(super) enum Which {
     /// The masked transformer.
     Teacher,
     /// The float student.
@@ -60,10 +58,11 @@ pub struct Arguments {
     model: Option<PathBuf>,
     /// Run folder with a checkpoint.
     #[arg(long, value_name = "DIR")]
-    run: Option<PathBuf>,
+    pub(super) run: Option<PathBuf>,
     /// Which checkpoint of the run folder.
+    #[cfg(feature = "train")]
     #[arg(long, value_enum, default_value = "student")]
-    which: Which,
+    pub(super) which: Which,
     /// A recording, in any format that `myointent data inspect` reads.
     #[arg(long, conflicts_with = "window", required_unless_present = "window")]
     recording: Option<PathBuf>,
@@ -76,8 +75,9 @@ pub struct Arguments {
     /// File to write: .npy (f32) or .csv. Earlier predictions of the same columns are replaced, no other file.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[cfg(feature = "train")]
     #[command(flatten)]
-    backend: BackendArguments,
+    pub(super) backend: BackendArguments,
 }
 
 /// Runs a model and writes its labels and logits.
@@ -115,29 +115,10 @@ fn logits(
             model.header.smoother.in_patches(),
         ));
     }
-    let (folder, config) = run_of(arguments)?;
-    let device = arguments.backend.device()?.inner();
-    let classes = config.preset.classes;
-    let emg = &input(samples, config.preset.preprocessing());
-    let rows = match arguments.which {
-        Which::Teacher => {
-            let model = load_teacher(&folder, &config, &device)?;
-            teacher_logits(&model, config.preset.teacher.window_shape(), emg, &device)
-        }
-        Which::Student => {
-            let model = load_student(&folder, &config, distillation::NAME, &device)?;
-            student_logits(&model, emg, &device)
-        }
-    };
-    Ok((rows, classes, Settings::PAPER_IN_PATCHES))
-}
-
-fn run_of(arguments: &Arguments) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
-    let path = arguments
-        .run
-        .as_deref()
-        .context("no model: give --model or --run")?;
-    Ok(RunContext::find(path)?)
+    #[cfg(feature = "train")]
+    return super::steps::predict::logits(arguments, samples);
+    #[cfg(not(feature = "train"))]
+    bail!("give --model FILE; {}", super::WITHOUT_TRAINING);
 }
 
 fn over_recording(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
@@ -163,24 +144,9 @@ fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize
 }
 
 fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matrix> {
+    #[cfg(feature = "train")]
     if arguments.model.is_none() && arguments.which == Which::Teacher {
-        let (folder, config) = run_of(arguments)?;
-        let device = arguments.backend.device()?.inner();
-        let classes = config.preset.classes;
-        let model = load_teacher(&folder, &config, &device)?;
-        let shape = config.preset.teacher.window_shape();
-        let emg = input(samples, config.preset.preprocessing());
-        let mut values = Vec::with_capacity(shape.window * CHANNELS);
-        // A model of a shorter window sees the newest samples of this one.
-        Variation::NONE.write(&emg[WINDOW - shape.window..], &mut values);
-        let output = model.forward(TeacherInput::for_inference(values, shape, classes, &device));
-        let columns = names(classes, String::new())
-            .chain(["mask".to_owned()])
-            .collect();
-        return Ok(Matrix {
-            columns,
-            values: read_back(output.intent),
-        });
+        return super::steps::predict::over_window_of_teacher(arguments, samples);
     }
     let (rows, classes, _) = logits(arguments, samples)?;
     let columns = (0..LOOK_BACK)
@@ -195,7 +161,7 @@ fn over_window(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<Matr
     Ok(Matrix { columns, values })
 }
 
-fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
+pub(super) fn names(classes: usize, prefix: String) -> impl Iterator<Item = String> {
     Intent::ALL
         .into_iter()
         .take(classes)

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, open_run};
-use crate::run::context::RunContext;
-use crate::run::distill;
+use super::open_run;
 use presets::distillation;
+use training::backend::BackendArguments;
+use training::run::context::RunContext;
+use training::run::distill;
 
 /// Arguments of `distill`.
 #[derive(Debug, Args)]

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, find_run};
+use super::find_run;
 use crate::cli::output::refuse_existing;
-use crate::run::context::load_teacher;
-use crate::teacher::checkpoint;
+use training::backend::BackendArguments;
+use training::run::context::load_teacher;
+use training::teacher::checkpoint;
 
 /// Arguments of `export`.
 #[derive(Debug, Args)]

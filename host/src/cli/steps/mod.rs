@@ -1,8 +1,182 @@
-//! Commands that work on a run folder: the steps of a run, and all of them at once.
+//! Commands that need a training library: the steps of a run, and all of them at once.
 
 pub(super) mod distill;
 pub(super) mod evaluate;
 pub(super) mod export;
+pub(super) mod predict;
 pub(super) mod quantize;
 pub(super) mod quickstart;
 pub(super) mod train;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use ::presets::Preset;
+use ::presets::config::ResolvedConfig;
+use anyhow::Context as _;
+use clap::Args;
+use evaluation::report::labels::labels;
+use execution::interrupt::Interrupt;
+use execution::progress;
+use execution::run_folder::RunFolder;
+use recordings::{Library, LoadError, LoadOptions, load, synthetic};
+use training::backend::BackendArguments;
+use training::run::context::RunContext;
+
+use super::arguments::{log_found, refused};
+
+/// Which recordings to read.
+#[derive(Clone, Debug, Args)]
+pub struct DataArguments {
+    /// Folder of recordings, of one data set or of several. If not given: the folder that the variable
+    /// MYOINTENT_DATA names, or else ./data, or else ../shared/data; without any of them, synthetic recordings.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Refuse damaged files instead of leaving them out.
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// Names a folder of recordings; empty is as good as not set.
+const VARIABLE: &str = "MYOINTENT_DATA";
+/// Folders that are searched for recordings if none is named.
+const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
+
+impl DataArguments {
+    /// Folder of the recordings; none for synthetic ones.
+    #[must_use]
+    pub fn folder(&self) -> Option<PathBuf> {
+        let variable = || std::env::var_os(VARIABLE).filter(|value| !value.is_empty());
+        let default = || {
+            let mut folders = DEFAULT_FOLDERS.iter().map(PathBuf::from);
+            folders.find(|folder| folder.is_dir())
+        };
+        self.data
+            .clone()
+            .or_else(|| variable().map(PathBuf::from))
+            .or_else(default)
+    }
+
+    /// Loads the recordings, or generates synthetic ones; logs which.
+    ///
+    /// # Errors
+    /// When nothing can be read, or a file is damaged and `--strict` is given.
+    pub fn load(&self, preset: &Preset) -> anyhow::Result<Library> {
+        recordings(self.folder().as_deref(), self.strict, preset)
+    }
+}
+
+/// The run in a folder, to write into it, with the recordings that it was started with.
+///
+/// # Errors
+/// When the folder holds no run or is in use, or the recordings cannot be read or are others.
+pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunContext> {
+    let (folder, config) = lock_run(path)?;
+    let device = backend.device()?;
+    let library = recordings(config.data.as_deref(), config.strict, &config.preset)?;
+    Ok(RunContext {
+        interrupt: Interrupt::listen(),
+        ..RunContext::continue_run(folder, config, library, device)?
+    })
+}
+
+/// The run in a folder, which nobody else writes into from now on.
+fn lock_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
+    let folder = find_run(path)?.0.locked()?;
+    // Again: it may have been another one before.
+    let config = ResolvedConfig::load(&folder)?;
+    Ok((folder, config))
+}
+
+/// The folder and the configuration of an earlier run, to read.
+///
+/// # Errors
+/// When the folder holds no run.
+pub(crate) fn find_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
+    RunContext::find(path).with_context(|| {
+        let run = path.display();
+        format!("{run} is not a run folder; start with `myointent train --run {run}`")
+    })
+}
+
+/// The run that an interrupted command is to go on with.
+///
+/// Options that decide the outcome are those of the run, unless the command repeats them: then they have to give the
+/// same configuration.
+///
+/// # Errors
+/// When the folder holds no run or is in use, the recordings cannot be read or are others, or `repeated` is another
+/// configuration.
+pub(crate) fn resume_run(
+    path: &Path,
+    backend: BackendArguments,
+    data: &DataArguments,
+    repeated: Option<(ResolvedConfig, Library)>,
+) -> anyhow::Result<RunContext> {
+    let (folder, config) = lock_run(path)?;
+    let device = backend.device()?;
+    let library = match repeated {
+        Some((repeated, library)) => {
+            config.must_equal(&repeated, &folder)?;
+            library
+        }
+        None => {
+            let moved = data.data.as_deref().or(config.data.as_deref());
+            recordings(moved, config.strict, &config.preset)?
+        }
+    };
+    Ok(RunContext {
+        resume: true,
+        interrupt: Interrupt::listen(),
+        ..RunContext::continue_run(folder, config, library, device)?
+    })
+}
+
+/// Recordings below a path, of the preset's data sets, or of all if none of these is found; synthetic
+/// ones without a path.
+///
+/// # Errors
+/// When nothing can be read, or a file is damaged and `strict`.
+pub(crate) fn recordings(
+    data: Option<&Path>,
+    strict: bool,
+    preset: &Preset,
+) -> anyhow::Result<Library> {
+    let Some(path) = data else {
+        progress::log(
+            "no --data DIR: generating synthetic recordings, which show that the code works, and nothing about people",
+        );
+        return Ok(Library {
+            recordings: synthetic::generate(&synthetic::SynthOptions {
+                seed: preset.seed,
+                ..Default::default()
+            }),
+            ..Library::default()
+        });
+    };
+    let options = LoadOptions {
+        strict,
+        data_sets: preset.data.data_sets.clone(),
+    };
+    let library = match load(path, &options) {
+        Err(LoadError::NoRecordings { .. }) if !options.data_sets.is_empty() => {
+            progress::log(&format!(
+                "none of the preset's data sets is in {}: using all recordings",
+                path.display()
+            ));
+            let data_sets = Vec::new();
+            load(path, &LoadOptions { strict, data_sets })
+        }
+        library => library,
+    }
+    .map_err(refused)?;
+    log_found(&library, path)?;
+    Ok(library)
+}
+
+/// Logs how the labels of each data set are compensated for their lag.
+pub(crate) fn log_labels(config: &ResolvedConfig) {
+    for (what, how) in labels(&config.lags, &BTreeMap::new()) {
+        progress::log(&format!("{what}: {how}"));
+    }
+}

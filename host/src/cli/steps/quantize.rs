@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, open_run};
+use super::open_run;
 use crate::cli::output::refuse_existing;
-use crate::run::quantize::{MODEL, quantize};
+use training::backend::BackendArguments;
+use training::run::quantize::{MODEL, quantize};
 
 /// Arguments of `quantize`.
 #[derive(Debug, Args)]

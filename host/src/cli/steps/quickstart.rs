@@ -6,12 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
-use crate::run::context::RunContext;
-use crate::run::distill::distill;
-use crate::run::evaluate::{INTEGER, Results, evaluate, no_more};
-use crate::run::quantize::{MODEL, ModelFile, quantize};
-use crate::run::train::train;
+use super::{DataArguments, log_labels, resume_run};
 use evaluation::report::run_report::{self, REPORT};
 use evaluation::report::scores::{summary, tables};
 use execution::interrupt::Interrupt;
@@ -19,6 +14,12 @@ use execution::progress;
 use execution::run_folder::RunFolder;
 use presets::Preset;
 use presets::config::ResolvedConfig;
+use training::backend::BackendArguments;
+use training::run::context::RunContext;
+use training::run::distill::distill;
+use training::run::evaluate::{INTEGER, Results, evaluate, no_more};
+use training::run::quantize::{MODEL, ModelFile, quantize};
+use training::run::train::train;
 
 /// Arguments of `quickstart`.
 #[derive(Debug, Args)]

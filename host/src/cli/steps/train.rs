@@ -1,14 +1,12 @@
 //! `myointent train`: the teacher.
 
-use crate::run::start::start_from;
 use std::io::Write as _;
 use std::path::PathBuf;
+use training::run::start::start_from;
 
 use clap::Args;
 
-use crate::cli::arguments::{BackendArguments, DataArguments, log_labels, resume_run};
-use crate::run::context::RunContext;
-use crate::run::train;
+use super::{DataArguments, log_labels, resume_run};
 use execution::interrupt::Interrupt;
 use execution::progress;
 use execution::run_folder::RunFolder;
@@ -17,6 +15,9 @@ use presets::config::ResolvedConfig;
 use presets::resolve::FoldChoice;
 use recordings::Library;
 use recordings::folds::Protocol;
+use training::backend::BackendArguments;
+use training::run::context::RunContext;
+use training::run::train;
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]

@@ -2,6 +2,7 @@
 //! journal. Neither source nor viewers ever wait for it, or for its disk.
 
 mod told;
+#[cfg_attr(not(feature = "train"), path = "untrained.rs")]
 mod tuning;
 mod writing;
 
@@ -9,9 +10,10 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
-use burn::tensor::Device;
 use shared::stream::alignment::Alignment;
 use shared::units::{Millis, Sample, SampleIndex};
+#[cfg(feature = "train")]
+use training::backend::Device;
 
 use self::tuning::Heard;
 use super::event::Event;
@@ -37,6 +39,7 @@ pub struct RecordOptions {
     /// The model file that is tuned afterwards, as a command names it.
     pub model: PathBuf,
     /// What tuning computes on.
+    #[cfg(feature = "train")]
     pub device: Device,
     /// How many times faster a demo or a recording plays, to try a protocol out.
     pub speed: u32,
@@ -70,8 +73,10 @@ pub(super) struct Recorder {
     /// What the source is asked through.
     pub(super) requests: SyncSender<Request>,
     /// The option of the same source, for another command.
+    #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) option: String,
     /// The model file's bytes.
+    #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) model: Vec<u8>,
     pub(super) hub: std::sync::Arc<Hub>,
     /// What a simulated person is asked for.

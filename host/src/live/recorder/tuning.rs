@@ -7,11 +7,11 @@ use super::Running;
 use super::told::{free, install};
 use crate::live::event::Event;
 use crate::live::outcome::{Row, Tuning};
-use crate::run::personalize::{Personalized, TuningSettings, personalize};
 use evaluation::Measure;
 use execution::interrupt::Interrupt;
 use execution::run_folder::write_whole;
 use recordings::{LoadOptions, load};
+use training::run::personalize::{Personalized, TuningSettings, personalize};
 
 /// Measures that are shown; all of them decide.
 const SHOWN: [(Measure, &str); 4] = [
@@ -111,7 +111,7 @@ fn running(steps: usize) -> Tuning {
 fn tuned(
     model: &[u8],
     folder: &Path,
-    device: &burn::tensor::Device,
+    device: &training::backend::Device,
     report: impl FnMut(usize),
 ) -> Result<Personalized, String> {
     let library = load(folder, &LoadOptions::default()).map_err(|error| error.to_string())?;

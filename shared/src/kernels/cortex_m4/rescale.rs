@@ -1,4 +1,4 @@
-//! From integer sums to the outputs of a linear map.
+//! Scales integer sums to the outputs of a linear map.
 
 use core::arch::naked_asm;
 
@@ -58,7 +58,7 @@ pub(super) unsafe extern "C" fn rescale(
 /// `residual[r] += sums[r] * (scale * scales[r]) + bias[r]`, for `count` rows.
 ///
 /// # Safety
-/// As [`rescale`], for the sums and, written too, the residual stream.
+/// Duties of [`rescale`], for the sums and for the residual stream, which is written too.
 // SAFETY: as above, with the fifth integer argument on the stack.
 #[unsafe(naked)]
 pub(super) unsafe extern "C" fn add_rescaled(

@@ -17,7 +17,7 @@ pub(super) struct Attention<'a> {
     pub weights: &'a LayerWeights<'a>,
     pub cache: LayerCache<'a>,
     pub dimensions: &'a Dimensions,
-    /// One over the square root of a head's width: the factor of every score.
+    /// Factor of every score: the reciprocal square root of a head's width.
     pub score_scale: f32,
 }
 

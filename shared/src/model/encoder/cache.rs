@@ -20,7 +20,7 @@ pub(super) struct KvCache<const WIDTH: usize, const SLOTS: usize> {
 }
 
 impl<const WIDTH: usize, const SLOTS: usize> KvCache<WIDTH, SLOTS> {
-    /// No slot in use.
+    /// A cache without a slot in use.
     pub const EMPTY: Self = Self {
         keys: Aligned([[0; WIDTH]; SLOTS]),
         key_scales: [[0.0; SLOTS]; HEADS],
@@ -79,7 +79,7 @@ pub(super) struct LayerCache<'c> {
 /// The slot of a patch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Slot {
-    /// Its index within the layer.
+    /// Index of the slot within the layer.
     pub index: usize,
     /// Slots in use once the patch is stored.
     pub filled: usize,

@@ -12,7 +12,7 @@ pub(super) struct Quantized<'c> {
     pub scale: f32,
 }
 
-/// One over the integer of a weight of 1. Exact, and so is a product with it.
+/// Reciprocal of the integer of a weight of 1. Exact, and so is a product with it.
 pub(super) const PER_WEIGHT: f32 = 1.0 / WEIGHT_ONE as f32;
 
 /// Quantizes a token of at most twice `WIDTH` for a map.
@@ -31,7 +31,7 @@ pub(super) fn quantize<'c, const WIDTH: usize>(
 #[derive(Debug)]
 pub(super) struct Mapped<'t> {
     pub token: Quantized<'t>,
-    /// One element per row, rounded up to whole tiles: each holds its integer sum first.
+    /// Outputs, one per row, rounded up to whole tiles: each element holds its integer sum first.
     pub outputs: &'t mut [f32],
 }
 
@@ -57,7 +57,7 @@ pub(super) struct Added<'t> {
     pub residual: &'t mut [f32],
 }
 
-/// As [`map`], every output added to the residual stream.
+/// Like [`map`], but adds every output to the residual stream.
 #[inline]
 pub(super) fn add<const T: usize>(map: &LinearWeights<'_>, mut tokens: [Added<'_>; T]) {
     let codes = tokens.each_ref().map(|added| added.token.codes);

@@ -1,4 +1,4 @@
-//! From the residual stream to the logits of the six newest patches.
+//! Look-back head: the logits of the six newest patches from the residual stream.
 
 use super::{
     linear::{self, Mapped, quantize},

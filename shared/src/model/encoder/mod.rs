@@ -131,7 +131,7 @@ impl<'m, const WIDTH: usize, const SLOTS: usize> Encoder<'m, WIDTH, SLOTS> {
         self.step_probed(state, patch, &mut ())
     }
 
-    /// As [`Encoder::step`], with a call of the probe at the end of every part.
+    /// Like [`Encoder::step`], but calls the probe at the end of every part.
     #[must_use]
     pub fn step_probed(
         &self,

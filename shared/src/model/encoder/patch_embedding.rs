@@ -1,4 +1,4 @@
-//! From ten samples to the residual stream.
+//! Patch embedding: the residual stream from ten samples.
 
 use super::{
     linear::{self, Mapped, PER_WEIGHT, Quantized},

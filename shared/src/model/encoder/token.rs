@@ -50,9 +50,9 @@ pub(super) struct HeadScratch {
     pub codes: Aligned<[i16; MAX_SPAN]>,
     /// Products with the keys by slot, then sums over the values by channel of the head.
     pub sums: [i32; MAX_SPAN],
-    /// By slot: scores, then unnormalised weights.
+    /// Scores of the slots, then their unnormalised weights.
     pub weights: [f32; MAX_SPAN],
-    /// By slot: weights times the scales of their values.
+    /// Weights of the slots times the scales of their values.
     pub scaled: [f32; MAX_SPAN],
 }
 

@@ -69,11 +69,11 @@ pub struct Header<'m> {
     pub dimensions: Dimensions,
     /// Companding of the input.
     pub companding: Companding,
-    /// What comes between the armband and the input.
+    /// Processing between the armband and the input.
     pub preprocessing: Preprocessing,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
-    /// What an open hand looks like, for alignment; none if the model was trained on nobody who opens it.
+    /// Pattern of an open hand, for alignment; none if nobody in the training data opens it.
     pub template: Option<Template>,
     /// Provenance.
     pub provenance: Provenance<'m>,

@@ -9,9 +9,9 @@ pub(crate) struct LinearWeights<'m> {
     pub weights: &'m [i8],
     /// Largest magnitude of an input's codes ([`code_limit`](crate::kernels::code_limit)).
     pub code_limit: i16,
-    /// One per output.
+    /// Scales, one per output.
     pub scales: &'m [f32],
-    /// One per output.
+    /// Bias, one per output.
     pub bias: &'m [f32],
 }
 
@@ -24,7 +24,7 @@ pub(crate) struct NormWeights<'m> {
     pub bias: &'m [f32],
 }
 
-/// One pre-norm layer.
+/// Tensors of one pre-norm layer.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LayerWeights<'m> {
     /// Norm before attention.

@@ -1,4 +1,4 @@
-//! From a file back to a student that owns its tensors.
+//! Reads a file into a student that owns its tensors.
 
 use alloc::{borrow::ToOwned, vec::Vec};
 

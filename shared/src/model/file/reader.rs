@@ -1,4 +1,4 @@
-//! From bytes to a model with every length and number checked.
+//! Reads a model from bytes, and checks every length and number.
 
 use super::{
     ALIGNMENT, CHECKSUM, CHECKSUM_BYTES, FORMAT_VERSION, LARGEST, MAGIC, PREFIX_BYTES,

@@ -17,7 +17,7 @@ impl Model<'_> {
     ///
     /// # Errors
     ///
-    /// As [`Model::parse`].
+    /// Errors of [`Model::parse`].
     pub fn with_template(file: &[u8], template: Option<&Template>) -> Result<Vec<u8>, ModelError> {
         let template = bytes_of(template.copied());
         Self::with_header(file, |header| header.template = &template)
@@ -28,7 +28,7 @@ impl Model<'_> {
     ///
     /// # Errors
     ///
-    /// As [`Model::parse`], and [`ModelError::NoOther`].
+    /// Errors of [`Model::parse`], and [`ModelError::NoOther`].
     pub fn with_gate(
         file: &[u8],
         entry: Option<f32>,

@@ -1,4 +1,4 @@
-//! Every refusal, and parsing of what was written.
+//! Every refusal, and parsing of written files.
 
 use alloc::{string::ToString, vec, vec::Vec};
 
@@ -478,8 +478,8 @@ fn a_metric_that_is_no_number_is_refused() {
     }
 }
 
-/// With a number of this size in every scale of the head, logits overflow to infinity, and a difference of two of
-/// them is NaN.
+/// Numbers of this size in every scale of the head make logits overflow to infinity, and a difference of two of
+/// them NaN.
 #[test]
 fn numbers_that_could_overflow_an_output_are_refused() {
     for value in [1e30, 3e38, 101.0] {

@@ -1,4 +1,4 @@
-//! From a quantized student to a file.
+//! Writes a quantized student to a file.
 
 use alloc::{string::String, vec, vec::Vec};
 
@@ -19,9 +19,9 @@ pub struct LinearParts {
     /// Row-major `[outputs][inputs]`, the bytes of the weights: a weight's value is that of its byte and of the byte
     /// before it ([`LinearParts::dequantized`]); the file has them in tiles.
     pub weights: Vec<i8>,
-    /// One per output: what a byte of 1 is worth.
+    /// Value of a weight byte of 1, one per output.
     pub scales: Vec<f32>,
-    /// One per output.
+    /// Bias, one per output.
     pub bias: Vec<f32>,
 }
 
@@ -48,7 +48,7 @@ pub struct NormParts {
     pub bias: Vec<f32>,
 }
 
-/// One pre-norm layer.
+/// Tensors of one pre-norm layer.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LayerParts {
     /// Norm before attention.
@@ -91,11 +91,11 @@ pub struct ModelParts {
     pub dimensions: Dimensions,
     /// Companding of the input.
     pub companding: Companding,
-    /// What comes between the armband and the input.
+    /// Processing between the armband and the input.
     pub preprocessing: Preprocessing,
     /// Default settings of the smoother.
     pub smoother: SmootherDefaults,
-    /// What an open hand looks like, for alignment.
+    /// Pattern of an open hand, for alignment.
     pub template: Option<Template>,
     /// Provenance.
     pub provenance: ProvenanceParts,
@@ -114,7 +114,7 @@ impl ModelParts {
     ///
     /// # Errors
     ///
-    /// As [`Model::parse`]: an invalid model is refused before it is written.
+    /// Errors of [`Model::parse`]: an invalid model is refused before it is written.
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
         let bytes = self.emit();
         Model::parse(&bytes)?;

@@ -21,9 +21,9 @@ use proptest::prelude::*;
 /// The next section of a stream.
 #[derive(Clone, Copy, Debug)]
 enum Impairment {
-    /// So many notifications without impairment.
+    /// A number of notifications without impairment.
     Clean(u32),
-    /// So many are lost.
+    /// A number of lost notifications.
     Lose(u32),
     /// The next one is duplicated.
     Duplicate,
@@ -34,7 +34,7 @@ enum Impairment {
 }
 use Impairment::{Clean, Duplicate, Lose, Stall, Swap};
 
-/// Every so many notifications one has no delay.
+/// Notifications from one without delay to the next.
 const PROMPT_EVERY: u32 = 5;
 /// Notifications that set the due times.
 const LEAD: u32 = 20;

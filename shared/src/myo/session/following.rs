@@ -3,7 +3,7 @@
 use super::*;
 use crate::myo::scan::Strongest;
 
-/// How long armbands are collected in a pairing: long enough to wake one's own and to hold it near.
+/// Milliseconds for which a pairing collects armbands: enough to wake one's own and to hold it near.
 pub(super) const PAIRING_MS: u32 = 30_000;
 /// The delay before the next scan when the armband changes: the shortest.
 const CHANGE_MS: u32 = 300;
@@ -11,15 +11,15 @@ const CHANGE_MS: u32 = 300;
 /// Which armband a session follows, and why.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Following {
-    /// The one of the settings.
+    /// The armband of the settings.
     Pinned(Address),
-    /// The one that is bound.
+    /// The bound armband.
     Bound(Address),
-    /// None is bound, and the settings say to follow the strongest one then.
+    /// The armband with the strongest signal: none is bound, and the settings allow it.
     Strongest,
-    /// None is bound.
+    /// No armband: none is bound.
     Nobody,
-    /// None yet: a pairing looks for the one to bind.
+    /// No armband yet: a pairing looks for the one to bind.
     Pairing,
 }
 

@@ -16,7 +16,7 @@ pub(super) const NEAR: Address = address(1);
 const FAR: Address = address(2);
 const NEVER_SLEEP: Action = write(Command::NeverSleep);
 const SET_MODE: Action = write(Command::SetMode(EmgMode::Filtered));
-/// Without any address: the strongest armband is followed.
+/// Settings without an address: the strongest armband is followed.
 pub(super) const ANY: Settings = Settings {
     pinned: None,
     bound: None,
@@ -94,7 +94,7 @@ impl Driver {
         assert_eq!(self.handle(now + 500, Event::Tick), connect);
     }
 
-    /// As `connecting`, and on to reading the firmware version, at `now` + 501.
+    /// Like `connecting`, and on to reading the firmware version, at `now` + 501.
     fn discovered(&mut self, now: u32, found: Found) {
         self.connecting(now);
         self.run(&[
@@ -107,7 +107,7 @@ impl Driver {
         ]);
     }
 
-    /// As `discovered`, and on to a stream, at `now` + 501.
+    /// Like `discovered`, and on to a stream, at `now` + 501.
     fn streaming(&mut self, now: u32) {
         self.discovered(now, everything());
         let at = now + 501;

@@ -32,7 +32,7 @@ impl<E: Encode> Pipeline<'_, E> {
         }
     }
 
-    /// Has the encoder take the next patch for a decision between the arms; gives whether there is one.
+    /// Lets the encoder take the next patch for a decision between the arms; returns whether there is one.
     pub(in crate::pipeline) fn decide_arm(&mut self) -> bool {
         let Stage::Arm(decision) = &mut self.placement.stage else {
             return false;

@@ -45,7 +45,7 @@ fn stream(alignment: Alignment, count: u32) -> Vec<Sample> {
     stream_of([118, 86, 62, 44, 32, 24, 16, 12], alignment, count)
 }
 
-/// The same with gestures of another amplitude round the arm, from sample 800 on in the first half of every 400 samples.
+/// A stream with gestures of another amplitude round the arm, from sample 800 on in the first half of every 400 samples.
 pub(super) fn stream_of(open: [i32; CHANNELS], alignment: Alignment, count: u32) -> Vec<Sample> {
     let mut noise = Noise(9);
     (0..count)
@@ -298,7 +298,7 @@ fn instants(look_ahead: usize, aligned_at: u32) -> Vec<u32> {
     instants
 }
 
-/// What the encoder and the smoother of a model are made of.
+/// Encoder, smoother and input of a model.
 pub(super) fn model_of(seed: u64) -> (SmallEncoder, Smoother, Input) {
     let dimensions = Dimensions {
         width: 16,

@@ -1,4 +1,4 @@
-//! On which arm the armband is, where the model decides.
+//! Decisions of the model on which arm the armband is.
 
 use super::alignment::{labels, longest_pause, model_of, real, stream_of};
 use super::*;
@@ -84,7 +84,7 @@ fn undecided() -> Pipeline<'static, super::alignment::SmallEncoder> {
     pipeline
 }
 
-/// What comes of samples, and of the alignment meanwhile.
+/// Reports of samples, and of the alignment meanwhile.
 fn run<E: Encode>(
     pipeline: &mut Pipeline<'_, E>,
     samples: &[Sample],
@@ -248,7 +248,7 @@ fn samples_that_are_filled_in_do_not_end_a_decision() {
     assert_eq!(pipeline.alignment(), worn);
 }
 
-/// What happens to a pipeline while it decides.
+/// Event during a pipeline's decision.
 type Event = fn(&mut Pipeline<'static, super::alignment::SmallEncoder>, Millis);
 
 /// Events that end a decision with nothing changed; the state that the line then says.

@@ -27,7 +27,7 @@ pub struct Aligner {
     patches: u16,
 }
 
-/// What a patch led to.
+/// Result of a patch.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Progress {
     /// Nothing new.
@@ -41,7 +41,7 @@ pub enum Progress {
 }
 
 impl Aligner {
-    /// Before the first patch; `arm` is what is known of it, seen from the alignment in which the patches are.
+    /// An aligner before the first patch; `arm` is what is known of the arm, seen from the alignment of the patches.
     #[must_use]
     pub const fn new(arm: Arm) -> Self {
         Self {

@@ -18,7 +18,7 @@ use crate::units::{LOOK_BACK, PATCH, WINDOW_PATCHES};
 /// Lead of a placement over those on the other arm that the model may overrule.
 pub(super) const SURE: u32 = 4 * NAT;
 
-/// What a difference of one logit in the mean is worth: 1.5 nats.
+/// Weight of a difference of one logit in the mean: 1.5 nats.
 const WEIGHT: f32 = 1.5 * NAT as f32;
 
 /// Most patches that the encoder takes in each placement: those that are still in the window when it takes the last
@@ -30,7 +30,7 @@ const _: () = assert!(MOST + (MOST + 1).div_ceil(PATCH) < WINDOW_PATCHES);
 
 /// A decision in progress.
 ///
-/// One call of [`ArmDecision::next`] and one of [`ArmDecision::score`] for each patch that the encoder takes: at most 106.
+/// [`ArmDecision::next`] and [`ArmDecision::score`] are called once for each patch that the encoder takes: at most 106.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ArmDecision {
     fits: Fits,
@@ -38,11 +38,11 @@ pub struct ArmDecision {
     opening: u64,
     /// Patches to be taken in each placement.
     patches: usize,
-    /// Of these, those that are yet to be taken in the present placement.
+    /// Patches of these that are yet to be taken in the present placement.
     remaining: usize,
     /// Patches that have completed since it began.
     completed: usize,
-    /// That of the nearest placement, summed up, once it is known.
+    /// Total score of the nearest placement, once it is known.
     nearest_score: Option<f32>,
     /// Sum over rows that refer to the openings of how far `open` is above the other logits, in the present placement.
     score: f32,
@@ -50,10 +50,10 @@ pub struct ArmDecision {
     rows: u32,
 }
 
-/// What the encoder is to take.
+/// Input for the encoder.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Next {
-    /// How its electrodes are to be arranged, seen from the alignment in force.
+    /// Arrangement of the electrodes, seen from the alignment in force.
     pub alignment: Alignment,
     /// The patch that is so many older than the newest complete one.
     pub back: usize,
@@ -62,7 +62,7 @@ pub struct Next {
 }
 
 impl ArmDecision {
-    /// Before the first patch. In `active`, bits mark the patches that were active in a gesture, the newest lowest.
+    /// A decision before the first patch. Bits of `active` mark the patches that were active in a gesture, the newest lowest.
     #[must_use]
     pub const fn new(fits: Fits, active: u64) -> Self {
         Self {
@@ -85,18 +85,18 @@ impl ArmDecision {
         self.opening &= (1 << self.patches) - 1;
     }
 
-    /// What both arms' best placements are.
+    /// The best placements of both arms.
     #[must_use]
     pub const fn fits(&self) -> Fits {
         self.fits
     }
 
-    /// To be called when the window has completed another patch.
+    /// Notes that the window has completed another patch.
     pub const fn patch_completed(&mut self) {
         self.completed += 1;
     }
 
-    /// What the encoder is to take next.
+    /// The next input for the encoder.
     #[must_use]
     pub const fn next(&self) -> Next {
         let fit = match self.nearest_score {
@@ -146,7 +146,7 @@ impl ArmDecision {
     }
 }
 
-/// How far the logit of `open` is above the largest other one.
+/// Difference between the logit of `open` and the largest other one.
 fn evidence(logits: &[f32]) -> f32 {
     let open = Intent::Open.class();
     let mut largest = f32::NEG_INFINITY;

@@ -55,7 +55,7 @@ impl Gesture {
 }
 
 impl GestureDetector {
-    /// Before the first patch.
+    /// A detector before the first patch.
     pub(super) const fn new() -> Self {
         Self {
             recent: [0; LONG],

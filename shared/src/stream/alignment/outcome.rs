@@ -1,4 +1,4 @@
-//! How an alignment ends.
+//! Outcome of an alignment.
 
 use super::template::{Fit, NAT};
 
@@ -7,7 +7,7 @@ const FURTHEST: u32 = 8 * NAT;
 /// Least margin of a placement that is accepted.
 const LEAST_MARGIN: u32 = NAT;
 
-/// How an alignment ends.
+/// Outcome of an alignment.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Outcome {
     /// The armband sits like this, seen from the alignment in force so far.
@@ -28,7 +28,7 @@ pub enum Poor {
 }
 
 impl Outcome {
-    /// Of the placement that was chosen.
+    /// The outcome for the placement that was chosen.
     pub(super) const fn of(fit: Fit) -> Self {
         if fit.distance > FURTHEST {
             Self::Poor(fit, Poor::Distance)

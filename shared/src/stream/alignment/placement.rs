@@ -1,8 +1,8 @@
-//! One of the 16 ways in which the ring of electrodes can lie on an arm.
+//! The 16 placements of the ring of electrodes on an arm.
 
 use crate::units::CHANNELS;
 
-/// How the electrodes of the armband map to those that the model was trained on.
+/// Mapping from the armband's electrodes to those that the model was trained on.
 ///
 /// Electrode `c` of the model is electrode `c + turn` of the armband, or `turn - c` where it is mirrored, as it is on the
 /// other arm (modulo 8).
@@ -12,12 +12,12 @@ pub struct Alignment {
     mirrored: bool,
 }
 
-/// What an alignment is told of the arm: the placements that it chooses among.
+/// Knowledge of the arm: the placements that an alignment chooses among.
 ///
 /// An armband that is put on the other way round, its first end towards the hand, runs as on the other arm.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Arm {
-    /// Nothing: all 16.
+    /// Unknown arm: all 16 placements.
     #[default]
     Unknown,
     /// Which way round the electrodes run ([`Alignment::mirrored`]): the 8 that do.
@@ -28,7 +28,7 @@ pub enum Arm {
 }
 
 impl Arm {
-    /// As it is seen from this alignment.
+    /// The arm as seen from an alignment.
     #[must_use]
     pub const fn seen_from(self, alignment: Alignment) -> Self {
         match self {
@@ -47,7 +47,7 @@ impl Alignment {
         mirrored: false,
     };
 
-    /// Turned by `turn` places, modulo 8.
+    /// An armband turned by `turn` places, modulo 8.
     #[must_use]
     pub const fn new(turn: u8, mirrored: bool) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Alignment {
         }
     }
 
-    /// All 16, the unmirrored ones first.
+    /// All 16 alignments, the unmirrored ones first.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..2 * CHANNELS as u8).map(|place| Self::new(place, place >= CHANNELS as u8))
     }

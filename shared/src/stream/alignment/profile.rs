@@ -1,4 +1,4 @@
-//! How active each electrode is in a gesture, as logarithms.
+//! Profile of a gesture: the logarithm of each electrode's activity.
 
 use crate::units::CHANNELS;
 
@@ -16,7 +16,7 @@ pub(super) const COUNT: u32 = 64;
 pub struct Profile(pub(super) [i16; CHANNELS]);
 
 impl Profile {
-    /// Of each electrode's mean |x|, in 1/64 counts; more than 128 counts count as 128.
+    /// Profile of each electrode's mean |x|, in 1/64 counts; more than 128 counts count as 128.
     #[must_use]
     pub fn new(means: [u32; CHANNELS]) -> Self {
         let logarithms = means.map(|mean| log2(COUNT + mean.min(128 * COUNT)));

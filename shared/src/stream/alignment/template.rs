@@ -1,4 +1,4 @@
-//! What an open hand looks like over the electrodes: a normal density of profiles, and the placement that fits it best.
+//! Template of an open hand: a normal density of profiles, and the placement that fits it best.
 
 use super::placement::Alignment;
 use super::profile::{OCTAVE, Profile};
@@ -22,7 +22,7 @@ const LARGEST_MEAN: i16 = 8 * OCTAVE;
 /// armband sits which one is taken.
 pub const NAT: u32 = 1 << 16;
 
-/// Of the sum that is half a squared distance: deviations in 1/256 octaves, squared, times 1/64 nats, twice.
+/// Unit of the sum for half a squared distance: deviations in 1/256 octaves, squared, times 1/64 nats, twice.
 const SUM_UNIT: i64 = 2 * OCTAVE as i64 * OCTAVE as i64 * PRECISION_ONE as i64 / NAT as i64;
 
 /// Mean and precision (inverse covariance) of the profiles of an open hand, placed as in training.
@@ -40,9 +40,9 @@ pub struct Template {
 pub struct Fit {
     /// The placement.
     pub alignment: Alignment,
-    /// How far the profile is from the template's mean, half the squared Mahalanobis distance, in the unit of [`NAT`].
+    /// Distance of the profile from the template's mean: half the squared Mahalanobis distance, in the unit of [`NAT`].
     pub distance: u32,
-    /// How much further the best placement of the same arm is that lies more than one place away, likewise.
+    /// Additional distance of the best placement on the same arm that lies more than one place away, in the same unit.
     pub margin: u32,
 }
 
@@ -56,7 +56,7 @@ pub struct Fits {
 }
 
 impl Fits {
-    /// How much further the best placement on the other arm is, in the unit of [`NAT`].
+    /// Additional distance of the best placement on the other arm, in the unit of [`NAT`].
     #[must_use]
     pub const fn lead(&self) -> u32 {
         self.other_arm.distance - self.nearest.distance
@@ -77,17 +77,17 @@ pub enum TemplateError {
         "mean {found} of electrode {electrode}, at most {LARGEST_MEAN} expected: make it again"
     )]
     Mean {
-        /// From 0.
+        /// Index of the electrode, from 0.
         electrode: usize,
-        /// As it is in the file.
+        /// Value in the file.
         found: i16,
     },
     /// A density without a width.
     #[error("precision {found} of electrode {electrode}, more than 0 expected: make it again")]
     Precision {
-        /// From 0.
+        /// Index of the electrode, from 0.
         electrode: usize,
-        /// As it is in the file.
+        /// Value in the file.
         found: i16,
     },
 }
@@ -217,7 +217,7 @@ pub(crate) mod tests {
         template_about([400, 290, 170, 60, -60, -170, -290, -400], nats)
     }
 
-    /// The same about another pattern.
+    /// A template around another pattern.
     pub(crate) fn template_about(mean: [i16; CHANNELS], nats: i16) -> Template {
         let mut precision = [0; TRIANGLE];
         for row in 0..CHANNELS {

@@ -1,16 +1,16 @@
-//! When an alignment begins: on request, or by itself at the first full window of a connection.
+//! Start of an alignment: on request, or automatically at the first full window of a connection.
 
 /// Decides when to call `Pipeline::begin_alignment`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Trigger {
     /// Whether an alignment begins by itself.
     automatic: bool,
-    /// No alignment has begun since the armband was connected.
+    /// Whether no alignment has begun since the armband was connected.
     is_due: bool,
 }
 
 impl Trigger {
-    /// Before the first connection. With `automatic`, each connection's first full window begins an alignment.
+    /// A trigger before the first connection. With `automatic`, each connection's first full window begins an alignment.
     #[must_use]
     pub const fn new(automatic: bool) -> Self {
         Self {

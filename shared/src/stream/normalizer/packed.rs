@@ -1,10 +1,10 @@
 //! Four bytes of a sample in a word, the first in the low byte: a fraction of the instructions that one at a time would take.
 
-/// One in each byte.
+/// The number 1 in each byte.
 const ONES: u32 = 0x0101_0101;
 /// The high bit of each byte.
 const HIGH: u32 = 0x8080_8080;
-/// Every other byte.
+/// Mask of every other byte.
 const EVEN: u32 = 0x00ff_00ff;
 
 /// Sizes of four numbers, 0 to 128, and their signs.
@@ -17,7 +17,7 @@ pub struct Magnitudes {
 }
 
 impl Magnitudes {
-    /// Of the signed bytes of a word.
+    /// Magnitudes of the signed bytes of a word.
     pub const fn of(word: u32) -> Self {
         let signs = (word & HIGH) >> 7;
         let negative = (signs << 8).wrapping_sub(signs);
@@ -55,14 +55,14 @@ impl Size {
 /// Four sums of sizes, below 65 536 each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sums {
-    /// Of the first number and, in the high half, of the third.
+    /// First number's sum and, in the high half, the third's.
     even: u32,
-    /// Of the second and the fourth.
+    /// Second number's sum and, in the high half, the fourth's.
     odd: u32,
 }
 
 impl Sums {
-    /// Of nothing.
+    /// Zero sums.
     pub const ZERO: Self = Self { even: 0, odd: 0 };
 
     /// Adds the sizes.
@@ -71,7 +71,7 @@ impl Sums {
         self.odd += (magnitudes.sizes >> 8) & EVEN;
     }
 
-    /// In the order of the numbers.
+    /// The sums, in the order of the numbers.
     pub const fn of_each(self) -> [u32; 4] {
         let low = 0xffff;
         [

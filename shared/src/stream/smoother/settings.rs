@@ -8,7 +8,7 @@ use crate::units::{HOLD, LOOK_AHEAD, PATCH};
 pub enum AggregationMode {
     /// All rows from that instant to the window's end ("future" in the reference).
     AllRowsFrom,
-    /// That instant's row alone ("single" in the reference).
+    /// Only the row of that instant ("single" in the reference).
     SameInstant,
 }
 
@@ -26,7 +26,7 @@ pub struct Settings {
     /// Confidence gate: by how much the mean logit of a class has to exceed that of every other class for the label to
     /// become this class; to keep the label, and to become relax, the largest is enough. By class; 0: no gate.
     pub entry_margins: [f32; MAX_CLASSES],
-    /// By how much the mean logit of a class has to exceed that of movement outside the vocabulary for the label to become
+    /// Least difference of a class's mean logit to that of movement outside the vocabulary for the label to become
     /// this class; such movement ends no label. None: rows have no such column, after those of the classes.
     pub other_margin: Option<f32>,
 }
@@ -46,9 +46,9 @@ impl Settings {
 /// Margins in place of those of [`Settings`], in hundredths of a logit. None: as in the settings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Gate {
-    /// See [`Settings::entry_margins`]; for all classes.
+    /// Margin of all classes: see [`Settings::entry_margins`].
     pub entry: Option<i16>,
-    /// See [`Settings::other_margin`]; of no effect where rows have no such column.
+    /// Margin over other movement: see [`Settings::other_margin`]. It has no effect where rows have no such column.
     pub other: Option<i16>,
 }
 

@@ -1,8 +1,8 @@
 //! MATLAB files: any bytes behind a right head, and any variables, compressed or not.
 
+use crate::input::Input;
 pub use recordings::readers::mat::fixture::{compressed, file, packed, variable};
 use recordings::readers::mat::parse;
-use crate::input::Input;
 
 /// Bytes of a stored block: small, so that a variable has several.
 const BLOCK: usize = 200;

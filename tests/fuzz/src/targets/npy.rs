@@ -1,7 +1,7 @@
 //! Arrays of numpy: any bytes, and any header in front of any elements.
 
-use recordings::readers::npy::{Values, encode, parse};
 use crate::input::Input;
+use recordings::readers::npy::{Values, encode, parse};
 
 /// Element types that are read, and some that are not.
 const TYPES: [&str; 12] = [

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::{env, fs, process};
 
+use crate::input::Input;
 use recordings::readers::npy;
 pub use recordings::readers::open::{Found, Request, of_bytes};
 use recordings::{DataSet, Recording};
-use crate::input::Input;
 
 /// A path of each layout. No such folder exists: what would be read beside a file is not there, unless it is one of
 /// [`PAIRS`].

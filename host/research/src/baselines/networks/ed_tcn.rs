@@ -8,7 +8,7 @@ use burn::tensor::{Device, Tensor};
 use shared::units::CHANNELS;
 
 use super::Network;
-use myointent::training::dropout::Dropout;
+use training::optimization::dropout::Dropout;
 
 /// Dimensions of the network.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +116,7 @@ mod tests {
 
     use super::*;
     use crate::baselines::networks::lock_random_weights;
-    use myointent::training::tensor::read_back;
+    use training::optimization::tensor::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {

@@ -6,7 +6,7 @@ use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 
 use super::Network;
-use myointent::training::dropout::Dropout;
+use training::optimization::dropout::Dropout;
 
 /// Dimensions of the network.
 #[derive(Clone, Copy, Debug)]

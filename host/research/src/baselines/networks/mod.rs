@@ -8,7 +8,7 @@ mod trahgr;
 use burn::module::Module;
 use burn::tensor::Tensor;
 
-use myointent::training::dropout::Dropout;
+use training::optimization::dropout::Dropout;
 
 pub(crate) use ed_tcn::EdTcnConfig;
 pub(crate) use lstm::LstmBaselineConfig;

@@ -9,7 +9,7 @@ use shared::units::{CHANNELS, WINDOW};
 
 use super::Network;
 use crate::baselines::features::FILTER_ORDERS;
-use myointent::training::dropout::Dropout;
+use training::optimization::dropout::Dropout;
 
 /// Samples of a token of the featural path.
 const BLOCK: usize = 8;
@@ -213,7 +213,7 @@ impl Layer {
 mod tests {
     use super::*;
     use crate::baselines::networks::lock_random_weights;
-    use myointent::training::tensor::read_back;
+    use training::optimization::tensor::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {

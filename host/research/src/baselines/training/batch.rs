@@ -5,8 +5,8 @@ use burn::tensor::{Device, Int, Tensor, TensorData};
 use super::data::extract;
 use crate::baselines::features::FeatureExtraction;
 use crate::baselines::windows::{Window, WindowedCorpus};
-use myointent::training::loss::cross_entropy;
-use myointent::training::tensor::read_back;
+use training::optimization::loss::cross_entropy;
+use training::optimization::tensor::read_back;
 
 /// Inputs and targets of some windows.
 pub(super) struct Batch {

@@ -12,11 +12,11 @@ use super::data::TrainingData;
 use super::{Setup, TrainingError};
 use crate::baselines::networks::Network;
 use crate::baselines::windows::Window;
-use myointent::training::dropout::Dropout;
-use myointent::training::fit::{TrainConfig, Training};
-use myointent::training::learner::{Learner, SHARDS, WeightedMetric};
-use myointent::training::tensor::read_back;
 use presets::schedule::LrSchedule;
+use training::optimization::dropout::Dropout;
+use training::optimization::fit::{TrainConfig, Training};
+use training::optimization::learner::{Learner, SHARDS, WeightedMetric};
+use training::optimization::tensor::read_back;
 
 /// Trains a network and saves the weights of the lowest validation loss.
 pub(super) fn fit<N: Network>(
@@ -40,7 +40,7 @@ pub(super) fn fit<N: Network>(
         device: setup.device,
         network: PhantomData,
     };
-    myointent::training::fit::fit(&learner, network, config, place)?;
+    training::optimization::fit::fit(&learner, network, config, place)?;
     Ok(())
 }
 

@@ -14,10 +14,10 @@ use super::lda::Lda;
 use super::networks::{EdTcnConfig, LstmBaselineConfig, MlpConfig, TraHgrConfig};
 use super::settings::BaselineSettings;
 use execution::progress;
-use myointent::run::context::RunContext;
-use myointent::training::fit::Training;
-use myointent::training::tensor::best_class;
 use recordings::corpus::Corpus;
+use training::optimization::fit::Training;
+use training::optimization::tensor::best_class;
+use training::run::context::RunContext;
 
 pub(crate) use error::TrainingError;
 

@@ -6,12 +6,12 @@ use crate::baselines::networks::lock_random_weights;
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::run_folder::RunFolder;
-use myointent::training::fit::CHECKPOINT_EVERY;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recordings::corpus::Stream;
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{PATCH, Sample};
+use training::optimization::fit::CHECKPOINT_EVERY;
 
 /// Twelve holds of 3 to 6 s. Each intent has a high amplitude on two channels of its own.
 fn corpus(seed: u64) -> Corpus {

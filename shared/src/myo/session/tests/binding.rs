@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What a session does that scans from 0 while armbands advertise for two seconds, this one and a stronger one.
+/// Actions of a session that scans from 0 while two armbands advertise for two seconds, this one and a stronger one.
 fn after_two_armbands(driver: &mut Driver) -> Vec<Action> {
     let mut actions = driver.handle(0, Event::Tick);
     for now in (100..2000).step_by(100) {

@@ -1,0 +1,89 @@
+//! Which library computes on tensors, and the device that it computes on.
+
+pub use burn::tensor::Device;
+use clap::{Args, ValueEnum};
+
+#[cfg(feature = "wgpu")]
+mod wgpu;
+
+/// Library that computes on tensors. The first that is compiled in is the default.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// An NVIDIA GPU.
+    #[cfg(feature = "cuda")]
+    Cuda,
+    /// Any GPU, through Vulkan, Metal or Direct3D 12.
+    #[cfg(feature = "wgpu")]
+    Wgpu,
+    /// CPU: the library burn-flex; 1.5 to 1.8 times as fast as ndarray.
+    #[cfg(feature = "flex")]
+    Flex,
+    /// CPU: the library burn-ndarray, which Burn deprecates in favour of flex.
+    #[cfg(feature = "ndarray")]
+    Ndarray,
+}
+
+/// Choice of a backend among those compiled in.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct BackendArguments {
+    /// Library that computes on tensors; a GPU's if one is compiled in and none is given.
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
+}
+
+/// Why there is no device to compute on.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum BackendError {
+    /// The program was compiled without any backend.
+    #[error("no backend is compiled in: build with one of the features flex, ndarray, wgpu, cuda")]
+    NoneCompiled,
+    /// No driver offers an adapter that can compute.
+    #[error(
+        "no adapter for --backend wgpu: {reason}\n\
+         `vulkaninfo --summary` lists what Vulkan finds; without a GPU, choose --backend flex, \
+         or, to try the backend, install a software Vulkan (Debian: mesa-vulkan-drivers)"
+    )]
+    NoAdapter {
+        /// What the library found.
+        reason: String,
+    },
+}
+
+impl BackendArguments {
+    /// The device, with gradients.
+    ///
+    /// # Errors
+    /// When the backend finds no device.
+    pub fn device(self) -> Result<Device, BackendError> {
+        let compiled = Backend::value_variants().first().copied();
+        let chosen = self.backend.or(compiled);
+        let backend = chosen.ok_or(BackendError::NoneCompiled)?;
+        Ok(backend.device()?.autodiff())
+    }
+}
+
+impl Backend {
+    /// The device, without gradients.
+    ///
+    /// # Errors
+    /// When the backend finds none.
+    pub fn device(self) -> Result<Device, BackendError> {
+        match self {
+            #[cfg(feature = "cuda")]
+            Self::Cuda => Ok(Device::cuda(0)),
+            #[cfg(feature = "wgpu")]
+            Self::Wgpu => wgpu::device(),
+            #[cfg(feature = "flex")]
+            Self::Flex => Ok(Device::flex()),
+            #[cfg(feature = "ndarray")]
+            Self::Ndarray => Ok(ndarray()),
+        }
+    }
+}
+
+/// Burn 0.22 deprecates this backend in favour of `flex`; it stays selectable while it is there.
+#[cfg(feature = "ndarray")]
+#[expect(deprecated, reason = "selectable on purpose, see docs/decisions.md")]
+fn ndarray() -> Device {
+    Device::ndarray()
+}

@@ -1,0 +1,211 @@
+//! Step 4: evaluation of every model of the run on the held-out subjects.
+
+use shared::model::file::Model;
+
+use super::aggregation::aggregation;
+use super::candidates::{student_candidate, teacher_candidate};
+use super::context::RunContext;
+use super::error::StepError;
+use super::quantize::{Figure, ModelFile, model_bytes, save_figures};
+use evaluation::integer_candidate;
+use evaluation::trials;
+use evaluation::{
+    Candidate, EnergyDetector, Group, LookAhead, Measure, Trial, Truth, constant, cued, score_all,
+};
+use execution::progress;
+use execution::run_folder::RunError;
+use presets::config::ResolvedConfig;
+use presets::distillation;
+use recordings::Library;
+
+pub use evaluation::results::{
+    Evaluation, INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, RESULTS, Results, STUDENT, TEACHER,
+};
+
+/// Computes the logits of further models, which are evaluated beside the run's own.
+pub type MoreCandidates<'a> = &'a dyn Fn(&[Trial]) -> Result<Vec<Candidate>, StepError>;
+
+/// No further models.
+///
+/// # Errors
+/// Never.
+pub fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
+    Ok(Vec::new())
+}
+
+/// Evaluates the models of the run on the held-out subjects, as far as there are: teacher, `more`, float student, the
+/// integer student of the model file `model`, and the students trained on the labels alone; then the floors.
+///
+/// The results are kept in the run folder, unless the model file is another one than the run's.
+///
+/// # Errors
+/// When there is no model or no recording to evaluate on, or a model is damaged or not this run's.
+pub fn evaluate(
+    context: &RunContext,
+    model: Option<&ModelFile>,
+    more: MoreCandidates<'_>,
+) -> Result<(Results, Evaluation), StepError> {
+    let trials = trials::published(&context.config, &context.library);
+    let spliced = trials::spliced(&context.config, &context.library);
+    if trials.is_empty() {
+        return Err(StepError::NoTrials);
+    }
+    let aggregation = aggregation(context)?;
+    let is_kept = model.is_none_or(|model| model.is_own);
+    let bytes = model.map(|model| model.bytes.as_slice());
+    let mut published = candidates(context, &trials, bytes, more)?;
+    if published.is_empty() {
+        return Err(StepError::NoModel);
+    }
+    let mut on_spliced = candidates(context, &spliced, bytes, more)?;
+    let detector = energy_detector(&context.config, &context.library);
+    for (candidates, trials) in [(&mut published, &trials), (&mut on_spliced, &spliced)] {
+        candidates.push(constant(trials));
+        candidates.extend(detector.map(|detector| detector.candidate(trials)));
+    }
+    let vocabulary = context.config.preset.vocabulary();
+    let results = Results {
+        held_out: context.config.split.held_out.clone(),
+        aggregation,
+        gestures: cued(&trials),
+        published: score_all(
+            &published,
+            &trials,
+            vocabulary,
+            &[Truth::Published, Truth::LagCompensated],
+        )?,
+        spliced: score_all(&on_spliced, &spliced, vocabulary, &[Truth::LagCompensated])?,
+    };
+    if is_kept {
+        let made_from = context.config.fingerprint();
+        context.folder.save_stamped(RESULTS, made_from, &results)?;
+        if model.is_some() {
+            save_figures(context, figures(&results))?;
+        }
+    }
+    Ok((
+        results,
+        Evaluation {
+            trials,
+            candidates: published,
+            aggregation,
+            is_kept,
+            model: model.map(|model| model.bytes.clone()),
+        },
+    ))
+}
+
+/// The results that an earlier [`evaluate`] kept in the run folder, and the logits of the run's model file, from which they
+/// were computed. The other models' are not computed again.
+///
+/// # Errors
+/// When the run was not evaluated since it was trained, or has no model file, or a file is damaged or not this run's.
+pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
+    let made_from = context.config.fingerprint();
+    let results: Results = context.folder.load_stamped(RESULTS, made_from)?.content;
+    let model = ModelFile::of_run(context)?.ok_or(StepError::NoModel)?;
+    let trials = trials::published(&context.config, &context.library);
+    if trials.is_empty() {
+        return Err(StepError::NoTrials);
+    }
+    let candidate = integer_candidate(INTEGER, &Model::parse(&model.bytes)?, &trials)?;
+    let evaluation = Evaluation {
+        trials,
+        candidates: vec![candidate],
+        aggregation: results.aggregation,
+        is_kept: true,
+        model: Some(model.bytes),
+    };
+    Ok((results, evaluation))
+}
+
+/// The energy detector fitted to the training people of a run; none if they have no gesture.
+#[must_use]
+pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<EnergyDetector> {
+    let detector = EnergyDetector::fit(&trials::training(config, library))?;
+    progress::log(&format!(
+        "energy detector: {} from {:.1} counts on",
+        detector.active.name(),
+        detector.threshold
+    ));
+    Some(detector)
+}
+
+fn candidates(
+    context: &RunContext,
+    trials: &[Trial],
+    model: Option<&[u8]>,
+    more: MoreCandidates<'_>,
+) -> Result<Vec<Candidate>, StepError> {
+    let mut candidates = Vec::new();
+    if context.has(presets::teacher_training::NAME) {
+        candidates.extend(if_own(teacher_candidate(context, TEACHER, trials))?);
+    }
+    candidates.extend(more(trials)?);
+    if context.has(distillation::NAME) {
+        let student = context.student(distillation::NAME)?;
+        candidates.push(student_candidate(context, STUDENT, &student, trials)?);
+    }
+    if let Some(bytes) = model {
+        candidates.push(integer_candidate(INTEGER, &Model::parse(bytes)?, trials)?);
+    }
+    if context.has(distillation::LABELS_ONLY)
+        && let Some(student) = if_own(context.student(distillation::LABELS_ONLY))?
+    {
+        candidates.push(student_candidate(context, LABELS_ONLY, &student, trials)?);
+        let bytes = model_bytes(context, &student, LookAhead::AllRows, Vec::new())?;
+        candidates.push(integer_candidate(
+            INTEGER_LABELS_ONLY,
+            &Model::parse(&bytes)?,
+            trials,
+        )?);
+    }
+    Ok(candidates)
+}
+
+/// A model that the run's student does not need; none, with a line in the log, if it is left over from another run.
+///
+/// # Errors
+/// When it is damaged.
+pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
+    match model {
+        Ok(model) => Ok(Some(model)),
+        Err(error @ RunError::NotOfThisRun { .. }) => {
+            progress::log(&format!("left out: {error}"));
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// The integer student's scores that go into the model file.
+fn figures(results: &Results) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    let chosen = results.published.iter().filter(|score| {
+        score.model == INTEGER
+            && score.look_ahead == results.aggregation
+            && score.truth == Truth::LagCompensated
+    });
+    let measures = [
+        ("balanced accuracy", Measure::BalancedAccuracy),
+        ("transition accuracy", Measure::TransitionAccuracy),
+        ("gestures recognised", Measure::Recognition),
+        ("raw accuracy", Measure::RawAccuracy),
+    ];
+    for score in chosen {
+        let people = match score.people {
+            Group::AllClasses => "",
+            Group::FewerClasses => ", fewer classes:",
+        };
+        for (what, measure) in measures {
+            if let Some(value) = measure.mean(score) {
+                #[expect(clippy::cast_possible_truncation, reason = "a share of 1")]
+                figures.push(Figure {
+                    name: format!("{}{people} {what}, n {}", score.data_set, value.n),
+                    value: value.mean as f32,
+                });
+            }
+        }
+    }
+    figures
+}

@@ -1,0 +1,169 @@
+//! Fine-tuning of a model file's weights.
+
+use burn::module::Module as _;
+use burn::tensor::Device;
+use serde::{Deserialize, Serialize};
+use shared::model::file::{Model, ProvenanceParts};
+use shared::units::SAMPLE_RATE_HZ;
+
+use super::error::PersonalizeError;
+use super::part::Part;
+use crate::inference::student_logits;
+use crate::optimization::tune;
+use crate::student::dequantization::dequantize;
+use crate::student::learner::{StudentLearner, Teaching};
+use crate::student::quantization::quantize;
+use execution::interrupt::Interrupt;
+use execution::revision::revision;
+use presets::augmentation::Augmentation;
+use presets::distillation::Distillation;
+use recordings::corpus::{Corpus, Stream};
+use recordings::splice::{SpliceOptions, splice};
+
+/// Name of the training in its progress bar and errors.
+const NAME: &str = "personalize";
+/// Seconds of the spliced recording that excerpts are drawn from.
+const SPLICED_SECONDS: usize = 300;
+/// Standard deviation of the logarithm of the gain of an excerpt.
+const GAIN: f64 = 0.1;
+
+/// How a model is tuned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TuningSettings {
+    /// Steps.
+    pub steps: usize,
+    /// Excerpts of 6 s a step.
+    pub batch: usize,
+    /// Peak learning rate of AdamW.
+    pub learning_rate: f64,
+    /// Share of the old model's own outputs in the targets, 0 to 1 (learning without forgetting, Li and Hoiem, IEEE TPAMI
+    /// 40(12), 2018): without them rest raises labels in people whose recordings are steady holds.
+    pub keep: f64,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+impl Default for TuningSettings {
+    fn default() -> Self {
+        Self {
+            steps: 40,
+            batch: 16,
+            learning_rate: 1e-3,
+            keep: 0.5,
+            seed: 42,
+        }
+    }
+}
+
+/// The model file tuned on a part of a person's recordings. All but the weights and the provenance is as it was. `report` is
+/// told after each step how many of [`TuningSettings::steps`] are taken.
+///
+/// # Errors
+/// When the model is refused, the part has nothing to learn from, the training diverges or the user interrupts.
+pub fn tune(
+    file: &[u8],
+    part: &Part<'_>,
+    settings: &TuningSettings,
+    device: &Device,
+    interrupt: &Interrupt,
+    report: impl FnMut(usize),
+) -> Result<Vec<u8>, PersonalizeError> {
+    let parts = Model::parse(file)?.to_parts();
+    let (student, config) = dequantize(&parts, device);
+    let corpus = spliced(part, parts.dimensions.other, settings.seed)?
+        .with_median(parts.preprocessing.median);
+    let plain = device.clone().inner();
+    let teaching = if settings.keep > 0.0 {
+        let old = student.valid();
+        let own = |stream: &Stream| student_logits(&old, &stream.emg, &plain);
+        Teaching::Teacher(corpus.streams.iter().map(own).collect())
+    } else {
+        Teaching::Labels
+    };
+    let training = Distillation {
+        epochs: 1,
+        steps: settings.steps,
+        batch: settings.batch,
+        patches: 120,
+        learning_rate: settings.learning_rate,
+        warm_up: 0.1,
+        weight_decay: 0.0,
+        ema_decay: 0.0,
+        teacher_share: settings.keep,
+        ensemble: None,
+        temperature: 1.0,
+        augmentation: Some(Augmentation {
+            gain: GAIN,
+            rotation: 0,
+        }),
+    };
+    let nothing = Corpus {
+        vocabulary: corpus.vocabulary,
+        other: corpus.other,
+        streams: Vec::new(),
+    };
+    let span = config.span;
+    let learner = StudentLearner::new(NAME, span, &corpus, teaching, &nothing, &training, device);
+    let fit = training.train_config(settings.seed);
+    let tuned = tune::tune(&learner, student, fit, interrupt, report)
+        .map_err(PersonalizeError::Training)?
+        .ok_or(PersonalizeError::Interrupted)?;
+    quantize(
+        &tuned.valid(),
+        &config,
+        parts.dimensions.vocabulary,
+        (parts.smoother, parts.preprocessing),
+        parts.template,
+        provenance(parts.provenance, part, settings),
+    )
+    .map_err(PersonalizeError::Tuned)
+}
+
+/// The person's gestures in random order and of random length, so that the order of a protocol cannot be learnt. Movement
+/// outside the vocabulary is a class where it is one for the model (`other`).
+fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, PersonalizeError> {
+    let recordings = part.recordings();
+    let options = SpliceOptions {
+        samples: SPLICED_SECONDS * SAMPLE_RATE_HZ as usize,
+        count: 1,
+        other,
+        seed,
+    };
+    let streams: Vec<Stream> = splice(&recordings.iter().collect::<Vec<_>>(), &options)
+        .into_iter()
+        .map(Stream::from)
+        .collect();
+    if streams.is_empty() {
+        return Err(PersonalizeError::NoChange);
+    }
+    Ok(Corpus {
+        vocabulary: part.person().vocabulary,
+        other,
+        streams,
+    })
+}
+
+/// Where the tuned model comes from: the people of the old one and this person. Its scores were the old weights'.
+fn provenance(old: ProvenanceParts, part: &Part<'_>, settings: &TuningSettings) -> ProvenanceParts {
+    let person = part.person();
+    let subject = person.subject().to_owned();
+    let mut seen = old.subjects_seen;
+    let mut sets = old.data_sets;
+    let mut left_out = old.subjects_left_out;
+    left_out.retain(|own| *own != subject);
+    let set = person.data_set.name().to_owned();
+    if !sets.contains(&set) {
+        sets.push(set);
+    }
+    if !seen.contains(&subject) {
+        seen.push(subject);
+    }
+    ProvenanceParts {
+        data_sets: sets,
+        subjects_seen: seen,
+        subjects_left_out: left_out,
+        git_revision: revision().unwrap_or_default().to_owned(),
+        seed: settings.seed,
+        metrics: Vec::new(),
+    }
+}

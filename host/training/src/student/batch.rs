@@ -1,0 +1,228 @@
+//! Batches of excerpts as tensors.
+
+use burn::tensor::{Device, Int, Tensor, TensorData};
+use shared::units::{CHANNELS, LOOK_BACK, PATCH, WINDOW_PATCHES};
+
+use super::sequence::{Excerpt, Sequence};
+
+/// A batch of excerpts: the student's input and the targets of its outputs.
+///
+/// An output is the head's estimate at one patch of the intent at that patch or at one of the five before.
+pub struct Batch {
+    /// `[b, patches, 80]`.
+    pub(super) emg: Tensor<3>,
+    /// Output of the label, 0 where there is none, `[b, patches, 6, 1]`.
+    pub(super) targets: Tensor<4, Int>,
+    /// 1 where there is a label, `[b, patches, 6]`.
+    pub(super) label_mask: Tensor<3>,
+    /// Number of outputs that the label loss is a mean over.
+    pub(super) labelled: f64,
+    /// 1 where a teacher can be asked: after the context, for patches after the lead-in, `[b, patches, 6]`.
+    pub(super) distillation_mask: Tensor<3>,
+    /// Number of outputs that the distillation loss is a mean over.
+    pub(super) distilled: f64,
+    /// The teacher's logits of the recordings, if there are any, `[b, patches, 6, outputs of a row]`.
+    pub(super) soft_targets: Option<Tensor<4>>,
+}
+
+/// Sizes that every batch of a training shares.
+#[derive(Clone, Copy)]
+pub(super) struct BatchShape {
+    /// Patches of an excerpt.
+    pub(super) patches: usize,
+    /// Patches at the start of an excerpt whose outputs have no target, for want of context.
+    pub(super) context: usize,
+    /// Outputs of a row: the classes, and movement that is none of them.
+    pub(super) outputs: usize,
+}
+
+impl Batch {
+    /// Assembles a batch; where a sequence ends before its excerpt, the rest is zeros without targets.
+    pub(super) fn new(
+        sequences: &[Sequence],
+        excerpts: &[Excerpt],
+        shape: BatchShape,
+        device: &Device,
+    ) -> Self {
+        let BatchShape {
+            patches,
+            context,
+            outputs: row_outputs,
+        } = shape;
+        let b = excerpts.len();
+        let mut emg = Vec::with_capacity(b * patches * PATCH * CHANNELS);
+        let mut targets = vec![0_i32; b * patches * LOOK_BACK];
+        let mut label_mask = vec![0.0_f32; b * patches * LOOK_BACK];
+        let mut logits = vec![0.0_f32; b * patches * LOOK_BACK * row_outputs];
+        let mut distillation_mask = vec![0.0_f32; b * patches * LOOK_BACK];
+        let (mut labelled, mut distilled) = (0.0, 0.0);
+        for (row, excerpt) in excerpts.iter().enumerate() {
+            let sequence = &sequences[excerpt.sequence];
+            let end = (excerpt.start + patches).min(sequence.patches());
+            excerpt
+                .variation
+                .write(&sequence.emg[excerpt.start * PATCH..end * PATCH], &mut emg);
+            emg.resize((row + 1) * patches * PATCH * CHANNELS, 0.0);
+            for patch in excerpt.start + context..end {
+                for back in 0..LOOK_BACK {
+                    // No targets in the lead-in, which repeats EMG of the stream.
+                    let Some(estimated) = patch
+                        .checked_sub(back)
+                        .filter(|&estimated| estimated >= WINDOW_PATCHES)
+                    else {
+                        continue;
+                    };
+                    let output = (row * patches + patch - excerpt.start) * LOOK_BACK + back;
+                    if let Some(target) = sequence.targets[estimated] {
+                        targets[output] = target as i32;
+                        label_mask[output] = 1.0;
+                        labelled += 1.0;
+                    }
+                    distillation_mask[output] = 1.0;
+                    distilled += 1.0;
+                    if let Some(soft_targets) = &sequence.soft_targets {
+                        logits[output * row_outputs..(output + 1) * row_outputs].copy_from_slice(
+                            &soft_targets[patch - WINDOW_PATCHES][back][..row_outputs],
+                        );
+                    }
+                }
+            }
+        }
+        let outputs = [b, patches, LOOK_BACK];
+        let has_teacher = sequences
+            .iter()
+            .any(|sequence| sequence.soft_targets.is_some());
+        Self {
+            emg: Tensor::from_data(TensorData::new(emg, [b, patches, PATCH * CHANNELS]), device),
+            targets: Tensor::from_data(
+                TensorData::new(targets, [b, patches, LOOK_BACK, 1]),
+                device,
+            ),
+            label_mask: Tensor::from_data(TensorData::new(label_mask, outputs), device),
+            labelled,
+            distillation_mask: Tensor::from_data(
+                TensorData::new(distillation_mask, outputs),
+                device,
+            ),
+            distilled,
+            soft_targets: has_teacher.then(|| {
+                let shape = [b, patches, LOOK_BACK, row_outputs];
+                Tensor::from_data(TensorData::new(logits, shape), device)
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::intent::{Intent, Vocabulary};
+    use shared::model::LookBackLogits;
+
+    use super::*;
+    use crate::optimization::tensor::read_back;
+    use crate::student::sequence::sequences;
+    use presets::augmentation::Variation;
+    use recordings::corpus::{Corpus, Stream};
+
+    const SHAPE: BatchShape = BatchShape {
+        patches: 70,
+        context: 3,
+        outputs: 3,
+    };
+
+    /// A stream of 20 patches, and soft targets whose first logit is the number of the patch.
+    fn sequence() -> Vec<Sequence> {
+        let samples = 20 * PATCH;
+        let corpus = Corpus {
+            vocabulary: Vocabulary::Three,
+            other: false,
+            streams: vec![Stream::new(
+                vec![[1; CHANNELS]; samples],
+                vec![Some(Intent::Open); samples],
+            )],
+        };
+        let soft_targets = (0..20)
+            .map(|patch| {
+                let mut logits = LookBackLogits::default();
+                for logits in &mut logits {
+                    logits[0] = patch as f32;
+                }
+                logits
+            })
+            .collect();
+        sequences(&corpus, Some(vec![soft_targets]))
+    }
+
+    #[test]
+    fn movement_outside_the_vocabulary_is_the_output_after_the_classes() {
+        let samples = 20 * PATCH;
+        let mut stream = Stream::new(vec![[1; CHANNELS]; samples], vec![None; samples]);
+        stream.labels[..50].fill(Some(Intent::Open));
+        stream.other_movement.push(100..150);
+        let corpus = |other| Corpus {
+            vocabulary: Vocabulary::Three,
+            other,
+            streams: vec![stream.clone()],
+        };
+        let found = |other| sequences(&corpus(other), None)[0].targets[WINDOW_PATCHES..].to_vec();
+        let mut expected = vec![None; 20];
+        expected[..5].fill(Some(1));
+        assert_eq!(found(false), expected);
+        expected[10..15].fill(Some(3));
+        assert_eq!(found(true), expected);
+        let shape = BatchShape {
+            outputs: 4,
+            ..SHAPE
+        };
+        let sequence = sequences(&corpus(true), None);
+        let batch = Batch::new(&sequence, &[excerpt(60)], shape, &Device::default());
+        let targets: Vec<i32> = batch.targets.into_data().iter::<i32>().collect();
+        // Each patch is estimated six times.
+        assert_eq!(targets.iter().filter(|&&target| target == 3).count(), 5 * 6);
+    }
+
+    fn excerpt(start: usize) -> Excerpt {
+        Excerpt {
+            sequence: 0,
+            start,
+            variation: Variation::NONE,
+        }
+    }
+
+    #[test]
+    fn targets_begin_after_the_lead_in_and_need_context() {
+        let device = Device::default();
+        let batch = Batch::new(&sequence(), &[excerpt(0), excerpt(62)], SHAPE, &device);
+        // The first excerpt ends after 10 patches of the stream, of which the first five cannot look back on five
+        // others. The second one has the last 18 patches of the stream, less three of context.
+        let expected = (1 + 2 + 3 + 4 + 5 + 5 * 6) + (18 - 3) * 6;
+        assert_eq!(batch.labelled, f64::from(expected));
+        let mask = read_back(batch.label_mask);
+        assert_eq!(mask.iter().sum::<f32>(), expected as f32);
+        let second = 70 * LOOK_BACK;
+        assert!(
+            mask[second..second + 3 * LOOK_BACK]
+                .iter()
+                .all(|&m| m == 0.0)
+        );
+        assert!(mask[second + 18 * LOOK_BACK..].iter().all(|&m| m == 0.0));
+    }
+
+    #[test]
+    fn soft_targets_are_those_of_the_patch() {
+        let device = Device::default();
+        let batch = Batch::new(&sequence(), &[excerpt(62)], SHAPE, &device);
+        assert_eq!(batch.distilled, batch.labelled);
+        assert_eq!(
+            read_back(batch.distillation_mask),
+            read_back(batch.label_mask.clone())
+        );
+        let logits = read_back(batch.soft_targets.unwrap());
+        for patch in 3..18 {
+            for back in 0..LOOK_BACK {
+                let output = patch * LOOK_BACK + back;
+                assert_eq!(logits[output * 3], (62 + patch - WINDOW_PATCHES) as f32);
+            }
+        }
+    }
+}

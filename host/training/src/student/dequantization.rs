@@ -1,0 +1,156 @@
+//! A float student from a model file: what fine-tuning starts from.
+
+use burn::module::Param;
+use burn::nn::{LayerNorm, Linear};
+use burn::tensor::{Device, Tensor, TensorData};
+use shared::model::file::{LinearParts, ModelParts, NormParts};
+
+use super::model::{HEADS, Student, StudentConfig};
+
+/// The student whose weights are those that a model file stores, and its dimensions.
+pub(crate) fn dequantize(parts: &ModelParts, device: &Device) -> (Student, StudentConfig) {
+    let dimensions = &parts.dimensions;
+    let config = StudentConfig {
+        d_model: dimensions.width,
+        heads: HEADS,
+        layers: dimensions.layers,
+        span: dimensions.span,
+        companding: parts.companding,
+        board: true,
+    };
+    let mut student = Student::new(
+        &config,
+        dimensions.vocabulary.classes(),
+        dimensions.other,
+        device,
+    );
+    set_linear(&mut student.embed, &parts.embed, device);
+    for (layer, own) in student.layers.iter_mut().zip(&parts.layers) {
+        set_norm(&mut layer.norm1, &own.norm1, device);
+        set_linear(&mut layer.qkv, &own.qkv, device);
+        let shape = [config.heads, config.span];
+        layer.relative_bias = parameter(&own.relative_bias, shape, device);
+        set_linear(&mut layer.out, &own.out, device);
+        set_norm(&mut layer.norm2, &own.norm2, device);
+        set_linear(&mut layer.ff1, &own.ff1, device);
+        set_linear(&mut layer.ff2, &own.ff2, device);
+    }
+    set_norm(&mut student.final_norm, &parts.final_norm, device);
+    set_linear(&mut student.head, &parts.head, device);
+    (student, config)
+}
+
+/// A row of a model file's matrix is an output; Burn's matrices are inputs by outputs.
+fn set_linear(linear: &mut Linear, parts: &LinearParts, device: &Device) {
+    let [inputs, outputs] = linear.weight.dims();
+    let rows = parts.dequantized();
+    let by_input = (0..inputs)
+        .flat_map(|input| rows.iter().skip(input).step_by(inputs))
+        .copied()
+        .collect::<Vec<f32>>();
+    linear.weight = parameter(&by_input, [inputs, outputs], device);
+    linear.bias = Some(parameter(&parts.bias, [outputs], device));
+}
+
+fn set_norm(norm: &mut LayerNorm, parts: &NormParts, device: &Device) {
+    let width = [parts.gain.len()];
+    norm.gamma = parameter(&parts.gain, width, device);
+    norm.beta = Some(parameter(&parts.bias, width, device));
+}
+
+fn parameter<const D: usize>(
+    values: &[f32],
+    shape: [usize; D],
+    device: &Device,
+) -> Param<Tensor<D>> {
+    Param::from_data(TensorData::new(values.to_vec(), shape), device)
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::intent::Vocabulary;
+    use shared::model::dimensions::Dimensions;
+    use shared::model::file::Model;
+    use shared::model::file::random::random_model;
+    use shared::units::CHANNELS;
+
+    use super::*;
+    use crate::inference::student_logits;
+    use crate::student::quantization::quantize;
+    use evaluation::inference::integer_logits;
+
+    fn parts() -> ModelParts {
+        let dimensions = Dimensions {
+            width: 32,
+            layers: 2,
+            span: 11,
+            vocabulary: Vocabulary::Three,
+            other: true,
+        };
+        random_model(dimensions, 3)
+    }
+
+    /// Quantizes a student into a file that is otherwise `parts`.
+    fn quantized(student: &Student, config: &StudentConfig, parts: &ModelParts) -> Vec<u8> {
+        let smoother = (parts.smoother, parts.preprocessing);
+        let vocabulary = parts.dimensions.vocabulary;
+        let (template, provenance) = (parts.template, parts.provenance.clone());
+        quantize(student, config, vocabulary, smoother, template, provenance).unwrap()
+    }
+
+    #[test]
+    fn a_model_dequantized_and_quantized_again_is_the_same_within_half_a_unit_of_its_weights() {
+        let shipped = include_bytes!("../../../../models/three-class.intent").to_vec();
+        let shipped = Model::parse(&shipped).unwrap().to_parts();
+        for parts in [parts(), shipped] {
+            let (student, config) = dequantize(&parts, &Device::default());
+            let file = quantized(&student, &config, &parts);
+            let mut again = Model::parse(&file).unwrap().to_parts();
+            let mut original = parts.clone();
+            let pairs = linear_maps(&mut again)
+                .into_iter()
+                .zip(linear_maps(&mut original));
+            for (own, other) in pairs {
+                let columns = own.weights.len() / own.scales.len();
+                let weights = other.dequantized();
+                let rows = weights.chunks(columns).zip(&own.scales);
+                let weights = rows.flat_map(|(row, scale)| row.iter().map(move |w| (w, scale)));
+                for ((weight, scale), found) in weights.zip(own.dequantized()) {
+                    assert!((weight - found).abs() <= 0.501 * scale, "{weight} {found}");
+                }
+                *own = other.clone();
+            }
+            assert!(parts == again, "more than weights differ");
+        }
+    }
+
+    /// All linear maps.
+    fn linear_maps(parts: &mut ModelParts) -> Vec<&mut LinearParts> {
+        let layers = parts.layers.iter_mut();
+        let layers =
+            layers.flat_map(|own| [&mut own.qkv, &mut own.out, &mut own.ff1, &mut own.ff2]);
+        [&mut parts.embed, &mut parts.head]
+            .into_iter()
+            .chain(layers)
+            .collect()
+    }
+
+    #[test]
+    fn the_float_student_computes_what_the_file_does() {
+        let parts = parts();
+        let device = Device::default();
+        let (student, _) = dequantize(&parts, &device);
+        let file = parts.to_bytes().unwrap();
+        let emg: Vec<[u8; CHANNELS]> = (0..900_usize)
+            .map(|at| std::array::from_fn(|channel| (at * (channel + 3) % 97) as u8))
+            .collect();
+        let float = student_logits(&student, &emg, &device);
+        let integer = integer_logits(&Model::parse(&file).unwrap(), &emg).unwrap();
+        assert_eq!(float.len(), integer.len());
+        for (float, integer) in float.iter().flatten().zip(integer.iter().flatten()) {
+            for (float, integer) in float.iter().zip(integer) {
+                assert!((float - integer).abs() < 0.02, "{float} {integer}");
+            }
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! An ensemble of students that teaches another one.
+//!
+//! It is asked about every batch as the student sees it, with gains and rotations drawn anew: there is no end of such
+//! examples, and only from those does a student take over what several know beyond one
+//! (docs/decisions.md#why-does-an-ensemble-teach-the-student).
+
+use burn::tensor::Tensor;
+use burn::tensor::activation::softmax;
+
+use super::model::Student;
+
+/// Trained students, without gradients.
+pub struct Ensemble(Vec<Student>);
+
+impl Ensemble {
+    /// At least one student.
+    #[must_use]
+    pub fn new(members: Vec<Student>) -> Self {
+        Self(members)
+    }
+
+    /// The logarithm of the members' mean probabilities, as logits without gradients: `[b, patches, 6, outputs of a row]`.
+    ///
+    /// `emg` is on a device with gradients, and so is what is returned.
+    pub(super) fn logits(&self, emg: Tensor<3>) -> Tensor<4> {
+        let emg = emg.inner();
+        let sum = self
+            .0
+            .iter()
+            .map(|member| softmax(member.forward(emg.clone()), 3))
+            .reduce(|sum, one| sum + one)
+            .expect("an ensemble has a member");
+        // A probability that underflows would have no logarithm.
+        let mean = (sum / self.0.len() as f64).clamp_min(1e-20);
+        Tensor::from_inner(mean.log())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use burn::module::Module as _;
+    use burn::tensor::{Device, Distribution};
+
+    use super::*;
+    use crate::optimization::tensor::read_back;
+    use presets::Preset;
+
+    #[test]
+    fn the_ensemble_is_the_mean_of_its_members_probabilities() {
+        let device = Device::default().autodiff();
+        let config = Preset::find("cpu").unwrap().student;
+        let members: Vec<Student> = (0..3)
+            .map(|seed| {
+                device.seed(seed);
+                Student::new(&config, 3, true, &device).valid()
+            })
+            .collect();
+        let emg = Tensor::<3>::random([2, 40, 80], Distribution::Uniform(0.0, 1.0), &device);
+        let each: Vec<Vec<f32>> = members
+            .iter()
+            .map(|member| read_back(softmax(member.forward(emg.clone().inner()), 3)))
+            .collect();
+        let logits = Ensemble::new(members).logits(emg);
+        assert_eq!(logits.dims(), [2, 40, 6, 4]);
+        let found = read_back(softmax(logits, 3));
+        for (at, &found) in found.iter().enumerate() {
+            let mean = each.iter().map(|own| own[at]).sum::<f32>() / 3.0;
+            assert!((found - mean).abs() < 1e-5, "{at}: {found}, {mean}");
+        }
+    }
+}

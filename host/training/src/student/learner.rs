@@ -1,0 +1,221 @@
+//! A student's training, batch by batch: sequences, losses, validation.
+
+use burn::tensor::activation::{log_softmax, softmax};
+use burn::tensor::{Device, Tensor};
+use rand_chacha::ChaCha8Rng;
+use shared::model::LookBackLogits;
+use shared::units::LOOK_BACK;
+
+use super::batch::{Batch, BatchShape};
+use super::ensemble::Ensemble;
+use super::model::Student;
+use super::sequence::{Excerpt, Sequence, sequences};
+use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
+use crate::optimization::loss::cross_entropy;
+use crate::optimization::tensor::read_back;
+use presets::augmentation::Variation;
+use presets::distillation::Distillation;
+use recordings::corpus::Corpus;
+
+/// Who sets a student's soft targets.
+pub enum Teaching<'a> {
+    /// Nobody: it learns from the labels alone.
+    Labels,
+    /// A teacher: its logits at every patch of the recordings, stream by stream.
+    Teacher(Vec<Vec<LookBackLogits>>),
+    /// Students, who are asked about each batch.
+    Ensemble(&'a Ensemble),
+}
+
+/// What a student is trained on and validated with.
+pub struct StudentLearner<'a> {
+    name: &'static str,
+    config: &'a Distillation,
+    shape: BatchShape,
+    sequences: Vec<Sequence>,
+    validation_sequences: Vec<Sequence>,
+    ensemble: Option<&'a Ensemble>,
+    device: &'a Device,
+}
+
+impl<'a> StudentLearner<'a> {
+    /// The corpora as sequences, for a student whose files are called `name` and whose layers attend to `span` patches.
+    #[must_use]
+    pub fn new(
+        name: &'static str,
+        span: usize,
+        corpus: &Corpus,
+        teaching: Teaching<'a>,
+        validation: &Corpus,
+        config: &'a Distillation,
+        device: &'a Device,
+    ) -> Self {
+        let (soft_targets, ensemble) = match teaching {
+            Teaching::Labels => (None, None),
+            Teaching::Teacher(logits) => (Some(logits), None),
+            Teaching::Ensemble(ensemble) => (None, Some(ensemble)),
+        };
+        Self {
+            name,
+            config,
+            shape: BatchShape {
+                patches: config.patches,
+                context: span,
+                outputs: corpus.vocabulary.classes() + usize::from(corpus.other),
+            },
+            sequences: sequences(corpus, soft_targets),
+            validation_sequences: sequences(validation, None),
+            ensemble,
+            device,
+        }
+    }
+
+    /// Excerpts that cover the targets of a whole sequence, each once, without variations.
+    fn covering(&self, sequence: usize) -> Vec<Excerpt> {
+        let new_patches = self.shape.patches - self.shape.context;
+        let end = self.validation_sequences[sequence]
+            .patches()
+            .saturating_sub(self.shape.context);
+        (0..end)
+            .step_by(new_patches)
+            .map(|start| Excerpt {
+                sequence,
+                start,
+                variation: Variation::NONE,
+            })
+            .collect()
+    }
+}
+
+/// Cross entropy against the labels, mean over labelled outputs.
+fn label_loss(logits: &Tensor<4>, batch: &Batch) -> Tensor<1> {
+    cross_entropy(
+        logits.clone(),
+        batch.targets.clone(),
+        batch.label_mask.clone().unsqueeze_dim(3),
+        batch.labelled,
+    )
+}
+
+/// Kullback-Leibler divergence from a teacher's distribution at a temperature, mean over distilled outputs.
+///
+/// The factor of the temperature squared keeps the size of its gradient (Hinton et al., arXiv 1503.02531).
+fn distillation_loss(
+    logits: &Tensor<4>,
+    teacher: &Tensor<4>,
+    batch: &Batch,
+    temperature: f64,
+) -> Tensor<1> {
+    let inverse = 1.0 / temperature;
+    let target = softmax(teacher.clone() * inverse, 3);
+    let target_log = log_softmax(teacher.clone() * inverse, 3);
+    let divergence = (target * (target_log - log_softmax(logits.clone() * inverse, 3)))
+        .sum_dim(3)
+        .squeeze_dim::<3>(3);
+    (divergence * batch.distillation_mask.clone()).sum()
+        * (temperature.powi(2) / batch.distilled.max(1.0))
+}
+
+impl Learner for StudentLearner<'_> {
+    type Model = Student;
+    type Item = Vec<Excerpt>;
+    type Shard = Batch;
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Vec<Excerpt>> {
+        (0..self.config.steps)
+            .map(|_| {
+                (0..self.config.batch)
+                    .map(|_| Excerpt::draw(&self.sequences, self.config, rng))
+                    .collect()
+            })
+            .collect()
+    }
+
+    fn steps(&self) -> usize {
+        self.config.steps
+    }
+
+    fn shards(&self, item: &Self::Item, _: &mut ChaCha8Rng) -> Vec<Batch> {
+        let mut shards: Vec<Batch> = item
+            .chunks(item.len().div_ceil(SHARDS))
+            .map(|part| Batch::new(&self.sequences, part, self.shape, self.device))
+            .collect();
+        // Losses are means over the whole batch, as if it were computed in one part.
+        let labelled = shards.iter().map(|batch| batch.labelled).sum();
+        let distilled = shards.iter().map(|batch| batch.distilled).sum();
+        for batch in &mut shards {
+            batch.labelled = labelled;
+            batch.distilled = distilled;
+        }
+        shards
+    }
+
+    fn loss(&self, model: &Student, mut batch: Batch) -> (Tensor<1>, Vec<WeightedMetric>) {
+        let logits = model.forward(batch.emg.clone());
+        let label = label_loss(&logits, &batch);
+        let metric = |name, loss: &Tensor<1>| WeightedMetric {
+            name,
+            mean: f64::from(read_back(loss.clone())[0]),
+            weight: 1.0,
+        };
+        let mut metrics = vec![metric("label", &label)];
+        let share = self.config.teacher_share;
+        let teacher = match self.ensemble {
+            Some(ensemble) => Some(ensemble.logits(batch.emg.clone())),
+            None => batch.soft_targets.take(),
+        };
+        let total = match teacher {
+            Some(teacher) if share > 0.0 => {
+                let temperature = self.config.temperature;
+                let divergence = distillation_loss(&logits, &teacher, &batch, temperature);
+                metrics.push(metric("teacher", &divergence));
+                divergence * share + label * (1.0 - share)
+            }
+            _ => label,
+        };
+        (total, metrics)
+    }
+
+    fn validate(&self, model: &Student) -> (f64, Vec<WeightedMetric>) {
+        let device = self.device.clone().inner();
+        let (mut loss, mut labelled) = (0.0, 0.0);
+        let mut correct = [0.0; LOOK_BACK];
+        let mut counted = [0.0; LOOK_BACK];
+        for sequence in 0..self.validation_sequences.len() {
+            for excerpts in self.covering(sequence).chunks(self.config.batch) {
+                let batch = Batch::new(&self.validation_sequences, excerpts, self.shape, &device);
+                let logits = model.forward(batch.emg.clone());
+                loss += f64::from(read_back(label_loss(&logits, &batch))[0]) * batch.labelled;
+                labelled += batch.labelled;
+                let hits = logits
+                    .argmax(3)
+                    .equal(batch.targets)
+                    .float()
+                    .squeeze_dim::<3>(3);
+                let hits = read_back(hits * batch.label_mask.clone());
+                let mask = read_back(batch.label_mask);
+                for (output, (hit, weight)) in hits.iter().zip(mask).enumerate() {
+                    correct[output % LOOK_BACK] += f64::from(*hit);
+                    counted[output % LOOK_BACK] += f64::from(weight);
+                }
+            }
+        }
+        let loss = loss / f64::max(labelled, 1.0);
+        let accuracy = |back: usize| correct[back] / f64::max(counted[back], 1.0);
+        let metrics = [
+            ("label", loss),
+            ("newest patch", accuracy(0)),
+            ("oldest patch", accuracy(LOOK_BACK - 1)),
+        ]
+        .map(|(name, mean)| WeightedMetric {
+            name,
+            mean,
+            weight: 1.0,
+        });
+        (loss, metrics.to_vec())
+    }
+}

@@ -1,0 +1,245 @@
+//! A teacher's training, batch by batch: examples, losses, validation.
+
+use burn::module::Module as _;
+use burn::tensor::{Device, Tensor};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use super::batch::Batch;
+use super::lora::adapt;
+use super::model::{Teacher, TeacherInput, TeacherOutput};
+use super::window::{Example, WindowShape, examples};
+use crate::optimization::fit::{Training, fit};
+use crate::optimization::learner::{Learner, SHARDS, WeightedMetric};
+use crate::optimization::loss::cross_entropy;
+use crate::optimization::tensor::{best_class, read_back};
+use crate::weights::Weights as _;
+use execution::run_folder::RunError;
+use presets::augmentation::Variation;
+use presets::teacher_training::{ADAPTED, NAME, TeacherTraining};
+use recordings::corpus::Corpus;
+
+/// What a teacher is trained on and validated with.
+pub struct TeacherLearner<'a> {
+    shape: WindowShape,
+    corpus: &'a Corpus,
+    validation: &'a Corpus,
+    config: &'a TeacherTraining,
+    examples: Vec<Example>,
+    validation_examples: Vec<Example>,
+    seed: u64,
+    device: &'a Device,
+}
+
+impl<'a> TeacherLearner<'a> {
+    /// Every window of the corpora, once per task, for a teacher of this window shape.
+    #[must_use]
+    pub fn new(
+        shape: WindowShape,
+        corpus: &'a Corpus,
+        validation: &'a Corpus,
+        config: &'a TeacherTraining,
+        seed: u64,
+        device: &'a Device,
+    ) -> Self {
+        let of = |corpus| examples(corpus, config.stride, shape.window, &config.tasks);
+        Self {
+            shape,
+            corpus,
+            validation,
+            config,
+            examples: of(corpus),
+            validation_examples: of(validation),
+            seed,
+            device,
+        }
+    }
+
+    /// Trains a model and saves it in the run folder, LoRA adapters merged.
+    ///
+    /// # Errors
+    /// When the folder cannot be written or the user interrupts.
+    pub(crate) fn train(
+        &self,
+        model: Teacher,
+        training: &Training<'_>,
+    ) -> Result<Teacher, RunError> {
+        let config = self.config.train_config(self.seed);
+        let Some(lora) = self.config.lora else {
+            return fit(self, model, config, training);
+        };
+        let adapted = fit(self, adapt(lora, model), config, training)?;
+        let merged = adapted.valid().materialize();
+        training.run.save_model(NAME, training.made_from, &merged)?;
+        Ok(merged)
+    }
+
+    /// Share of labelled samples that the model classifies correctly from EMG alone.
+    fn accuracy(&self, model: &Teacher, device: &Device) -> f64 {
+        let classes = self.validation.vocabulary.classes();
+        let mut windows: Vec<_> = self
+            .validation_examples
+            .iter()
+            .map(|example| example.window)
+            .collect();
+        windows.dedup();
+        let mut correct = WeightedMean::default();
+        for windows in windows.chunks(self.config.batch) {
+            let mut emg = Vec::new();
+            let mut labels = Vec::new();
+            for window in windows {
+                let stream = &self.validation.streams[window.stream];
+                let range = window.start..window.start + self.shape.window;
+                Variation::NONE.write(&stream.emg[range.clone()], &mut emg);
+                labels.extend_from_slice(&stream.labels[range]);
+            }
+            let input = TeacherInput::for_inference(emg, self.shape, classes, device);
+            let logits = read_back(model.forward(input).intent);
+            for (logits, label) in logits.chunks_exact(classes + 1).zip(labels) {
+                if let Some(intent) = label {
+                    let hit = best_class(&logits[..classes]) == intent.class();
+                    correct.add(f32::from(u8::from(hit)), 1);
+                }
+            }
+        }
+        correct.mean()
+    }
+}
+
+impl Learner for TeacherLearner<'_> {
+    type Model = Teacher;
+    type Item = Vec<Example>;
+    type Shard = (Batch, ChaCha8Rng);
+
+    fn name(&self) -> &'static str {
+        if self.config.lora.is_some() {
+            ADAPTED
+        } else {
+            NAME
+        }
+    }
+
+    fn epoch(&self, rng: &mut ChaCha8Rng) -> Vec<Self::Item> {
+        let mut order = self.examples.clone();
+        order.shuffle(rng);
+        order
+            .chunks(self.config.batch)
+            .map(<[Example]>::to_vec)
+            .collect()
+    }
+
+    fn steps(&self) -> usize {
+        // As in the reference, the last, short batch is trained on but not counted.
+        self.examples.len() / self.config.batch
+    }
+
+    fn shards(&self, item: &Self::Item, rng: &mut ChaCha8Rng) -> Vec<Self::Shard> {
+        let augmentation = self.config.augmentation.as_ref();
+        let mut shards: Vec<Self::Shard> = item
+            .chunks(item.len().div_ceil(SHARDS))
+            .map(|part| {
+                let batch = Batch::new(
+                    self.corpus,
+                    part,
+                    self.shape,
+                    augmentation,
+                    rng,
+                    self.device,
+                );
+                (batch, ChaCha8Rng::from_rng(rng))
+            })
+            .collect();
+        // Losses are means over the whole batch, as if it were computed in one part.
+        let emg_cells = shards.iter().map(|(batch, _)| batch.emg_cells).sum();
+        let intent_samples = shards.iter().map(|(batch, _)| batch.intent_samples).sum();
+        for (batch, _) in &mut shards {
+            (batch.emg_cells, batch.intent_samples) = (emg_cells, intent_samples);
+        }
+        shards
+    }
+
+    fn loss(&self, model: &Teacher, (batch, rng): Self::Shard) -> (Tensor<1>, Vec<WeightedMetric>) {
+        let (emg, intent) = losses(&model.forward_dropping(batch.input.clone(), rng), &batch);
+        let total = emg.clone() + intent.clone();
+        let metrics = vec![
+            WeightedMetric {
+                name: "emg",
+                mean: f64::from(read_back(emg)[0]),
+                weight: batch.emg_cells as f64,
+            },
+            WeightedMetric {
+                name: "intent",
+                mean: f64::from(read_back(intent)[0]),
+                weight: batch.intent_samples as f64,
+            },
+        ];
+        (total, metrics)
+    }
+
+    fn validate(&self, model: &Teacher) -> (f64, Vec<WeightedMetric>) {
+        let device = self.device.clone().inner();
+        // The same masks after every epoch, so that the losses of two epochs can be compared.
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let (mut emg_loss, mut intent_loss) = (WeightedMean::default(), WeightedMean::default());
+        for examples in self.validation_examples.chunks(self.config.batch) {
+            let batch = Batch::new(
+                self.validation,
+                examples,
+                self.shape,
+                None,
+                &mut rng,
+                &device,
+            );
+            let (emg, intent) = losses(&model.forward(batch.input.clone()), &batch);
+            emg_loss.add(read_back(emg)[0], batch.emg_cells);
+            intent_loss.add(read_back(intent)[0], batch.intent_samples);
+        }
+        let accuracy = self.accuracy(model, &device);
+        let metrics = [
+            ("emg", emg_loss.mean()),
+            ("intent", intent_loss.mean()),
+            ("accuracy", accuracy),
+        ]
+        .map(|(name, mean)| WeightedMetric {
+            name,
+            mean,
+            weight: 1.0,
+        });
+        (emg_loss.mean() + intent_loss.mean(), metrics.to_vec())
+    }
+}
+
+/// EMG loss and intent loss of a batch, which are added for training. Each is a mean over the masked
+/// positions of the whole batch, 0 where nothing is masked.
+#[must_use]
+pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
+    let difference = output.emg.clone() - batch.emg_target.clone();
+    let emg = (difference.square() * batch.input.emg_mask.clone()).sum()
+        * (1.0 / batch.emg_cells.max(1) as f64);
+    let intent = cross_entropy(
+        output.intent.clone(),
+        batch.intent_target.clone().unsqueeze_dim(2),
+        batch.intent_weight.clone().unsqueeze_dim(2),
+        batch.intent_samples as f64,
+    );
+    (emg, intent)
+}
+
+/// The mean over all batches of means over a batch.
+#[derive(Default)]
+struct WeightedMean {
+    sum: f64,
+    count: f64,
+}
+
+impl WeightedMean {
+    fn add(&mut self, mean: f32, count: usize) {
+        self.sum += f64::from(mean) * count as f64;
+        self.count += count as f64;
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.count.max(1.0)
+    }
+}
