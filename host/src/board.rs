@@ -14,13 +14,13 @@ use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
 
-/// Of the board's UART.
+/// Baud rate of the board's UART.
 pub(crate) const BAUD: u32 = 115_200;
-/// How long one read waits for bytes.
+/// Longest time that one read waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
-/// A board answers within a second, behind the lines that wait for the UART already.
+/// Longest time to wait for an answer. A board answers within a second, after the lines already queued for the UART.
 const ANSWER: Duration = Duration::from_secs(2);
-/// How often a command is sent before the board counts as silent.
+/// Number of times a command is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
 
 /// Why a board did not do what it was asked for.
@@ -31,7 +31,7 @@ pub enum BoardError {
     Open {
         /// The port.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         #[source]
         source: std::io::Error,
     },
@@ -40,7 +40,7 @@ pub enum BoardError {
     Lost {
         /// The port.
         path: PathBuf,
-        /// How.
+        /// Error of the operating system.
         #[source]
         source: std::io::Error,
     },
@@ -52,7 +52,7 @@ pub enum BoardError {
         /// The port.
         path: PathBuf,
     },
-    /// Answers came, and all belong to other commands.
+    /// Answers came, but all of them to other commands.
     #[error(
         "{path}: expected the answer to {command}, found {answer}: close every other program that uses the port, and ask again"
     )]
@@ -70,22 +70,22 @@ pub enum BoardError {
     /// The board cannot run a model.
     #[error("the board cannot run this model, and is safe; it says: {reason}")]
     Model {
-        /// Its own words.
+        /// Reason in the board's own words.
         reason: String,
     },
-    /// An installation gets no further.
+    /// An installation makes no progress.
     #[error(
         "the board gets no further than block {furthest} of {of}, begun {begins} times: it restarts, or asks for the same blocks again and again; check its power supply"
     )]
     NoProgress {
-        /// Blocks that it had at most.
+        /// Greatest number of blocks that the board had.
         furthest: u32,
-        /// Blocks of the file.
+        /// Number of blocks in the file.
         of: u32,
-        /// How often the installation was begun since it had them.
+        /// Number of times the installation was begun without progress.
         begins: u32,
     },
-    /// The board says that a model is installed, and runs another one.
+    /// The board says that the model is installed, but runs another one.
     #[error(
         "the board says that all is installed, but {}, expected {expected:08x}: close every other program that uses the port",
         runs(*.found)
@@ -96,7 +96,7 @@ pub enum BoardError {
         /// CRC-32 of the board's model; none if it runs none.
         found: Option<u32>,
     },
-    /// The installation was stopped from here.
+    /// The caller stopped the installation.
     #[error("stopped before the board had all of it")]
     Stopped,
 }
@@ -108,15 +108,15 @@ fn runs(model: Option<u32>) -> String {
     }
 }
 
-/// A board.
+/// Connection to a board on a serial port.
 #[derive(Debug)]
 pub struct Board {
     path: PathBuf,
     port: SerialPort,
     reader: LineReader,
-    /// Why it has refused a model, in its own words.
+    /// Reason why the board has refused a model, in its own words.
     reason: Option<String>,
-    /// Report of an alignment that ended as soon as it began, since the last command.
+    /// Report of an alignment that ended as soon as it began; cleared by the next command.
     unavailable: Option<AlignmentReport>,
 }
 
@@ -130,7 +130,7 @@ impl Board {
             let mut port = SerialPort::open(path, BAUD)?;
             port.set_read_timeout(WAIT)?;
             port.set_write_timeout(ANSWER)?;
-            // What came before is old.
+            // Bytes that arrived before are out of date.
             port.discard_input_buffer()?;
             Ok(port)
         };
@@ -147,11 +147,11 @@ impl Board {
         })
     }
 
-    /// Sends a command, and gives what `read` makes of its answer. A line that was damaged on the way is sent again. Answers
-    /// to other commands, which are late or of another program, are passed over ([`Answer::answers`]).
+    /// Sends a command and returns what `read` makes of its answer. A line damaged on the way is sent again. Answers to
+    /// other commands, late or caused by another program, are skipped ([`Answer::answers`]).
     ///
     /// # Errors
-    /// The port is lost, no answer comes or those to other commands alone, or the board refuses.
+    /// The port is lost, no answer to this command comes, or the board refuses.
     pub fn ask<T>(
         &mut self,
         command: Command,
@@ -174,7 +174,7 @@ impl Board {
             })?;
             match answer {
                 Some(Ok(answer)) => return Ok(answer),
-                // The board says so of a line that was damaged on the way.
+                // The board answers so to a line that was damaged on the way.
                 Some(Err(
                     refusal @ (Refusal::Checksum(_)
                     | Refusal::Frame
@@ -199,7 +199,7 @@ impl Board {
         })
     }
 
-    /// Reads lines until `read` makes something of one; none after this time.
+    /// Reads lines until `read` returns something; none on timeout.
     ///
     /// # Errors
     /// The port is lost.
@@ -210,12 +210,12 @@ impl Board {
     ) -> Result<Option<T>, BoardError> {
         let end = Instant::now() + within;
         while Instant::now() < end {
-            // Byte by byte would be slow, and bytes behind the line belong to the next.
+            // Reading byte by byte would be slow, and bytes after the line belong to the next one.
             let mut byte = [0];
             match self.port.read(&mut byte) {
                 Ok(0) => return Err(self.lost(ErrorKind::UnexpectedEof.into())),
                 Ok(_) => {
-                    // A damaged line is no line: what it may have said is asked for again.
+                    // A damaged line is dropped: its command is sent again.
                     if let Some(Ok(line)) = self.reader.push(byte[0]) {
                         match line {
                             Line::Comment(text) if text.starts_with(" model refused: ") => {
@@ -244,12 +244,12 @@ impl Board {
         Ok(None)
     }
 
-    /// Waits for the result of the alignment that the last command began; none after this time.
+    /// Waits for the result of the alignment that the last command began; none on timeout.
     ///
     /// # Errors
     /// The port is lost.
     pub fn aligned(&mut self, within: Duration) -> Result<Option<AlignmentReport>, BoardError> {
-        // Its line comes before the answer to the command.
+        // The report comes before the answer to the command.
         if let Some(report) = self.unavailable.take() {
             return Ok(Some(report));
         }

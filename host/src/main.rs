@@ -10,7 +10,5 @@ use myointent::cli::Cli;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    // Set by build.rs.
-    execution::revision::declare(option_env!("MYOINTENT_REVISION"));
     Cli::parse().run()
 }

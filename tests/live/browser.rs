@@ -124,6 +124,14 @@ impl Browser {
         result["result"]["value"].take()
     }
 
+    /// Waits until the page has drawn so many frames.
+    pub fn frames(&mut self, count: u32) {
+        self.value(&format!(
+            "new Promise(done => {{ let left = {count}; \
+             const next = () => left-- > 0 ? requestAnimationFrame(next) : done(true); next(); }})"
+        ));
+    }
+
     /// The text of an element.
     pub fn text(&mut self, id: &str) -> String {
         let text = self.value(&format!(

@@ -45,8 +45,7 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
 
     // Traces move, and the label becomes what the recording says it is, and something else again.
     let before = browser.value(PICTURE);
-    std::thread::sleep(Duration::from_millis(200));
-    assert_ne!(browser.value(PICTURE), before, "the traces stand still");
+    browser.wait_for(&format!("{PICTURE} !== {before}"));
     browser.wait_for("document.getElementById('label').textContent === 'open'");
     browser.wait_for("document.getElementById('label').textContent === 'close'");
     browser.wait_for("document.getElementById('label').textContent === 'relax'");
@@ -65,7 +64,7 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
             // A gesture says more than rest.
             browser.wait_for("document.getElementById('label').textContent === 'close' && document.getElementById('truth').lastChild.textContent === 'close'");
         }
-        std::thread::sleep(Duration::from_millis(400));
+        browser.frames(20);
         browser.screenshot(&pictures().join(format!("{name}.png")));
         let fits = "document.documentElement.scrollWidth <= innerWidth";
         assert_eq!(browser.value(fits), true, "{name} is wider than the window");
@@ -78,14 +77,15 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
         browser.value("document.getElementById('pause').ariaPressed"),
         "true"
     );
-    // Labels come as much later as their look-ahead.
-    std::thread::sleep(Duration::from_millis(800));
+    // It stands once the labels have come that are as much later as their look-ahead.
+    browser.wait_for(&format!(
+        "(async () => {{ const before = {PICTURE}; \
+         for (let frame = 0; frame < 20; frame++) await new Promise(requestAnimationFrame); \
+         return {PICTURE} === before; }})()"
+    ));
     let paused = browser.value(PICTURE);
-    std::thread::sleep(Duration::from_millis(300));
-    assert_eq!(browser.value(PICTURE), paused);
     browser.press("ArrowLeft");
-    std::thread::sleep(Duration::from_millis(100));
-    assert_ne!(browser.value(PICTURE), paused);
+    browser.wait_for(&format!("{PICTURE} !== {paused}"));
     browser.press(" ");
     assert_eq!(
         browser.value("document.getElementById('pause').ariaPressed"),
@@ -93,20 +93,20 @@ fn the_page_follows_a_recording_and_saves_what_it_saw() {
     );
 
     browser.press("m");
-    std::thread::sleep(Duration::from_millis(300));
+    browser.frames(20);
     browser.press("s");
     let end = Instant::now() + Duration::from_secs(20);
-    let saved = loop {
+    let (saved, text) = loop {
         let mut files = std::fs::read_dir(downloads.path()).unwrap().flatten();
         let file = files.find(|file| file.path().extension().is_some_and(|kind| kind == "csv"));
-        if let Some(file) = file {
-            break file.path();
+        let text =
+            file.and_then(|file| Some((file.path(), std::fs::read_to_string(file.path()).ok()?)));
+        match text.filter(|(_, text)| text.ends_with('\n')) {
+            Some(whole) => break whole,
+            None => assert!(Instant::now() < end, "no whole file was saved"),
         }
-        assert!(Instant::now() < end, "no file was saved");
         std::thread::sleep(Duration::from_millis(50));
     };
-    std::thread::sleep(Duration::from_millis(200));
-    let text = std::fs::read_to_string(&saved).unwrap();
     assert!(text.contains(",mark 1\n"), "no mark in the csv");
     let library = load(&saved, &LoadOptions::default()).unwrap();
     let found = &library.recordings[0];

@@ -17,19 +17,20 @@ use super::condition::LookAhead;
 pub struct Candidate {
     /// Name in tables.
     pub name: String,
-    /// Whether it gives logits of past patches too. Without them a label cannot be based on later windows, so there
-    /// is no look-ahead.
+    /// Whether the model gives logits of past patches too. Without them a label cannot be based on later windows, so
+    /// there is no look-ahead.
     pub looks_back: bool,
     /// Logits at each patch of each trial, in the order of the trials.
     pub logits: Vec<Vec<LookBackLogits>>,
-    /// Its confidence gate ([`Settings::entry_margins`]).
+    /// Confidence gate of the model ([`Settings::entry_margins`]).
     pub entry_margins: [f32; MAX_CLASSES],
-    /// Its margin over movement outside the vocabulary ([`Settings::other_margin`]); none if it does not know such movement.
+    /// Margin over movement outside the vocabulary ([`Settings::other_margin`]); none if the model does not know such
+    /// movement.
     pub other_margin: Option<f32>,
 }
 
 impl Candidate {
-    /// The look-ahead conditions that it can be evaluated under.
+    /// Look-ahead conditions that the model can be evaluated under.
     pub(crate) fn conditions(&self) -> impl Iterator<Item = LookAhead> {
         LookAhead::ALL
             .into_iter()
@@ -46,7 +47,7 @@ impl Candidate {
         }
     }
 
-    /// The condition `wanted`, or no look-ahead where that is all it can do.
+    /// The condition `wanted`, or no look-ahead for a model that supports no other.
     #[must_use]
     pub(crate) fn condition(&self, wanted: LookAhead) -> LookAhead {
         if self.looks_back {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use shared::stream::smoother::{AggregationMode, Settings};
 
-/// Which labels predictions are compared with.
+/// Labels that predictions are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Truth {
@@ -26,7 +26,7 @@ pub enum LookAhead {
 }
 
 impl LookAhead {
-    /// All three.
+    /// All three conditions.
     pub const ALL: [Self; 3] = [Self::None, Self::AllRows, Self::SameInstant];
 
     /// Name in tables.

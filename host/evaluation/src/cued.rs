@@ -1,7 +1,7 @@
-//! Gestures that were asked for, and those of them that a truth has.
+//! Numbers of gestures that were asked for, and of those that are scored.
 //!
-//! Labels at each cue's own lag leave a gesture out of which the muscle does not show when its cue was followed, weak ones among
-//! them. What a model does with such a gesture is not scored, so their number is part of a result.
+//! Labels at each cue's own lag leave out a gesture if the muscle does not show when its cue was followed, weak ones
+//! among them. Such a gesture is not scored, so their number is part of a result.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,9 @@ use recordings::DataSet;
 /// Numbers of gestures, counted as [`gesture`](super::metric::event::gesture) counts them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub struct Cued {
-    /// In the published labels.
+    /// Gestures in the published labels.
     pub cued: usize,
-    /// In the lag-compensated labels.
+    /// Gestures in the lag-compensated labels.
     pub scored: usize,
 }
 
@@ -29,7 +29,7 @@ impl Cued {
     }
 }
 
-/// The gestures of each data set.
+/// Numbers of gestures, by data set.
 #[must_use]
 pub fn cued<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> BTreeMap<DataSet, Cued> {
     let mut by_set: BTreeMap<DataSet, Cued> = BTreeMap::new();
@@ -44,7 +44,7 @@ pub fn cued<'t>(trials: impl IntoIterator<Item = &'t Trial>) -> BTreeMap<DataSet
     by_set
 }
 
-/// Gestures of a truth.
+/// Number of gestures in a truth.
 fn count(truth: &[Option<Intent>]) -> usize {
     let nothing = vec![None; truth.len()];
     // Cannot fail: both have one length.
@@ -80,7 +80,7 @@ mod tests {
         trial.lag_compensated[400..900].fill(None);
         let one = cued([&trial])[&DataSet::SsStm];
         assert_eq!((one, one.left_out()), (Cued { cued: 2, scored: 1 }, 1));
-        // Spliced recordings were not asked for.
+        // Nobody was asked for spliced recordings.
         trial.published = None;
         assert!(cued([&trial]).is_empty());
     }

@@ -19,7 +19,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// `score - other`; none if nobody has a value under both.
+    /// Difference `score - other` of a measure; none if nobody has a value under both.
     #[must_use]
     pub fn of(measure: Measure, score: &Score, other: &Score) -> Option<Self> {
         Self::paired(&measure.values(score), &measure.values(other))

@@ -21,7 +21,7 @@ pub enum EvaluationError {
         "{found} of the people whom the model has seen open the hand in these recordings, {expected} are needed: give the recordings that it was trained on"
     )]
     NoTemplate {
-        /// Fewest people.
+        /// Minimum number of people.
         expected: usize,
         /// People found.
         found: usize,
@@ -34,10 +34,10 @@ pub enum EvaluationError {
     DifferentClasses {
         /// A model.
         first: String,
-        /// One of other classes.
+        /// A model of other classes.
         other: String,
     },
-    /// Nobody is left to evaluate on.
+    /// No person is left to evaluate on.
     #[error(
         "no labelled recording is left: {seen} people were seen by the model in training (--seen evaluates them too), {test} are test people (--test-people)"
     )]
@@ -47,17 +47,17 @@ pub enum EvaluationError {
         /// Test people left out.
         test: usize,
     },
-    /// A model that has seen somebody whom it is evaluated on.
+    /// A model has seen a person whom it is evaluated on.
     #[error(
         "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"
     )]
     Seen {
         /// The model.
         model: String,
-        /// Somebody whom it has seen.
+        /// A person whom it has seen.
         subject: String,
     },
-    /// Nobody can be aligned.
+    /// No person can be aligned.
     #[error(
         "none of {people} people opens the hand twice in these recordings: leave out --align, or give others"
     )]

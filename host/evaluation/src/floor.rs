@@ -1,4 +1,4 @@
-//! Floors: what needs no model. They are evaluated beside the models, so that a score has something to stand on.
+//! Floors: baselines without a model, evaluated beside the models for comparison.
 
 use shared::intent::{Intent, MAX_CLASSES};
 use shared::model::LookBackLogits;
@@ -14,19 +14,19 @@ pub const ENERGY: &str = "energy detector";
 
 /// Samples that the energy is a mean over: 200 ms.
 const SPAN: usize = 40;
-/// Thresholds that are tried: 0.5 to 64 counts in steps of 9 %.
+/// Number of thresholds that are tried: 0.5 to 64 counts in steps of 9 %.
 const THRESHOLDS: i32 = 56;
 
-/// The candidate that always says relax.
+/// Candidate that always says relax.
 #[must_use]
 pub fn constant(trials: &[Trial]) -> Candidate {
     candidate(CONSTANT, trials, |_| Intent::Relax)
 }
 
-/// Amplitude without a pattern: above a threshold one active class, else relax.
+/// Energy detector: one active class above a threshold of the amplitude, else relax.
 ///
-/// The amplitude at a patch is the mean over the channels and over the newest 200 ms of the cleaned samples, 0 to
-/// 128; at the start of a recording, over what there is. Two numbers are fitted, to training people only: the
+/// The amplitude at a patch is the mean over the channels and over the newest 200 ms of the cleaned samples, 0 to 128;
+/// at the start of a recording, over the samples so far. Two numbers are fitted, to training people only: the
 /// threshold, and the active class.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct EnergyDetector {
@@ -37,7 +37,7 @@ pub struct EnergyDetector {
 }
 
 impl Default for EnergyDetector {
-    /// Fitted to the training people of the shipped model, for evaluations without training people.
+    /// Detector fitted to the training people of the shipped model, for evaluations without training people.
     fn default() -> Self {
         Self {
             threshold: threshold(20),

@@ -1,4 +1,4 @@
-//! People by the classes that their recordings have: no score is over those who have all and those who have fewer.
+//! Groups of people by the classes in their recordings. No score mixes people with all classes and people with fewer.
 
 use std::collections::BTreeMap;
 
@@ -6,21 +6,21 @@ use serde::{Deserialize, Serialize};
 
 use super::metric::summary::SubjectScore;
 
-/// The people of a row.
+/// Group of the people of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Group {
     /// People whose recordings have all classes of the model.
     AllClasses,
-    /// People whose recordings have fewer: their scores say nothing of the others.
+    /// People whose recordings have fewer classes: their scores cannot be compared with those of the others.
     FewerClasses,
 }
 
 impl Group {
-    /// Both, in the order of tables.
+    /// Both groups, in the order of tables.
     pub const ALL: [Self; 2] = [Self::AllClasses, Self::FewerClasses];
 
-    /// Name in tables, under a model of so many classes: `all 3`, `fewer`.
+    /// Name in tables, under a model of `of_model` classes: `all 3`, `fewer`.
     #[must_use]
     pub fn name(self, of_model: usize) -> String {
         match self {
@@ -29,7 +29,7 @@ impl Group {
         }
     }
 
-    /// The same in words.
+    /// Name in words, under a model of `of_model` classes.
     #[must_use]
     pub(crate) fn told(self, of_model: usize) -> String {
         match self {
@@ -39,7 +39,7 @@ impl Group {
     }
 }
 
-/// The group of each subject, under a model of so many classes.
+/// Group of each subject, under a model of `of_model` classes.
 pub(super) fn groups(subjects: &[SubjectScore], of_model: usize) -> BTreeMap<&str, Group> {
     let group = |own: &SubjectScore| {
         if own.classes >= of_model {

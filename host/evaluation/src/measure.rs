@@ -11,9 +11,9 @@ pub enum Measure {
     BalancedAccuracy,
     /// Transition accuracy with the widest buffer.
     TransitionAccuracy,
-    /// The same with a buffer of 120 samples.
+    /// Transition accuracy with a buffer of 120 samples.
     TransitionAccuracyMiddle,
-    /// The same with a buffer of 60 samples.
+    /// Transition accuracy with a buffer of 60 samples.
     TransitionAccuracyNarrow,
     /// Share of gestures recognised.
     Recognition,

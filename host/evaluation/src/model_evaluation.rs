@@ -33,26 +33,26 @@ use recordings::losses::bridge_lost_notifications;
 use recordings::split::circles;
 use recordings::{DataSet, Library, Recording};
 
-/// Whom to evaluate on, and how they wear the armband.
+/// Selection of the people to evaluate on, and settings of the evaluation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Subjects (`data-set/subject`) and whole data sets; everybody if empty. Whoever is named is evaluated, seen or
-    /// not; test people only by their own names.
+    /// Subjects (`data-set/subject`) and whole data sets; everybody if empty. A person who is named is evaluated, seen
+    /// or not; test people only by their own names.
     pub subjects: Vec<String>,
-    /// Also those whom one of the models was trained on or validated with.
+    /// Whether people whom one of the models was trained on or validated with are evaluated too.
     pub seen: bool,
-    /// Also test people.
+    /// Whether test people are evaluated too.
     pub test: bool,
-    /// How they wear it.
+    /// Placement of the armband.
     pub worn: Worn,
-    /// Whether each model is also evaluated after alignment. Only people who open the hand twice are then, and those openings
-    /// are not scored.
+    /// Whether each model is also evaluated after alignment. Only people who open the hand twice are evaluated then,
+    /// and those openings are not scored.
     pub align: bool,
     /// Whether alignments are told on which arm the armband is.
     pub arm_told: bool,
     /// Percent of the notifications that are lost and bridged, 0 to 66.
     pub lost_percent: u8,
-    /// How labels are compensated for their lag.
+    /// Lag compensation of the labels.
     pub label_lag: LabelLag,
 }
 
@@ -76,7 +76,7 @@ pub struct EvaluatedModel {
 pub struct ModelResults {
     /// The models.
     pub models: Vec<EvaluatedModel>,
-    /// Whom they were evaluated on.
+    /// People whom they were evaluated on.
     pub subjects: Vec<EvaluatedSubject>,
     /// People left out because a model has seen them.
     pub left_out_seen: Vec<String>,
@@ -84,21 +84,21 @@ pub struct ModelResults {
     pub left_out_test: Vec<String>,
     /// People left out because they do not open the hand twice, if alignment was asked for.
     pub left_out_openings: Vec<String>,
-    /// How the armband was worn.
+    /// Placement of the armband.
     pub worn: Worn,
-    /// What alignment made of it, for each model and person; empty if it was not asked for.
+    /// Result of the alignment for each model and person; empty if it was not asked for.
     pub alignments: Vec<AlignedSubject>,
     /// Percent of the notifications that were lost and bridged.
     pub lost_percent: u8,
-    /// How labels were compensated for their lag.
+    /// Lag compensation of the labels, by data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// Gestures that the evaluated people were asked for, and how many are scored.
+    /// Numbers of gestures that the evaluated people were asked for and of those that are scored, by data set.
     pub gestures: BTreeMap<DataSet, Cued>,
-    /// A row for each model and floor, for each data set and over all of them.
+    /// Scores: a row for each model and floor, for each data set and over all of them.
     pub scores: Vec<Score>,
 }
 
-/// Results, and what they were computed from.
+/// Results, and the trials and candidates that they were computed from.
 pub struct ModelEvaluation {
     /// The results.
     pub results: ModelResults,
@@ -112,9 +112,10 @@ pub struct ModelEvaluation {
 
 /// Evaluates model files on the recordings of a library.
 ///
-/// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise. Labels
-/// are compensated for their lag as the selection says, by default cue by cue; a constant lag of a data set is estimated on
-/// its training people (`host/people.toml`); labels that mark the muscle's activity have none. The energy detector is the default one, since there are no training people.
+/// People whom one of the models has seen are left out, and so are test people, unless the selection says otherwise.
+/// Labels are compensated for their lag as the selection says, by default cue by cue. A constant lag of a data set is
+/// estimated on its training people (`host/recordings/people.toml`). Labels that mark the muscle's activity have no
+/// lag. The energy detector is the default one, since there are no training people.
 ///
 /// # Errors
 /// When a model is refused, models have different classes, a name is unknown, or nobody is left.
@@ -180,7 +181,7 @@ pub fn evaluate_models(
         .collect();
     let mut scores = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
-        // Models, the same aligned, floors.
+        // The order is: models, aligned models, floors.
         let mut repeated = models
             .iter()
             .cycle()
@@ -219,8 +220,8 @@ pub fn evaluate_models(
     })
 }
 
-/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them; a constant lag is
-/// estimated on the training people that are given.
+/// The labelled recordings of some people (`data-set/subject`), as [`evaluate_models`] evaluates them; a constant lag
+/// is estimated on the training people that are given.
 #[must_use]
 pub fn trials_of(
     library: &Library,
@@ -245,7 +246,7 @@ fn labelled(library: &Library, vocabulary: Vocabulary) -> Vec<&Recording> {
         .collect()
 }
 
-/// The recordings of the evaluated people, the armband worn so, with so many percent of the notifications lost.
+/// Trials of people with the armband as `worn`, with `lost_percent` percent of the notifications lost.
 fn trials(
     labelled: &[&Recording],
     worn: &BTreeMap<String, Alignment>,

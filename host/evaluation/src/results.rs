@@ -1,4 +1,4 @@
-//! Results of a run's models on the people whom it holds out, and what they were computed from.
+//! Results of a run's models on the people whom it holds out, with their trials and logits.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub const STUDENT: &str = "float student";
 pub const INTEGER: &str = "integer student";
 /// The name in tables of a float student trained on the labels alone.
 pub const LABELS_ONLY: &str = "student without teacher";
-/// The name in tables of the same student in integers.
+/// The name in tables of an integer student trained on the labels alone.
 pub const INTEGER_LABELS_ONLY: &str = "integer student without teacher";
 
 /// Name of [`Results`] in a run folder.
@@ -30,7 +30,8 @@ pub struct Results {
     pub held_out: Vec<String>,
     /// The model file's aggregation mode.
     pub aggregation: LookAhead,
-    /// Gestures that the held-out subjects were asked for, and how many are scored. Results of earlier versions have none.
+    /// Numbers of gestures that the held-out subjects were asked for and of those that are scored, by data set; empty
+    /// in results of earlier versions.
     #[serde(default)]
     pub gestures: BTreeMap<DataSet, Cued>,
     /// Scores on recordings as published.
@@ -39,7 +40,7 @@ pub struct Results {
     pub spliced: Vec<Score>,
 }
 
-/// What was evaluated: the trials and every model's logits over them.
+/// Trials of an evaluation, and every model's logits over them.
 pub struct Evaluation {
     /// Recordings as published.
     pub trials: Vec<Trial>,

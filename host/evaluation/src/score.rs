@@ -36,7 +36,7 @@ pub struct Score {
     pub data_set: String,
     /// Number of classes of the model.
     pub classes: usize,
-    /// Which people of the data set these are.
+    /// Group of the people.
     pub people: Group,
     /// Look-ahead and aggregation mode.
     pub look_ahead: LookAhead,
@@ -56,7 +56,7 @@ impl Score {
         &self.reference[BUFFERS.len() - 1]
     }
 
-    /// Name of its people in tables.
+    /// Name of the row's people in tables.
     #[must_use]
     pub fn people_name(&self) -> String {
         self.people.name(self.classes)
@@ -159,7 +159,7 @@ pub fn score(
             .filter(|(trial, _)| set == ALL || trial.data_set.name() == set)
             .filter(|(trial, _)| groups[&trial.subject[..]] == people)
             .collect();
-        // A row without people stands for nobody at all.
+        // Only a result without any people has a row of nobody.
         if own.is_empty() && !(scored.is_empty() && people == Group::AllClasses) {
             return None;
         }
@@ -194,9 +194,9 @@ pub fn score(
 
 /// Scores of one trial.
 struct TrialScore {
-    /// At reference times, with each buffer.
+    /// Scores at reference times, with each buffer.
     reference: [RecordingScore; BUFFERS.len()],
-    /// At emission times.
+    /// Events at emission times.
     events: RecordingEvents,
 }
 
@@ -287,7 +287,8 @@ pub fn confusion(
 
 #[cfg(any(test, feature = "testing"))]
 impl Score {
-    /// Score of a three-class model `m` over people of data set `x` with all classes: a base for the tests of what reads scores.
+    /// Score of a three-class model `m` over people of data set `x` with all classes, for tests of code that reads
+    /// scores.
     #[must_use]
     pub fn of_people(
         subjects: Vec<crate::metric::summary::SubjectScore>,
@@ -312,7 +313,7 @@ mod tests {
     use super::*;
     use recordings::DataSet;
 
-    /// A recording of relax and close in turn, and a model that follows each change after so many patches.
+    /// A recording of relax and close in turn, and a model that follows each change after these numbers of patches.
     fn followed(changes_after: &[usize]) -> (Trial, Candidate) {
         let (run, classes) = (400, [0, 2]);
         let truth: Vec<Option<Intent>> = (0..run * (changes_after.len() + 1))

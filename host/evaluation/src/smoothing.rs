@@ -1,4 +1,4 @@
-//! From the logits of a recording to its labels, by the device's own smoother.
+//! Labels of a recording from its logits, by the device's own smoother.
 
 use shared::intent::{Intent, MAX_LOGITS};
 use shared::model::LookBackLogits;

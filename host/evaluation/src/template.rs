@@ -10,11 +10,11 @@ use shared::model::file::Model;
 
 use crate::EvaluationError;
 
-/// A model file with a template of the people whom the model has seen, of whom a library holds recordings; and how many of
-/// them there are. Everything else in the file stays as it is.
+/// A model file with a template of the people whom the model has seen and of whom a library holds recordings; and the
+/// number of these people. Everything else in the file stays as it is.
 ///
-/// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on the
-/// training people among those seen.
+/// Electrodes are in the common frame of all data sets, as in training. A constant label lag of a set is estimated on
+/// the training people among those seen.
 ///
 /// # Errors
 /// When the model is refused, or fewer than three of its people open the hand in the library.

@@ -17,9 +17,9 @@ pub struct Trial {
     pub name: String,
     /// Samples as the armband sends them.
     pub raw: Vec<Sample>,
-    /// The same, preprocessed as in the paper.
+    /// Samples preprocessed as in the paper.
     pub emg: Vec<CleanSample>,
-    /// The same, normalized to the wearer.
+    /// Samples normalized to the wearer.
     pub normalized: Vec<Sample>,
     /// Labels as published; none for spliced recordings.
     pub published: Option<Vec<Option<Intent>>>,

@@ -60,7 +60,8 @@ fn trials(config: &ResolvedConfig, library: &Library, role: Role) -> Vec<Trial> 
         .collect()
 }
 
-/// A recording as it is evaluated: what `arrange` makes of its samples, labels in a vocabulary, compensated for their lag.
+/// Trial of a recording: its samples as `arrange` changes them, and its labels in a vocabulary, compensated for their
+/// lag.
 ///
 /// Intents outside the vocabulary count as movement outside it.
 pub fn trial(

@@ -11,13 +11,13 @@ use super::file_kind::FileKind;
 
 const MIB: u64 = 1 << 20;
 
-/// Most bytes of a file of recordings: 23 hours of the armband at one byte a value.
+/// Maximum size of a file of recordings, in bytes: 23 hours of the armband at one byte per value.
 pub const RECORDING: u64 = 128 * MIB;
-/// Most bytes of a model file: many times what a board's flash holds.
+/// Maximum size of a model file, in bytes: many times what a board's flash holds.
 const MODEL: u64 = 16 * MIB;
-/// Most bytes of a checkpoint to start from: two thousand times the paper's teacher.
+/// Maximum size of a checkpoint to start from, in bytes: two thousand times the paper's teacher.
 pub const CHECKPOINT: u64 = 1024 * MIB;
-/// Most bytes of a preset.
+/// Maximum size of a preset, in bytes.
 pub const PRESET: u64 = MIB;
 
 /// Why a file is not read.
@@ -26,10 +26,10 @@ pub(crate) enum Refusal {
     /// A folder, a device or a pipe.
     #[error("expected a regular file, found {0}")]
     Kind(&'static str),
-    /// Another file than a model.
+    /// A file of another kind than a model.
     #[error("expected a model file (.intent), found {0}")]
     NoModel(FileKind),
-    /// Larger than the bound.
+    /// A file larger than the bound.
     #[error("expected at most {} MiB, found more: give a smaller file", most / MIB)]
     Large {
         /// The bound.
@@ -40,9 +40,9 @@ pub(crate) enum Refusal {
 /// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`fs::read`], and with a [`Refusal`] inside for what is no regular file, or larger.
+/// As [`fs::read`]; with a `Refusal` inside for a file that is not regular, or too large.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Before it is opened, because opening a pipe waits.
+    // The kind is checked before the file is opened, because opening a pipe waits.
     regular(fs::metadata(path)?.file_type())?;
     let file = File::open(path)?;
     let metadata = file.metadata()?;
@@ -52,7 +52,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(large());
     }
     let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
-    // Again, because a file may grow, and those of /proc have no length.
+    // Reading is bounded again, because a file may grow, and those of /proc have no length.
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return Err(large());
@@ -63,7 +63,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Reads a regular file of at most `most` bytes of UTF-8.
 ///
 /// # Errors
-/// As [`fs::read_to_string`], and with the reason inside for what is no regular file, or larger.
+/// As [`fs::read_to_string`]; with the reason inside for a file that is not regular, or too large.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let invalid = |error| io::Error::new(ErrorKind::InvalidData, error);
     String::from_utf8(read(path, most)?).map_err(invalid)
@@ -72,7 +72,7 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 /// Reads a model file, which is refused by its kind if its first bytes are those of another.
 ///
 /// # Errors
-/// As [`read`], and with [`Refusal::NoModel`] inside.
+/// As [`read`]; with `Refusal::NoModel` inside for a file of another kind.
 pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
     let bytes = read(path, MODEL)?;
     match FileKind::of(&bytes) {
@@ -87,7 +87,7 @@ pub fn read_model(path: &Path) -> io::Result<Vec<u8>> {
 /// Refuses folders, devices, pipes and sockets.
 ///
 /// # Errors
-/// With [`Refusal::Kind`] inside.
+/// An error with `Refusal::Kind` inside.
 pub fn regular(kind: FileType) -> io::Result<()> {
     if kind.is_file() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What a file is, by its first bytes: the words with which a wrong one is refused.
+//! Kind of a file by its first bytes, in the words with which a wrong one is refused.
 
 use std::fmt;
 
@@ -31,11 +31,11 @@ pub enum FileKind {
     Table,
     /// Other text.
     Text,
-    /// Anything else.
+    /// Any other content.
     Binary,
 }
 
-/// Bytes that decide.
+/// Bytes that are examined.
 const EXAMINED: usize = 4096;
 
 impl FileKind {
@@ -62,7 +62,7 @@ impl FileKind {
     fn of_text(bytes: &[u8]) -> Self {
         let end = match std::str::from_utf8(bytes) {
             Ok(_) => bytes.len(),
-            // A character that the cut divides is none.
+            // A character that the cut divides is left out.
             Err(error) if error.error_len().is_none() => error.valid_up_to(),
             Err(_) => return Self::Binary,
         };
@@ -89,7 +89,7 @@ impl FileKind {
         }
     }
 
-    /// What to do with such a file instead; empty where there is no advice.
+    /// Advice for such a file; empty if there is none.
     #[must_use]
     pub const fn advice(self) -> &'static str {
         match self {

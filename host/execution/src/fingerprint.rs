@@ -1,6 +1,6 @@
-//! A fingerprint of content: which configuration, which recordings, which weights.
+//! Fingerprints of content: of configurations, recordings and weights.
 //!
-//! CRC-64 tells apart what differs by accident, not what somebody forges.
+//! CRC-64 shows accidental differences, not forgery.
 
 use std::fmt;
 use std::str::FromStr;

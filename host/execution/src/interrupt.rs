@@ -25,7 +25,7 @@ impl Interrupt {
         interrupt
     }
 
-    /// A stop that was requested already.
+    /// An interrupt whose stop is requested already.
     #[cfg(any(test, feature = "testing"))]
     pub fn at_once() -> Self {
         Self(Arc::new(AtomicBool::new(true)))

@@ -6,7 +6,8 @@ use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::run_folder::{RunError, RunFolder};
 
-/// Results of `work` for every item, in the items' order, computed on all cores; `name` is shown beside the progress bar.
+/// Results of `work` for every item, in the items' order, computed on all cores; `name` is shown beside the progress
+/// bar.
 ///
 /// # Errors
 /// When the user interrupts.

@@ -43,7 +43,7 @@ pub fn bytes(length: Option<u64>, what: &str) -> ProgressBar {
     bar
 }
 
-/// Writes a line to the log. A log that nobody reads any more is no failure.
+/// Writes a line to the log. An error of writing is ignored.
 pub fn log(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }

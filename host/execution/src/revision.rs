@@ -1,11 +1,11 @@
-//! Which source the program was built from.
+//! Revision of the source that the program was built from.
 
 use std::sync::OnceLock;
 
 static REVISION: OnceLock<Option<&'static str>> = OnceLock::new();
 
-/// Declares the Git revision of the program's source, for the files that it writes. The program knows it, not this crate:
-/// a new commit compiles one crate anew.
+/// Declares the Git revision of the program's source, for the files that it writes. The program knows it and not this
+/// crate, so that a new commit recompiles only one crate.
 pub fn declare(revision: Option<&'static str>) {
     // A second declaration is of the same program.
     let _ = REVISION.set(revision.filter(|revision| !revision.is_empty()));

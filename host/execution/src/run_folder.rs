@@ -1,7 +1,7 @@
 //! The folder of a run: its configuration, checkpoints, models and results.
 //!
-//! A file is whole or not there, says what it was made from, and is refused where that is not what it is read for.
-//! docs/runs.md lists the files.
+//! Every file is complete or absent, and says what it was made from. A file that was made from something else than
+//! expected is refused. docs/runs.md lists the files.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -28,8 +28,8 @@ const CHECKPOINT: &str = ".checkpoint";
 /// Ending of the name of a file with a line of metrics an epoch.
 const METRICS: &str = ".jsonl";
 
-/// Endings of the names of what a run makes, and somebody may want to keep. A configuration alone is left by a run that was
-/// refused before its training, and is made again.
+/// Endings of the names of files that a run makes and that may be worth keeping. A configuration alone is left by a run
+/// that was refused before its training, and is made again.
 const OF_A_RUN: [&str; 6] = [
     ".bpk",
     CHECKPOINT,
@@ -43,7 +43,7 @@ const OF_A_RUN: [&str; 6] = [
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
-    /// Held by those that write into the folder.
+    /// Lock of a folder that is open for writing.
     lock: Option<Arc<Lock>>,
 }
 
@@ -90,7 +90,8 @@ impl RunFolder {
         }
     }
 
-    /// Opens the folder of an earlier command to read. Every file in it is whole at any time, so that needs no lock.
+    /// Opens the folder of an earlier command for reading. No lock is needed, since every file in it is complete at any
+    /// time.
     ///
     /// # Errors
     /// When there is none.
@@ -100,7 +101,7 @@ impl RunFolder {
         Ok(Self { path, lock: None })
     }
 
-    /// The same folder, opened to write into it.
+    /// Opens the folder for writing too.
     ///
     /// # Errors
     /// When another process has it open.

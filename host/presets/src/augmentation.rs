@@ -5,7 +5,7 @@ use rand_distr::{Distribution, LogNormal};
 use serde::{Deserialize, Serialize};
 use shared::units::{CHANNELS, CleanSample};
 
-/// Random variation of training examples: how somebody else wears the armband.
+/// Random variation of training examples, as if somebody else wore the armband.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Augmentation {

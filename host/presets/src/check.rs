@@ -1,4 +1,4 @@
-//! Which values of a preset are valid.
+//! Validity of the values of a preset.
 
 mod distillation;
 mod numbers;
@@ -9,17 +9,17 @@ use shared::units::{LOOK_BACK, MAX_ENTRY_MARGIN, PATCH, WINDOW, WINDOW_PATCHES};
 use super::memory::LIMIT;
 use super::{EntryMargins, Preset};
 
-/// Most epochs of a training.
+/// Maximum number of epochs of a training.
 const EPOCHS: usize = 1_000_000;
-/// Most seconds of spliced recordings of a subject.
+/// Maximum seconds of spliced recordings of a subject.
 const DAY: f64 = 86_400.0;
 
-/// Largest standard deviation of the logarithm of a gain: 20 times as much or as little.
+/// Maximum standard deviation of the logarithm of a gain: a factor of 20.
 const MOST_DEVIATION: f64 = 3.0;
 /// A value that a run cannot use.
 pub(super) struct Invalid {
     pub(super) key: &'static str,
-    /// Its value.
+    /// Value that was found.
     pub(super) found: String,
     /// Valid values.
     pub(super) expected: &'static str,
@@ -185,7 +185,7 @@ impl Preset {
             })
     }
 
-    /// Sizes that no memory holds, and numbers of epochs that nobody sees the end of.
+    /// The first size that no memory holds, or number of epochs that no training completes, if there is one.
     fn too_large(&self) -> Option<Invalid> {
         let gibibytes = |bytes: f64| format!("of about {:.0} GiB", bytes / f64::from(1 << 30));
         let memory = |key, bytes: f64| {

@@ -20,7 +20,7 @@ use recordings::{DataSet, Recording};
 /// Name of the resolved configuration in a run folder.
 pub const CONFIG: &str = "config.json";
 
-/// Everything that decides the outcome of a run but its recordings.
+/// Resolved configuration: all that decides the outcome of a run, except its recordings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ResolvedConfig {
     /// Name of the preset. It stays apart from the preset, because fingerprints of earlier runs contain it.
@@ -29,9 +29,9 @@ pub struct ResolvedConfig {
     pub fold: Option<Fold>,
     /// The preset, with everything set that options change.
     pub preset: Preset,
-    /// What training starts from: a run folder or a checkpoint; none for random weights.
+    /// Start of training: a run folder or a checkpoint; none for random weights.
     pub start: Option<PathBuf>,
-    /// Everybody whom the weights that training starts from, and their ancestors, were trained on or validated with.
+    /// People whom the weights that training starts from, and their ancestors, were trained on or validated with.
     #[serde(default)]
     pub seen_before: Vec<String>,
     /// Folder of the recordings; none for synthetic ones.
@@ -42,8 +42,8 @@ pub struct ResolvedConfig {
     pub split: Split,
     /// Lag of the labels of each data set.
     pub lags: BTreeMap<DataSet, Lag>,
-    /// The alignment template of the training subjects, as [`Template::to_bytes`] has its numbers; none if too few of them
-    /// open the hand.
+    /// The alignment template of the training subjects, its numbers as in [`Template::to_bytes`]; none if too few of
+    /// them open the hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub template: Option<Vec<i16>>,
     /// Fingerprint of the recordings of everybody who has a role.
@@ -57,7 +57,7 @@ pub struct ResolvedConfig {
 /// One fold of a cross-validation over subjects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fold {
-    /// Its number, from 1 on.
+    /// Number of the fold, from 1 on.
     pub number: usize,
     /// Number of folds.
     pub of: usize,
@@ -81,7 +81,7 @@ impl ResolvedConfig {
         run.load_json(CONFIG)
     }
 
-    /// How the labels of a recording are compensated for their lag.
+    /// Lag compensation of a recording's labels.
     #[must_use]
     pub fn compensation(&self, recording: &Recording) -> Compensation {
         let lag = self.lags.get(&recording.data_set);
@@ -99,7 +99,8 @@ impl ResolvedConfig {
         Template::from_bytes(&bytes).ok()
     }
 
-    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common orientation.
+    /// Samples of a recording as the preset says: normalized to the wearer, electrodes rotated to the common
+    /// orientation.
     #[must_use]
     pub fn samples(&self, recording: &Recording) -> Vec<Sample> {
         let mut samples = if self.preset.data.normalize {
@@ -118,7 +119,7 @@ impl ResolvedConfig {
         }
     }
 
-    /// The same without normalization to the wearer, which the baselines do not have, and with the paper's median.
+    /// Configuration without normalization to the wearer, which the baselines do not have, and with the paper's median.
     #[must_use]
     pub fn without_normalization(&self) -> Self {
         let mut config = self.clone();

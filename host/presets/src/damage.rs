@@ -35,7 +35,7 @@ const WILD: [&str; 22] = [
     "[1.0, nan]",
 ];
 
-/// Where numbers are in a text.
+/// Ranges of the numbers in a text.
 fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
     let is_number = |byte: u8| byte.is_ascii_digit() || b".-+e".contains(&byte);
     let bytes = text.as_bytes();

@@ -1,5 +1,5 @@
-//! Settings of a student's training: knowledge distillation from the teacher's logits or from an ensemble of students, and
-//! the labels.
+//! Settings of a student's training: knowledge distillation from the teacher's logits or from an ensemble of students,
+//! and the labels.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub const MEMBERS: [&str; 8] = [
     "member-1", "member-2", "member-3", "member-4", "member-5", "member-6", "member-7", "member-8",
 ];
 
-/// How a student is trained.
+/// Settings of a student's training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Distillation {
@@ -39,12 +39,13 @@ pub struct Distillation {
     pub ema_decay: f64,
     /// Weight of the distillation loss, 0..=1; the loss on the labels has the rest. 0 trains on the labels alone.
     pub teacher_share: f64,
-    /// Students that teach in the place of the run's teacher; none: the teacher does.
+    /// Students that teach in place of the run's teacher, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<EnsembleConfig>,
     /// Temperature of both distributions in the distillation loss.
     pub temperature: f64,
-    /// Augmentation of the student's input; the teacher's input is the EMG as recorded, an ensemble's the student's own.
+    /// Augmentation of the student's input; the teacher's input is the EMG as recorded, an ensemble's the student's
+    /// own.
     pub augmentation: Option<Augmentation>,
 }
 
@@ -54,7 +55,7 @@ pub struct Distillation {
 pub struct EnsembleConfig {
     /// Number of students.
     pub members: usize,
-    /// Epochs of each.
+    /// Epochs of each student.
     pub epochs: usize,
 }
 
@@ -65,13 +66,13 @@ impl Distillation {
         self.teacher_share > 0.0 && self.ensemble.is_none()
     }
 
-    /// The ensemble that the student learns from.
+    /// The ensemble that the student learns from, if there is one.
     #[must_use]
     pub fn teaching_ensemble(&self) -> Option<EnsembleConfig> {
         self.ensemble.filter(|_| self.teacher_share > 0.0)
     }
 
-    /// The same settings for a student that learns from the labels alone.
+    /// Settings for a student that learns from the labels alone.
     #[must_use]
     pub fn on_labels(&self) -> Self {
         Self {

@@ -52,24 +52,24 @@ pub struct Preset {
     pub data: DataSelection,
     /// The teacher's dimensions.
     pub teacher: TeacherConfig,
-    /// How the teacher is trained.
+    /// Settings of the teacher's training.
     pub teacher_training: TeacherTraining,
-    /// How a trained teacher is fine-tuned on other recordings.
+    /// Settings of a trained teacher's fine-tuning on other recordings.
     pub fine_tuning: FineTuning,
     /// The student's dimensions.
     pub student: StudentConfig,
-    /// How the student is trained.
+    /// Settings of the student's training.
     pub distillation: Distillation,
-    /// How the model file's labels are smoothed.
+    /// Smoothing of the model file's labels.
     #[serde(default, skip_serializing_if = "Smoothing::is_default")]
     pub smoother: Smoothing,
 }
 
-/// What a model file says of the smoother; look-ahead and hold are the paper's.
+/// Smoother of a model file; look-ahead and hold are the paper's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Smoothing {
-    /// Which rows are summed; none: what follows more transitions of the validation subjects.
+    /// Rows that are summed; none: those that follow more transitions of the validation subjects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aggregation: Option<Aggregation>,
     /// Confidence gate ([`Settings::entry_margins`](shared::stream::smoother::Settings::entry_margins)).
@@ -85,9 +85,9 @@ pub struct Smoothing {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum EntryMargins {
-    /// The same for every class but relax, which has none.
+    /// Margin of every class but relax, which has none.
     Same(f32),
-    /// Class after class, from relax on; 0 for classes beyond the end.
+    /// Margins class after class, from relax on; 0 for classes beyond the end.
     ByClass(Vec<f32>),
 }
 
@@ -109,7 +109,7 @@ impl EntryMargins {
     }
 }
 
-/// Which rows the smoother sums.
+/// Rows that the smoother sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Aggregation {
@@ -145,21 +145,23 @@ pub struct FineTuning {
 pub struct DataSelection {
     /// Data sets to use, if recordings of any of them are found; all if empty.
     pub data_sets: Vec<DataSet>,
-    /// Held-out subjects, for evaluation alone, as `data-set/subject`, or whole data sets. Where a set has none, the
-    /// committed circles of people (`host/people.toml`) say who is held out.
+    /// Held-out subjects, for evaluation alone, as `data-set/subject`, or whole data sets. Where a set has none,
+    /// `host/recordings/people.toml` says who is held out.
     pub held_out: Vec<String>,
-    /// Fraction of a data set's subjects that is held out at random, where neither says who.
+    /// Fraction of a data set's subjects that is held out at random, where neither list nor
+    /// `host/recordings/people.toml` names any.
     pub held_out_share: f64,
     /// Validation subjects, which select the checkpoint, as [`held_out`](Self::held_out).
     pub validation: Vec<String>,
-    /// Fraction of a data set's subjects that validates, drawn at random, where neither says who.
+    /// Fraction of a data set's subjects that validates, drawn at random, where neither list nor
+    /// `host/recordings/people.toml` names any.
     pub validation_share: f64,
-    /// How labels are compensated for their lag.
+    /// Lag compensation of the labels.
     pub label_lag: LabelLag,
     /// Whether electrodes are rotated to the common orientation in data sets whose armband is worn rotated.
     pub align_electrodes: bool,
-    /// Whether samples are normalized to the wearer ([`Normalizer`](shared::stream::normalizer::Normalizer)): teacher and
-    /// students are trained with it, and the model file says so.
+    /// Whether samples are normalized to the wearer ([`Normalizer`](shared::stream::normalizer::Normalizer)): teacher
+    /// and students are trained with it, and the model file says so.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub normalize: bool,
     /// The filter over time before rectification, of teacher and students; the model file says which.
@@ -171,7 +173,7 @@ pub struct DataSelection {
     /// that of the set, to this power. 0: the same for every subject; 1: the same for every data set.
     #[serde(default)]
     pub balance: f64,
-    /// What movement outside the vocabulary is in training.
+    /// Role in training of movement outside the vocabulary.
     #[serde(default, skip_serializing_if = "OtherMovement::is_unknown")]
     pub other_movement: OtherMovement,
     /// Whether recordings are also used as published.
@@ -203,7 +205,7 @@ impl Preset {
         self
     }
 
-    /// What comes between the armband and a model's input.
+    /// Preprocessing between the armband and a model's input.
     #[must_use]
     pub const fn preprocessing(&self) -> Preprocessing {
         Preprocessing {

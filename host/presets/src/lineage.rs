@@ -1,4 +1,4 @@
-//! What the files of a run are made from, as fingerprints.
+//! Fingerprints of what the files of a run are made from.
 //!
 //! A file is bound to what decides its content and to no more: another `teacher_share` makes another student, not
 //! another teacher. Paths and the program's revision decide nothing.
@@ -23,7 +23,7 @@ use recordings::labels::compensation::Compensation;
 use recordings::split::Split;
 use recordings::{DataSet, Library, Recording};
 
-/// What decides the streams that models are trained and evaluated on.
+/// Inputs that decide the streams that models are trained and evaluated on.
 #[derive(Serialize)]
 struct Streams<'a> {
     seed: u64,
@@ -31,13 +31,13 @@ struct Streams<'a> {
     data: &'a DataSelection,
     split: &'a Split,
     lags: BTreeMap<DataSet, Compensation>,
-    /// Of sets of which a part is compensated by a constant.
+    /// Constant lags of sets of which a part is compensated by one.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     constants: BTreeMap<DataSet, usize>,
     recordings: Fingerprint,
 }
 
-/// What decides a teacher's weights.
+/// Inputs that decide a teacher's weights.
 #[derive(Serialize)]
 struct TeacherInputs<'a> {
     streams: Streams<'a>,
@@ -46,19 +46,19 @@ struct TeacherInputs<'a> {
     start: Option<Fingerprint>,
 }
 
-/// What decides a student's weights.
+/// Inputs that decide a student's weights.
 #[derive(Serialize)]
 struct StudentInputs<'a> {
     streams: Streams<'a>,
     student: &'a StudentConfig,
     distillation: &'a Distillation,
-    /// Seed of its weights and batches.
+    /// Seed of the student's weights and batches.
     seed: u64,
     /// Weights of the teacher that it learns from; none if from the labels alone.
     teacher: Option<Fingerprint>,
 }
 
-/// What decides what a run's models score.
+/// Inputs that decide the scores of a run's models.
 #[derive(Serialize)]
 struct Everything<'a> {
     variant: &'a str,
@@ -70,7 +70,7 @@ struct Everything<'a> {
 }
 
 impl ResolvedConfig {
-    /// What results are made from: the whole configuration.
+    /// Fingerprint of what results are made from: the whole configuration.
     #[must_use]
     pub fn fingerprint(&self) -> Fingerprint {
         Fingerprint::of(&Everything {
@@ -83,13 +83,13 @@ impl ResolvedConfig {
         })
     }
 
-    /// What a model is made from that is neither teacher nor student: the streams.
+    /// Fingerprint of what a model that is neither teacher nor student is made from: the streams.
     #[must_use]
     pub fn streams_lineage(&self) -> Fingerprint {
         Fingerprint::of(&self.streams())
     }
 
-    /// Whether a run with this configuration may go on with another one.
+    /// Refuses to go on with a run by another configuration.
     ///
     /// # Errors
     /// [`RunError::OtherConfiguration`] if they differ in anything that decides the outcome.
@@ -122,7 +122,7 @@ impl ResolvedConfig {
     pub fn student_seed(&self, name: &str) -> u64 {
         let member = distillation::MEMBERS.iter().position(|own| *own == name);
         let offset = member.map_or(0, |member| member as u64 + 1);
-        // Far from the seeds that somebody would give to a next run.
+        // Members' seeds are far from the seeds that a user would give to other runs.
         self.preset.seed.wrapping_add(offset << 32)
     }
 
@@ -134,14 +134,15 @@ impl ResolvedConfig {
         run.weights_fingerprint(crate::teacher_training::NAME, self.teacher_lineage())
     }
 
-    /// What the teacher is made from.
+    /// Fingerprint of what the teacher is made from.
     #[must_use]
     pub fn teacher_lineage(&self) -> Fingerprint {
         Fingerprint::of(&self.teacher_inputs())
     }
 
-    /// What a student of `run` is made from, by the name of its files. With a teacher that includes the weights of the
-    /// teacher there. An ensemble is made from nothing else than the student itself.
+    /// Fingerprint of what a student of `run` is made from, by the name of its files. If it learns from the teacher,
+    /// that includes the teacher's weights in `run`. An ensemble is not included: it is made from the same inputs as
+    /// its student.
     ///
     /// # Errors
     /// When that teacher is missing or not this run's.

@@ -1,4 +1,4 @@
-//! Random masks: which samples of a window the model does not see and has to predict.
+//! Random masks: the samples of a window that the model does not see and has to predict.
 //!
 //! The distribution is that of the reference implementation with its curriculum switched off: Poisson
 //! spans, the end of the window, around a transition, or everything.
@@ -20,9 +20,9 @@ pub enum Task {
     Intent,
     /// Intents are visible, EMG is masked.
     Emg,
-    /// Both are masked.
+    /// EMG and intents are masked.
     Joint,
-    /// For windows without labels: EMG is masked, attention to and from intents is blocked.
+    /// EMG is masked, attention to and from intents is blocked: for windows without labels.
     SelfSupervised,
 }
 
@@ -37,7 +37,7 @@ pub struct Masks {
     pub blocked: bool,
 }
 
-/// How the masked samples are arranged.
+/// Arrangement of the masked samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum MaskType {
     PoissonSpans,

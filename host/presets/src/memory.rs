@@ -1,19 +1,20 @@
-//! How much memory a preset's trainings need, roughly.
+//! Estimate of the memory that a preset's trainings need.
 //!
-//! In floating-point numbers, whose products do not overflow: a preset may hold any integers. What is estimated is one
-//! optimizer step: the weights with their gradients, two moments and average, and the tensors that the backward pass
-//! needs of a batch. It is within a factor of three of what was measured, and decides about orders of magnitude only.
+//! The estimate is in floating-point numbers, whose products do not overflow: a preset may hold any integers. It is for
+//! one optimizer step: the weights with their gradients, two moments and average, and the tensors that the backward
+//! pass needs of a batch. It is within a factor of three of what was measured, and decides about orders of magnitude
+//! only.
 
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
 use super::Preset;
 
-/// Most bytes of a step: 64 GiB. The preset `paper` needs a third of it, on the memory of a large GPU.
+/// Maximum memory of a step in bytes: 64 GiB. The preset `paper` needs a third of it, on the memory of a large GPU.
 pub(super) const LIMIT: f64 = 64.0 * (1_u64 << 30) as f64;
 
 /// Bytes of a number.
 const F32: f64 = 4.0;
-/// Weights, gradients, two moments of the optimizer, average.
+/// Copies of the weights: weights, gradients, two moments of the optimizer, average.
 const COPIES: f64 = 5.0;
 
 impl Preset {

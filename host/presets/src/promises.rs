@@ -1,8 +1,8 @@
-//! What a training needs of a preset that was accepted: asserted of damaged ones here and by `tests/fuzz`.
+//! Properties of an accepted preset that training relies on: asserted of damaged ones here and by `tests/fuzz`.
 
 use crate::Preset;
 
-/// Every number of a preset.
+/// Collects every number of a preset.
 fn all_numbers(value: &toml::Value, numbers: &mut Vec<f64>) {
     match value {
         toml::Value::Float(number) => numbers.push(*number),
@@ -12,10 +12,10 @@ fn all_numbers(value: &toml::Value, numbers: &mut Vec<f64>) {
     }
 }
 
-/// Asserts all of it.
+/// Asserts all properties.
 ///
 /// # Panics
-/// If something of it does not hold.
+/// If a property does not hold.
 pub fn check(preset: &Preset) {
     let text = preset.to_toml();
     let again = Preset::parse("again", &text);
@@ -38,7 +38,7 @@ pub fn check(preset: &Preset) {
         preset.fine_tuning.learning_rate,
         preset.fine_tuning.lora_learning_rate,
     ] {
-        // One that diverges is stopped by its loss, however large its steps.
+        // A training that diverges is stopped by its loss, however large its steps.
         assert!(
             rate > 0.0 && (rate as f32).is_finite(),
             "a learning rate of {rate}: {text}"

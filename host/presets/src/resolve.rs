@@ -1,4 +1,4 @@
-//! From a preset and the recordings found to the resolved configuration of a run.
+//! Resolution of a preset and the recordings found to the configuration of a run.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -59,9 +59,9 @@ pub enum ConfigError {
         "{start}, or what it started from, was trained on or validated with {subjects}, whom this run leaves out: start from a run that left them out too"
     )]
     HeldOutSeen {
-        /// What training starts from.
+        /// Run folder or checkpoint that training starts from.
         start: PathBuf,
-        /// These subjects, separated by commas.
+        /// The subjects, separated by commas.
         subjects: String,
     },
     /// The run's folder cannot be used.
@@ -72,9 +72,9 @@ pub enum ConfigError {
 impl ResolvedConfig {
     /// Assigns the subjects to their roles, and measures the lag of the labels on training subjects alone.
     ///
-    /// With a fold, the fold says who is held out, and the validation subjects are drawn at random from the
-    /// others; the preset's own lists and the committed circles of development are for a run without a fold. Test
-    /// people are in no fold.
+    /// With a fold, the fold says who is held out, and the validation subjects are drawn at random from the others; the
+    /// preset's own lists and the development people of `host/recordings/people.toml` are for a run without a fold.
+    /// Test people are in no fold.
     ///
     /// # Errors
     /// When there are too few subjects or no labels.
@@ -120,9 +120,9 @@ impl ResolvedConfig {
         Ok(config)
     }
 
-    /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of
-    /// these was found. A set that is not [trained on by default](recordings::DataSet::trained_by_default) is used where the preset
-    /// names it, or somebody of it to hold out.
+    /// The recordings that have labels of the preset's classes: of the preset's data sets, or of all if none of these
+    /// was found. A set that is not [trained on by default](recordings::DataSet::trained_by_default) is used where the
+    /// preset names it, or one of its subjects to hold out.
     ///
     /// # Errors
     /// When there are none.
@@ -153,7 +153,7 @@ impl ResolvedConfig {
         })
     }
 
-    /// Everybody whom this run's models, or any model that they started from, were trained on or validated with.
+    /// People whom this run's models, or any model that they started from, were trained on or validated with.
     #[must_use]
     pub fn subjects_seen(&self) -> Vec<String> {
         let split = &self.split;
@@ -164,12 +164,12 @@ impl ResolvedConfig {
         seen
     }
 
-    /// Starts training from the weights of another run, or from a checkpoint. Whom these weights have `seen` is remembered
-    /// and goes on to whatever starts from this run.
+    /// Starts training from the weights of another run, or from a checkpoint. The people whom these weights have `seen`
+    /// are remembered, also for whatever starts from this run.
     ///
     /// # Errors
-    /// When somebody who is held out here, or a test person, was trained on or validated with there or before, or the
-    /// weights cannot be read.
+    /// When a held-out or test person of this run was trained on or validated with there or before, or the weights
+    /// cannot be read.
     pub fn start_from(&mut self, start: &Path, seen: Vec<String>) -> Result<(), ConfigError> {
         let left_out = self.split.held_out.iter().chain(&self.split.test);
         let subjects: Vec<&str> = left_out

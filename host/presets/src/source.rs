@@ -1,4 +1,4 @@
-//! Where presets come from: the program itself, or TOML files. Unknown keys are refused.
+//! Sources of presets: the program itself, or TOML files. Unknown keys are refused.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ pub const BUILT_IN: [(&str, &str); 3] = [
 /// Why a preset cannot be used.
 #[derive(Debug, Error)]
 pub enum PresetError {
-    /// Neither a built-in name nor a readable file.
+    /// The name is neither built in nor that of a readable file.
     #[error("preset {name}: no built-in preset of that name (there are {known}) and no such file")]
     Missing {
         /// The name or path given.
@@ -28,7 +28,7 @@ pub enum PresetError {
         /// The cause.
         source: std::io::Error,
     },
-    /// Not TOML, or a key that is unknown or missing.
+    /// The text is not TOML, or a key is unknown or missing.
     #[error("preset {name}: {reason}")]
     Syntax {
         /// The preset.
@@ -43,7 +43,7 @@ pub enum PresetError {
         name: String,
         /// The key.
         key: &'static str,
-        /// Its value.
+        /// Value that was found.
         found: String,
         /// Valid values.
         expected: &'static str,
@@ -80,7 +80,8 @@ impl Preset {
             reason: error.to_string(),
         };
         let preset: Self = toml::from_str(text).map_err(syntax)?;
-        // TOML's integers have a sign; the line above takes those that fit without one too, and other readers would not.
+        // TOML's integers have a sign. The line above also takes larger ones that fit without a sign, which other
+        // readers refuse.
         toml::from_str::<toml::Table>(text).map_err(syntax)?;
         match preset.invalid() {
             None => Ok(preset),

@@ -25,8 +25,8 @@ impl ResolvedConfig {
         self.corpus(library, Role::Validation)
     }
 
-    /// Recordings of the subjects of a role that can be evaluated: those with labels of the vocabulary or movement outside
-    /// it.
+    /// Recordings of the subjects of a role that can be evaluated: those with labels of the vocabulary or movement
+    /// outside it.
     pub fn evaluated_recordings<'a>(&self, library: &'a Library, role: Role) -> Vec<&'a Recording> {
         let vocabulary = self.preset.vocabulary();
         let mut recordings = self.split.select(&library.recordings, role);

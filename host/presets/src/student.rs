@@ -1,4 +1,5 @@
-//! Dimensions of a student, as a preset has them. Without the library that trains it: `tests/fuzz` reads presets too.
+//! Dimensions of a student, as a preset has them. They do not need the library that trains it, since `tests/fuzz` reads
+//! presets too.
 
 use serde::{Deserialize, Serialize};
 use shared::model::dimensions::Companding;

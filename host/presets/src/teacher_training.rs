@@ -13,7 +13,7 @@ pub const NAME: &str = "teacher";
 /// Name of the files of a training with LoRA, before the adapters are merged into the teacher.
 pub const ADAPTED: &str = "teacher-lora";
 
-/// How a teacher is trained.
+/// Settings of a teacher's training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TeacherTraining {
@@ -37,7 +37,8 @@ pub struct TeacherTraining {
     pub tasks: Vec<Task>,
     /// Augmentation of the training windows; none in the paper.
     pub augmentation: Option<Augmentation>,
-    /// Trains LoRA adapters and leaves the weights that training starts from as they are.
+    /// LoRA adapters, which are trained while the weights that training starts from stay as they are; none: no
+    /// adapters.
     pub lora: Option<LoraConfig>,
 }
 

@@ -28,7 +28,7 @@ pub(super) fn of_training_people(
     Some(numbers.map(|&two| i16::from_le_bytes(two)).collect())
 }
 
-/// The open hand of each person who opens it; `read` gives a recording's samples and how its labels are compensated.
+/// Open hand of each person who opens it; `read` gives a recording's samples and its lag compensation.
 pub fn opens<'r>(
     recordings: impl Iterator<Item = &'r Recording>,
     read: impl Fn(&Recording) -> (Vec<Sample>, Compensation),

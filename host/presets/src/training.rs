@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::schedule::LrSchedule;
 
-/// How a model is trained.
+/// Settings of a model's training.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TrainConfig {
     /// Number of epochs.

@@ -1,4 +1,4 @@
-//! What training reads: cleaned EMG with labels, stream by stream.
+//! Corpus of a training: streams of cleaned EMG with labels.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::recording::Recording;
 pub struct Stream {
     /// Samples as the armband sends them, 200 Hz: input of most of the baselines.
     pub raw: Vec<Sample>,
-    /// The same samples, cleaned.
+    /// Cleaned samples.
     pub emg: Vec<CleanSample>,
     /// The intent at each sample, within the vocabulary; none where it is unknown.
     pub labels: Vec<Option<Intent>>,
@@ -22,7 +22,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Cleans samples with the paper's median; one label each, none of them for movement outside the vocabulary.
+    /// Stream of samples, cleaned with the paper's median, with one label each and no movement outside the vocabulary.
     #[must_use]
     pub fn new(raw: Vec<Sample>, labels: Vec<Option<Intent>>) -> Self {
         Self {
@@ -48,8 +48,8 @@ impl Stream {
 }
 
 impl From<Recording> for Stream {
-    /// A recording as it is, its [`other_movement`](Recording::other_movement) being all movement outside the vocabulary that
-    /// is a class.
+    /// Stream of a whole recording, whose [`other_movement`](Recording::other_movement) must be all movement outside
+    /// the vocabulary that is a class.
     fn from(recording: Recording) -> Self {
         let movements = recording.other_movement.into_iter();
         Self {
@@ -71,7 +71,7 @@ pub struct Corpus {
 }
 
 impl Corpus {
-    /// The same, cleaned with this filter instead of the paper's.
+    /// Cleans all streams with this filter instead of the paper's.
     #[must_use]
     pub fn with_median(mut self, median: Median) -> Self {
         if median != Median::Three {
@@ -82,7 +82,7 @@ impl Corpus {
         self
     }
 
-    /// Seconds of EMG.
+    /// Duration of all streams, in seconds.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         self.streams
@@ -93,7 +93,7 @@ impl Corpus {
     }
 }
 
-/// The label of a patch: that of most of its samples, none if most have none.
+/// The label of most of a patch's samples; none if most have none.
 #[must_use]
 fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
     Intent::ALL

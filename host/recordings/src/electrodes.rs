@@ -4,7 +4,7 @@ use shared::units::{CHANNELS, Sample};
 
 use super::recording::{DataSet, Recording};
 
-/// How a set's channels lie on the arm: channel c of the common frame is channel `c - rotation` of the set's, or
+/// Order of a set's channels on the arm: channel c of the common frame is channel `c - rotation` of the set's, or
 /// `rotation - c` where the ring runs the other way round (modulo 8).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Frame {

@@ -7,9 +7,9 @@ use super::seed::generator;
 
 /// Samples of a notification.
 const NOTIFICATION: usize = 2;
-/// Most consecutive notifications that the device bridges; one more resets its window.
+/// Maximum number of consecutive notifications that the device bridges; one more resets its window.
 const MOST_IN_A_ROW: u32 = 2;
-/// With two of every three notifications lost no more can be, without three in a row.
+/// Maximum loss in percent: two of every three notifications, since three in a row are never lost.
 pub const MOST_PERCENT: u8 = 66;
 
 /// Replaces `percent` of the notifications by the last sample before each, as the device does.
@@ -36,10 +36,10 @@ pub fn bridge_lost_notifications(samples: &mut [Sample], percent: u8, name: &str
     }
 }
 
-/// The chance `q` that a notification is lost unless two before it were.
+/// Probability `q` that a notification is lost unless two before it were.
 ///
-/// Of a received one, `q` are followed by a lost one and `q^2` by a second one, so the share that is lost is
-/// `(q + q^2) / (1 + q + q^2)`; this is solved for `q`.
+/// After a received notification, one is lost with probability `q` and a second one with `q^2`, so the share of losses
+/// is `(q + q^2) / (1 + q + q^2)`. This is solved for `q`.
 fn chance_after_a_received_one(percent: u8) -> f64 {
     let share = f64::from(percent) / 100.0;
     let lost_of_a_received_one = share / (1.0 - share);
@@ -54,7 +54,7 @@ mod tests {
         (0..count).map(|n| [(n % 127) as i8; 8]).collect()
     }
 
-    /// Which notifications were replaced. None repeats the one before it by itself.
+    /// Flags of the notifications that were replaced. No notification repeats the one before it by itself.
     fn lost(percent: u8, name: &str) -> Vec<bool> {
         let mut samples = numbered(40_000);
         bridge_lost_notifications(&mut samples, percent, name);

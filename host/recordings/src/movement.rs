@@ -1,10 +1,10 @@
-//! Movement that is none of the intents, of which no gesture's label should come.
+//! Movement that is none of the intents, and that no gesture's label should follow.
 
 use std::ops::Range;
 
 use shared::intent::Intent;
 
-/// What is done.
+/// Kind of a movement.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum MovementKind {
     /// An intent that is outside the vocabulary in use.
@@ -51,19 +51,19 @@ impl MovementKind {
     }
 }
 
-/// What movement outside the vocabulary is in training: pointing, pronation, intents of a larger vocabulary.
+/// Role in training of movement outside the vocabulary: pointing, pronation, intents of a larger vocabulary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OtherMovement {
     /// Unknown: nothing is learnt from it.
     #[default]
     Unknown,
-    /// A class of its own, which the student's head has an output for and of which no label comes.
+    /// A class of its own: the student's head has an output for it, which never becomes a label.
     Class,
 }
 
 impl OtherMovement {
-    /// Whether the movement has no name.
+    /// Whether the movement is unknown in training.
     pub fn is_unknown(&self) -> bool {
         *self == Self::Unknown
     }
@@ -72,9 +72,9 @@ impl OtherMovement {
 /// A movement in a recording.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Movement {
-    /// What is done.
+    /// Kind of the movement.
     pub kind: MovementKind,
-    /// When.
+    /// Samples of the movement.
     pub samples: Range<usize>,
 }
 
@@ -86,7 +86,7 @@ impl Movement {
     }
 }
 
-/// Which of so many samples are in one of the movements.
+/// Flags, as many as there are samples, of those that are in one of the movements.
 #[must_use]
 pub fn mask(movements: &[Movement], samples: usize) -> Vec<bool> {
     let mut mask = vec![false; samples];

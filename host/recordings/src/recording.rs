@@ -1,4 +1,4 @@
-//! One recording, and which published set it belongs to.
+//! One recording, and the published set that it belongs to.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -46,7 +46,7 @@ pub enum DataSet {
 }
 
 impl DataSet {
-    /// Every set, as they are listed.
+    /// Every set, in the order of lists.
     pub const ALL: [Self; 13] = [
         Self::Roshambo,
         Self::SsStm,
@@ -83,7 +83,7 @@ impl DataSet {
         }
     }
 
-    /// Whether training may use the set without being told to.
+    /// Whether training uses the set by default.
     ///
     /// `uci-gestures` shows which muscles are active, but not what a sample looks like.
     #[must_use]
@@ -92,7 +92,7 @@ impl DataSet {
     }
 }
 
-/// What the labels of a recording mark.
+/// Timing of a recording's labels.
 #[derive(
     Clone,
     Copy,
@@ -148,17 +148,18 @@ pub struct Recording {
     pub samples: Vec<Sample>,
     /// One label per sample in the six-class vocabulary; none where no intent of the six is known.
     pub labels: Vec<Option<Intent>>,
-    /// What the labels mark: cues, or the muscle's activity.
+    /// Timing of the labels: cues, or the muscle's activity.
     pub timing: Timing,
-    /// Movement that is none of the six intents (pointing, pronation, ...), in order, without labels. As late as the labels, [`DataSet::label_lag`].
+    /// Movement that is none of the six intents (pointing, pronation, ...), in order, without labels, as late as the
+    /// labels ([`DataSet::label_lag`]).
     ///
     /// Everything else without a label is unknown: it may be any movement, or rest.
     pub other_movement: Vec<Movement>,
     /// Known limits of the recording, a sentence each.
     pub notes: Vec<String>,
-    /// What the examiner found in it, and left.
+    /// Findings of the examiner.
     pub findings: Vec<Finding>,
-    /// What is known about the wearer when the recording begins, from the person's recordings before it.
+    /// State of the wearer's normalization when the recording begins, from the person's recordings before it.
     pub wearer: Normalizer,
 }
 

@@ -1,4 +1,4 @@
-//! A random generator of its own for every name, so that one draw does not depend on another.
+//! Random generators, one for every name, so that one draw does not depend on another.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -8,7 +8,7 @@ pub(super) fn generator(seed: u64, name: &str) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed ^ fnv_1a(name))
 }
 
-/// Fixed over releases, unlike the standard library's hashes.
+/// FNV-1a, 64 bits: fixed over releases, unlike the standard library's hashes.
 fn fnv_1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)

@@ -3,7 +3,7 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Fewest people that an interval or a difference is shown for: if all of five people have one sign, a sign test still
+/// Minimum number of people for an interval or a difference: if all of five people have one sign, a sign test still
 /// gives p = 0.06, and a bootstrap over so few is far too narrow.
 pub const FEWEST: usize = 6;
 

@@ -1,4 +1,4 @@
-//! A job of a cross-validation: one run folder, begun once and gone on with after an interruption.
+//! Job of a cross-validation: one run folder, begun once and continued after an interruption.
 
 use std::path::PathBuf;
 
@@ -29,15 +29,15 @@ pub(crate) enum JobError {
     /// The teacher that training starts from is missing.
     #[error("{path}: no teacher to start from; give the same command with --only {only} first")]
     NoStart {
-        /// Run folder of that teacher.
+        /// Run folder of the missing teacher.
         path: PathBuf,
-        /// Name of that teacher on the command line.
+        /// Name of the missing teacher on the command line.
         only: &'static str,
     },
     /// The folder holds a run with other settings.
     #[error("{path}: made with another preset, protocol or recordings; give another --out folder")]
     OtherRun {
-        /// The configuration in the folder.
+        /// Configuration file in the folder.
         path: PathBuf,
     },
 }
@@ -55,7 +55,7 @@ impl JobError {
     }
 }
 
-/// The configuration in the folder if the job was started before, or the new one, which is saved there.
+/// Loads the configuration in the folder if the job was started before; otherwise saves the new one there.
 ///
 /// # Errors
 /// [`JobError::OtherRun`] if the folder holds a run with other settings.

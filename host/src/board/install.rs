@@ -1,4 +1,4 @@
-//! A new model for a board: sends the blocks that it asks for, and goes on after a break.
+//! Installs a model on a board: sends the blocks that it asks for, and continues after a break.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -11,36 +11,37 @@ use shared::uart_line::command::Command;
 
 use super::{Board, BoardError};
 
-/// Bytes of a board's flash region, as in `memory.x`.
+/// Size of a board's flash region in bytes, as in `memory.x`.
 const REGION_BYTES: usize = 160 * 1024;
-/// How long a board that is lost is looked for.
+/// Time without progress after which a lost board is given up.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Beginnings without progress after which a board is given up: it restarts each time.
+/// Begins without progress after which a board is given up: it restarts each time.
 const MOST_BEGINS: u32 = 10;
-/// Blocks without progress likewise. After a beginning the first block and those of one page are written again.
+/// Blocks without progress after which a board is given up. After a begin, the first block and those of one page are sent
+/// again.
 const MOST_BLOCKS: u32 = MOST_BEGINS * (1 + (PAGE_BYTES / BLOCK_BYTES) as u32);
-/// How often a board may say that all is installed while it runs another model: late answers to others.
+/// Number of times a board may report a finished installation while it runs another model: late answers to other blocks.
 const MOST_DOUBTS: u32 = 3;
-/// Between two looks.
+/// Pause between two attempts to open the port.
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// Why a file is not sent.
 #[derive(Debug, thiserror::Error)]
 pub enum Unfit {
-    /// It is no model file, or none that a board has room for.
+    /// The file is no model file, or no board has room for the model.
     #[error("no board can run this file, and nothing was sent: {0}")]
     Model(#[from] ModelError),
-    /// It is longer than a board's flash region.
+    /// The file is longer than a board's flash region.
     #[error(
         "{length} bytes, a board has room for {REGION_BYTES}, and nothing was sent: train a smaller model"
     )]
     Length {
-        /// Of the file.
+        /// Length of the file in bytes.
         length: usize,
     },
 }
 
-/// A file that a board can run.
+/// Model file that a board can run.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelFile<'f> {
     bytes: &'f [u8],
@@ -48,10 +49,10 @@ pub struct ModelFile<'f> {
 }
 
 impl<'f> ModelFile<'f> {
-    /// Reads a file as a board does.
+    /// Checks a file as a board does.
     ///
     /// # Errors
-    /// For the reasons that a board refuses it for.
+    /// When a board would refuse the file.
     pub fn new(bytes: &'f [u8]) -> Result<Self, Unfit> {
         let model = Model::parse(bytes)?;
         DeviceEncoder::new(&model)?;
@@ -71,26 +72,26 @@ impl<'f> ModelFile<'f> {
         }
     }
 
-    /// Its CRC-32.
+    /// CRC-32 of the file.
     #[must_use]
     pub const fn checksum(&self) -> u32 {
         self.transfer.checksum
     }
 
-    /// How many blocks it has.
+    /// Number of blocks of the file.
     #[must_use]
     pub const fn blocks(&self) -> u32 {
         self.transfer.blocks()
     }
 }
 
-/// Installs a model on the board at a port; `report` is told how many blocks the board has. A board that is lost is looked
-/// for, and the installation gone on with, until there was no progress for 30 s or for ten beginnings. It ends early once
-/// `stopped`. The model counts as installed once the board says that it runs it.
+/// Installs a model on the board at a port. `report` gets the number of blocks that the board has. A lost board is
+/// searched for and the installation continues, until there was no progress for 30 s or for ten begins. It ends early
+/// once `stopped` returns true. It succeeds once the board reports that it runs the model.
 ///
 /// # Errors
-/// There is no board, it refuses, it is lost or gets no further, it runs another model in the end, or this was stopped: the
-/// same call goes on where this one ended.
+/// There is no board, it refuses, it is lost or makes no progress, it runs another model in the end, or `stopped`
+/// returned true. A new call continues where this one ended.
 pub fn install(
     path: &Path,
     file: ModelFile<'_>,
@@ -102,7 +103,7 @@ pub fn install(
     loop {
         match board.send_model(file, &stopped, &mut effort, &mut report) {
             Err(error @ (BoardError::Lost { .. } | BoardError::Silent { .. })) => {
-                // Until it answers again, or for too long.
+                // Tries until the board answers again or the time is over.
                 board = loop {
                     if effort.is_hopeless() {
                         return Err(error);
@@ -121,11 +122,11 @@ pub fn install(
     }
 }
 
-/// Commands since the board last had more blocks than ever before.
+/// Commands sent since the board last made progress.
 struct Effort {
-    /// Blocks of the file.
+    /// Number of blocks in the file.
     of: u32,
-    /// Blocks that the board had at most; none before its first answer.
+    /// Greatest number of blocks that the board had; none before its first answer.
     furthest: Option<u32>,
     since: Instant,
     begins: u32,
@@ -143,7 +144,7 @@ impl Effort {
         }
     }
 
-    /// The board has so many blocks.
+    /// Records that the board has this many blocks.
     fn reached(&mut self, blocks: u32) {
         if self.furthest.is_none_or(|furthest| blocks > furthest) {
             *self = Self {
@@ -153,13 +154,13 @@ impl Effort {
         }
     }
 
-    /// The installation is begun, or gone on with.
+    /// Counts a begin of the installation.
     fn begin(&mut self) -> Result<(), BoardError> {
         self.begins += 1;
         self.check()
     }
 
-    /// A block is sent.
+    /// Counts a block.
     fn block(&mut self) -> Result<(), BoardError> {
         self.blocks += 1;
         self.check()
@@ -180,7 +181,7 @@ impl Effort {
         })
     }
 
-    /// Whether a board that is lost is looked for no longer.
+    /// Whether to give up a lost board.
     fn is_hopeless(&self) -> bool {
         self.furthest.is_none() || self.since.elapsed() > PATIENCE
     }
@@ -210,7 +211,7 @@ impl Board {
                 if found == Some(file.checksum()) {
                     break;
                 }
-                // That was the answer to somebody else's block, or an old one.
+                // The answer belonged to another program's block, or was late.
                 doubts += 1;
                 if doubts > MOST_DOUBTS {
                     let expected = file.checksum();
@@ -219,20 +220,20 @@ impl Board {
                 progress = self.begin(file, effort)?;
                 continue;
             };
-            // A board asks for no other one; if it does, it is told so.
+            // A board never asks for a block past the end. If one did, it would refuse the block sent here.
             let before = file.transfer.before(number.min(file.blocks()));
             effort.reached(before);
             effort.block()?;
             report(before);
             let block = Command::Block(number, Block::of(file.bytes, number));
             let answer = self.ask(block, |answer| {
-                // It never asks for the block that it has just taken: this is the answer to an earlier line.
+                // A board never asks for the block that it has just taken: this answers an earlier line.
                 missing(answer).filter(|progress| *progress != Progress::Next(number))
             });
             progress = match answer {
-                // It has restarted.
+                // The board has restarted.
                 Err(BoardError::Refused(Refusal::NotBegun)) => self.begin(file, effort)?,
-                // What was in its flash before is not what its journal says.
+                // The old content of its flash does not match its journal.
                 Err(BoardError::Refused(Refusal::Model)) if number != 0 && may_begin_again => {
                     may_begin_again = false;
                     self.begin(file, effort)?
@@ -250,7 +251,7 @@ impl Board {
         Ok(())
     }
 
-    /// Begins, or goes on: what is missing.
+    /// Begins or continues the installation; returns what is missing.
     fn begin(&mut self, file: ModelFile<'_>, effort: &mut Effort) -> Result<Progress, BoardError> {
         effort.begin()?;
         self.ask(Command::Install(file.transfer), missing)

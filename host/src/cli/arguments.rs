@@ -10,13 +10,13 @@ use recordings::finding::grouped;
 pub use recordings::readers::excerpt::printable;
 use recordings::{Library, LoadError, LoadOptions, load};
 
-/// What an alignment is told of the arm.
+/// Parses the arm for an alignment: 0 or 1 for mirrored.
 pub(in crate::cli) fn mirrored(text: &str) -> Result<Arm, String> {
     let mirrored = flag(text).ok_or("0 or 1")?;
     Ok(Arm::Known { mirrored })
 }
 
-/// All recordings below a path, whatever their data set.
+/// Loads all recordings below a path, of every data set.
 ///
 /// # Errors
 /// When nothing can be read, or a file is damaged and `strict`.
@@ -30,10 +30,10 @@ pub(crate) fn every_recording(path: &Path, strict: bool) -> anyhow::Result<Libra
     Ok(library)
 }
 
-/// Logs how much was found, what was left out, and what is doubtful.
+/// Logs how many recordings were found, what was left out, and what is doubtful.
 ///
 /// # Errors
-/// When not one recording is left.
+/// When no recording is left.
 pub(in crate::cli) fn log_found(library: &Library, path: &Path) -> anyhow::Result<()> {
     some_recording(library, path)?;
     if let Some(first) = library.skipped.first() {
@@ -55,7 +55,7 @@ pub(in crate::cli) fn log_found(library: &Library, path: &Path) -> anyhow::Resul
     Ok(())
 }
 
-/// Logs what is doubtful in the recordings, the same finding in one line.
+/// Logs the doubts about the recordings, equal findings in one line.
 pub(in crate::cli) fn log_findings(library: &Library) {
     for group in grouped(library.findings()) {
         progress::log(&printable(&group.to_string()));
@@ -75,7 +75,7 @@ pub(in crate::cli) fn some_recording(library: &Library, path: &Path) -> anyhow::
     Ok(())
 }
 
-/// What stops a load, with the option that leaves damaged files out.
+/// Message for a failed load, with the option that leaves damaged files out.
 pub(crate) fn refused(error: LoadError) -> anyhow::Error {
     match error {
         LoadError::Damaged { .. } => anyhow::Error::new(error)
@@ -84,7 +84,7 @@ pub(crate) fn refused(error: LoadError) -> anyhow::Error {
     }
 }
 
-/// Says that people are evaluated who are for releases.
+/// Warns that test people, who are reserved for releases, are evaluated.
 pub fn warn_of_test_people(people: usize) {
     if people > 0 {
         progress::log(&format!(

@@ -1,4 +1,4 @@
-//! `myointent completions` and `myointent man`: for the shell and for the manual.
+//! `myointent completions` and `myointent man`: shell completions and manual pages.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -33,10 +33,10 @@ pub struct ManArguments {
     out: PathBuf,
 }
 
-/// Prints the shell's script.
+/// Prints the completion script of the shell.
 ///
 /// # Errors
-/// When it cannot be written.
+/// When the script cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut script = Vec::new();
     let mut command = Cli::command();
@@ -46,10 +46,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the pages.
+/// Writes the manual pages.
 ///
 /// # Errors
-/// When they cannot be written.
+/// When a page cannot be written.
 pub(super) fn run_man(arguments: &ManArguments) -> anyhow::Result<()> {
     let out = &arguments.out;
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;

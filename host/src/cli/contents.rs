@@ -1,4 +1,4 @@
-//! What is in a folder of recordings, as tables.
+//! Contents of a folder of recordings, as tables.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,10 +15,10 @@ use recordings::finding::Group;
 pub use recordings::library::inspection::{Files, Inspection, SetInspection};
 pub use recordings::readers::excerpt::printable;
 
-/// How many files with the same finding are listed; `--json` has all.
+/// Greatest number of files listed with the same finding; `--json` lists all.
 const SHOWN: usize = 4;
 
-/// What is in a library, and whether its guided recordings are good enough to tune a model on.
+/// Contents of a library, and whether its guided recordings are good enough to tune a model on.
 #[derive(Serialize)]
 pub(super) struct Recordings {
     #[serde(flatten)]
@@ -26,14 +26,14 @@ pub(super) struct Recordings {
     guided: Vec<Guided>,
 }
 
-/// A person's guided recordings.
+/// Guided recordings of a person.
 #[derive(Serialize)]
 struct Guided {
     person: String,
     files: usize,
     seconds: f64,
     good: bool,
-    /// How often each class is labelled.
+    /// Number of labelled stretches of each class.
     counts: BTreeMap<&'static str, usize>,
     findings: Vec<Told>,
 }
@@ -96,7 +96,7 @@ impl fmt::Display for Guided {
     }
 }
 
-/// What is in a library, as text for a terminal.
+/// Formats the contents of a library for a terminal.
 pub(super) fn tables(recordings: &Recordings) -> String {
     let Recordings { inspection, guided } = recordings;
     let mut text = sets(&inspection.sets).plain() + "\n";
@@ -147,7 +147,7 @@ pub(super) fn tables(recordings: &Recordings) -> String {
     text
 }
 
-/// A heading and the first of its entries.
+/// Formats a heading and the first of its entries.
 fn list(head: &str, entries: &[String]) -> String {
     let mut text = format!("\n{}\n", printable(head));
     for entry in entries.iter().take(SHOWN) {

@@ -11,7 +11,8 @@ use crate::cli::evaluate_models;
 /// Arguments of `evaluate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "balanced: mean recall of the classes present. TA: transition accuracy, share of label changes that are followed within\n\
+    after_help = "Examples:\n  myointent evaluate --run runs/mine\n  myointent evaluate --model models/three-class.intent --data DIR",
+    after_long_help = "balanced: mean recall of the classes present. TA: transition accuracy, share of label changes that are followed within\n\
     half a second either way and held. recognised: share of gestures whose label is emitted and held, and no other.\n\
     latency: median / 90th percentile from muscle onset to the emitted label, look-ahead included, misses counted as\n\
     misses. false/min: false activations a minute of rest. flicker/min: label changes a minute beyond the true\n\
@@ -30,8 +31,9 @@ pub struct Arguments {
     #[cfg(feature = "train")]
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     pub(super) run: PathBuf,
-    /// Model file to evaluate; the run folder's if not given. The results of another model are printed and not kept. With
-    /// --data several may be given.
+    /// Model file to evaluate; the run folder's if not given.
+    ///
+    /// The results of another model are printed and not kept. With --data several may be given.
     #[arg(long, value_name = "FILE")]
     pub(super) model: Vec<PathBuf>,
     #[command(flatten)]

@@ -24,23 +24,25 @@ use recordings::losses::MOST_PERCENT;
 /// Which of the recordings below `--data` a model file is evaluated on.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct PeopleArguments {
-    /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given. Whoever is named here is
-    /// evaluated even if the model has seen them; test people by their own names alone, of a whole set with --test-people.
+    /// Subjects (data-set/subject) and whole data sets, separated by commas; all if not given.
+    ///
+    /// Whoever is named here is evaluated even if the model has seen them; test people by their own names alone, of a whole
+    /// set with --test-people.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "data")]
     subjects: Vec<String>,
     /// Also evaluate people whom a model was trained on or validated with; they are marked.
-    #[arg(long, requires = "data")]
+    #[arg(hide_short_help = true, long, requires = "data")]
     seen: bool,
-    /// Also evaluate test people (host/people.toml), who are for releases.
-    #[arg(long, requires = "data")]
+    /// Also evaluate test people (host/recordings/people.toml), who are for releases.
+    #[arg(hide_short_help = true, long, requires = "data")]
     test_people: bool,
     /// Refuse damaged files instead of leaving them out.
-    #[arg(long, requires = "data")]
+    #[arg(hide_short_help = true, long, requires = "data")]
     pub(in crate::cli) strict: bool,
 }
 
 impl PeopleArguments {
-    /// These people, with the armband as it was worn.
+    /// Selection of these people, with the armband as it was worn.
     pub(in crate::cli) fn selection(&self) -> Selection {
         Selection {
             subjects: self.subjects.clone(),
@@ -56,37 +58,43 @@ impl PeopleArguments {
 #[command(next_help_heading = "Model files on any recordings (--data)")]
 pub(in crate::cli) struct Options {
     /// Evaluate model files on the recordings below DIR; no run folder is read or written.
-    #[arg(long, value_name = "DIR", conflicts_with = "run", requires = "model")]
+    #[arg(long, value_name = "DIR", requires = "model")]
+    #[cfg_attr(feature = "train", arg(conflicts_with = "run"))]
     pub(in crate::cli) data: Option<PathBuf>,
     #[command(flatten)]
     people: PeopleArguments,
     /// Turn the armband by this many places, 0 to 7, or by another number for each person: any.
-    #[arg(long, value_name = "K", requires = "data", default_value = "0", value_parser = turn)]
+    #[arg(hide_short_help = true, long, value_name = "K", requires = "data", default_value = "0", value_parser = turn)]
     rotate: Turn,
     /// Wear the armband on the other arm.
-    #[arg(long, requires = "data")]
+    #[arg(hide_short_help = true, long, requires = "data")]
     mirror: bool,
-    /// Evaluate each model also after alignment by each person's first openings of the hand, as the device does it. People
-    /// without two are left out, and those openings are not scored.
-    #[arg(long, requires = "data")]
+    /// Evaluate each model also after alignment by each person's first openings of the hand, as the device does it.
+    ///
+    /// People without two are left out, and those openings are not scored.
+    #[arg(hide_short_help = true, long, requires = "data")]
     align: bool,
     /// Tell each alignment on which arm the armband is.
-    #[arg(long, requires = "align")]
+    #[arg(hide_short_help = true, long, requires = "align")]
     arm_told: bool,
     /// Lose this share of the notifications, 0 to 66 percent, and bridge them as the device does.
-    #[arg(long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
+    #[arg(hide_short_help = true, long, value_name = "PERCENT", requires = "data", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MOST_PERCENT.into()))]
     lose: u8,
     /// How labels, which are cues, are moved to where the muscle acts: by each cue's own lag, where rest around it shows
-    /// it; by one constant a data set, estimated on training people; or none. The output says what was done.
+    /// it; by one constant a data set, estimated on training people; or none.
+    ///
+    /// The output says what was done.
     #[arg(
-        long,
+        hide_short_help = true, long,
         value_name = "HOW",
         requires = "data",
         default_value = "each-cue",
         value_parser = label_lag
     )]
     label_lag: LabelLag,
-    /// Page to write, the worst person first. An earlier page is replaced, no other file.
+    /// Page to write, the worst person first.
+    ///
+    /// An earlier page is replaced, no other file.
     #[arg(
         long,
         value_name = "FILE",
@@ -94,12 +102,14 @@ pub(in crate::cli) struct Options {
         default_value = "evaluation.html"
     )]
     report: PathBuf,
-    /// CSV file to write: a row for each person and model. An earlier one is replaced, no other file.
+    /// CSV file to write: a row for each person and model.
+    ///
+    /// An earlier one is replaced, no other file.
     #[arg(long, value_name = "FILE", requires = "data")]
     csv: Option<PathBuf>,
 }
 
-/// Places that armbands are turned by.
+/// Parses the number of places that armbands are turned by.
 fn turn(text: &str) -> Result<Turn, String> {
     if text == "any" {
         return Ok(Turn::Any);
@@ -110,7 +120,7 @@ fn turn(text: &str) -> Result<Turn, String> {
         .ok_or_else(|| "expected 0 to 7, or any".to_owned())
 }
 
-/// How labels are compensated for their lag, by the names that presets have.
+/// Parses the label-lag compensation by the names that presets use.
 fn label_lag(text: &str) -> Result<LabelLag, value::Error> {
     LabelLag::deserialize(text.into_deserializer())
 }
@@ -183,7 +193,7 @@ pub(in crate::cli) fn run(
     Ok(())
 }
 
-/// Results with what was found in the recordings.
+/// Results together with the findings about the recordings.
 #[derive(Serialize)]
 struct Evaluated<'r> {
     #[serde(flatten)]
@@ -191,7 +201,7 @@ struct Evaluated<'r> {
     findings: Vec<Group>,
 }
 
-/// Says who was left out, and who should not be looked at.
+/// Warns which people were left out, and which are for releases.
 pub(in crate::cli) fn warn(results: &ModelResults) {
     let count = |people: usize, what: &str| {
         if people > 0 {

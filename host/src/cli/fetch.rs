@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Names, addresses and licences.
+/// Table of the data sets: names, addresses and licences.
 fn list() -> Table {
     let caption =
         "myointent data fetch NAME downloads one; docs/recordings.md says what is in them.";
@@ -135,7 +135,7 @@ fn agree(own: &Source, stated: Option<&str>, accepted: bool) -> anyhow::Result<(
     }
 }
 
-/// What to do without a network.
+/// Instructions for a download by hand.
 fn by_hand(own: &Source, downloads: &[Download]) -> String {
     let name = own.data_set.name();
     let addresses: Vec<&str> = downloads.iter().map(|of| &of.url[..]).collect();
@@ -149,7 +149,7 @@ fn by_hand(own: &Source, downloads: &[Download]) -> String {
     )
 }
 
-/// What came, and by what it was checked.
+/// Prints the received files, and how each was checked.
 fn report(planned: &Plan, received: &[Received]) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     for (own, of) in received.iter().zip(&planned.downloads) {
@@ -167,7 +167,7 @@ fn report(planned: &Plan, received: &[Received]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Puts archives in place and says what was recognised.
+/// Puts archives in place and prints what was recognised.
 fn put(own: &Source, files: &[PathBuf], place: &Path) -> anyhow::Result<()> {
     let done = put_in_place(files, place, own.data_set)?;
     let mut out = std::io::stdout().lock();
@@ -194,7 +194,7 @@ mod tests {
 
     use super::*;
 
-    /// A tar archive of these files.
+    /// Writes a tar archive of these files.
     fn archive(folder: &Path, files: &[(&str, &str)]) -> PathBuf {
         let path = folder.join("archive.tar");
         let mut archive = tar::Builder::new(std::fs::File::create(&path).unwrap());

@@ -75,7 +75,7 @@ fn json(model: &Model<'_>) -> serde_json::Value {
     })
 }
 
-/// The header, a line for each part of it. Its texts are whoever's made the file: printable characters alone.
+/// Formats the header, a line for each part. Texts from the file may be hostile: only printable characters are kept.
 fn lines(model: &Model<'_>) -> String {
     let header = &model.header;
     let (dimensions, smoother, provenance) =
@@ -127,7 +127,7 @@ mod tests {
 
     use super::*;
 
-    /// A model whose texts clear the screen and set its colour.
+    /// Model file whose texts clear the screen and set its colour.
     fn hostile() -> Vec<u8> {
         let dimensions = Dimensions {
             vocabulary: Vocabulary::Three,
@@ -166,7 +166,7 @@ mod tests {
         );
     }
 
-    /// Opening a pipe that nobody writes to waits forever, and a device gives bytes without end.
+    /// Opening a pipe without a writer would block, and a device file has no end.
     #[cfg(unix)]
     #[test]
     fn a_pipe_in_place_of_a_model_is_refused_at_once() {

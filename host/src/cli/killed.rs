@@ -1,4 +1,4 @@
-//! A command that is killed between any two changes of its folder, and resumed, ends like one that was not.
+//! A command killed between any two changes of its run folder, and then resumed, produces the same files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use execution::run_folder::kill;
 use presets::BUILT_IN;
 use recordings::synthetic::{self, SynthOptions};
 
-/// As small as a run can be: three people, two epochs of teacher and student.
+/// Smallest possible preset: three people, two epochs of teacher and student.
 fn preset(folder: &Path) -> PathBuf {
     let edits = [
         ("name = \"quickstart\"", "name = \"tiny\""),
@@ -36,7 +36,7 @@ fn preset(folder: &Path) -> PathBuf {
     path
 }
 
-/// In a process of its own: random weights are drawn from one generator of the process, and other tests draw too.
+/// Runs in a process of its own: random weights come from one generator a process, and other tests use it too.
 #[test]
 fn a_quickstart_killed_at_any_write_resumes_to_the_same_files() {
     let name = "cli::killed::at_every_write";

@@ -14,7 +14,7 @@ use crate::live::{self, Options, Source, is_local};
 use execution::interrupt::Interrupt;
 use execution::progress;
 
-/// The port of the page, where it is free.
+/// Default port of the page.
 const PORT: u16 = 8377;
 
 /// Arguments of `live`.
@@ -35,15 +35,19 @@ pub struct Arguments {
     /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
-    /// Model file. Without it, recordings run through the shipped three-class model, and a board shows no scores.
+    /// Model file.
+    ///
+    /// Without it, recordings run through the shipped three-class model, and a board shows no scores.
     #[arg(long, value_name = "FILE.intent")]
     model: Option<PathBuf>,
-    /// Write every event as a line of JSON on standard output, for other programs; serve a page only with --listen. Exit code
-    /// 0 when the reader closes the pipe.
+    /// Write every event as a line of JSON on standard output, for other programs; serve a page only with --listen.
+    ///
+    /// Exit code 0 when the reader closes the pipe.
     #[arg(long)]
     json: bool,
-    /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
-    /// the connection is not encrypted.
+    /// Where the page is served: an address, or address:port.
+    ///
+    /// Beyond this machine the address that is printed has a token; the connection is not encrypted.
     #[arg(long, value_name = "ADDR", value_parser = listen)]
     listen: Option<(IpAddr, Option<u16>)>,
 }
@@ -60,13 +64,14 @@ pub(super) struct SourceArguments {
     /// A board's serial port, such as /dev/ttyACM0 or COM3, or a pseudo-terminal.
     #[arg(long, value_name = "PATH")]
     port: Option<PathBuf>,
-    /// An armband over this computer's own Bluetooth, without a board: its address, or `any` for the strongest signal. Needs a
-    /// program that was built with `--features bluetooth`.
+    /// An armband over this computer's own Bluetooth, without a board: its address, or `any` for the strongest signal.
+    ///
+    /// Needs a program that was built with `--features bluetooth`.
     #[arg(long, value_name = "ADDRESS|any", value_parser = armband)]
     bluetooth: Option<Followed>,
 }
 
-/// An armband, or any.
+/// Address of the armband to follow; none for any.
 #[derive(Clone, Copy, Debug)]
 pub struct Followed(Option<Address>);
 
@@ -123,7 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 impl SourceArguments {
-    /// The source; `name` chooses among the recordings of a path.
+    /// Builds the source; `name` chooses among the recordings of a path.
     ///
     /// # Errors
     /// When the recording cannot be read.
@@ -162,7 +167,7 @@ pub(super) fn serve(
     live.stop()
 }
 
-/// Says who can look, beyond this machine.
+/// Warns who can open the page, beyond this machine.
 fn warn(address: IpAddr) {
     if is_local(address) {
         return;
@@ -175,7 +180,7 @@ fn warn(address: IpAddr) {
     }
 }
 
-/// The usual port, or any if another program has it.
+/// Default port, or 0 (any) if another program uses it.
 fn free(address: IpAddr) -> u16 {
     TcpListener::bind((address, PORT)).map_or(0, |_| PORT)
 }

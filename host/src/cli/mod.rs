@@ -137,7 +137,7 @@ enum Command {
     Train(Untrained),
 }
 
-/// What to do where a command needs what trains.
+/// Advice for a command that needs the training feature.
 #[cfg(not(feature = "train"))]
 pub(crate) const WITHOUT_TRAINING: &str = "this program was built without training; `cargo run --release -- COMMAND` builds and runs all of it";
 
@@ -153,6 +153,7 @@ impl Cli {
     /// Runs the command and returns its exit code; an error is printed on standard error.
     #[must_use]
     pub fn run(self) -> ExitCode {
+        crate::declare_revision();
         let advice = self.command.advice();
         let result = match self.command {
             #[cfg(feature = "train")]
@@ -190,7 +191,7 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                // That an old model is kept is an answer.
+                // That the old model is kept is a result, not an error.
                 let start = if keeps_the_old(&error) { "" } else { "error: " };
                 let message = printable_lines(&format!("{error:#}"));
                 progress::log(&format!("{start}{message}"));
@@ -205,7 +206,7 @@ impl Cli {
 }
 
 impl Command {
-    /// What to do after an interrupt.
+    /// Advice after an interrupt.
     const fn advice(&self) -> &'static str {
         match self {
             #[cfg(feature = "train")]
@@ -217,13 +218,13 @@ impl Command {
     }
 }
 
-/// A message as a terminal may have it: what it quotes comes from files.
+/// Escapes a message for the terminal: it may quote files.
 fn printable_lines(message: &str) -> String {
     let lines: Vec<String> = message.lines().map(printable).collect();
     lines.join("\n")
 }
 
-/// 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned model is worse, 1 after any other failure.
+/// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 3 if a tuned model is worse, 1 after any other failure.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     if interrupted {
@@ -237,7 +238,7 @@ pub fn exit_code(error: &anyhow::Error, interrupted: bool) -> ExitCode {
     }
 }
 
-/// Whether the answer of `personalize` is to go on with the old model.
+/// Whether `personalize` decided to keep the old model.
 #[cfg(feature = "train")]
 fn keeps_the_old(error: &anyhow::Error) -> bool {
     let refused = error.downcast_ref::<PersonalizeError>();
@@ -260,7 +261,7 @@ fn is_interrupted_step(cause: &(dyn std::error::Error + 'static)) -> bool {
         || personalize.is_some_and(PersonalizeError::is_interrupt)
 }
 
-/// No step, no exit code of its own.
+/// Exit code of `personalize`; unused without training.
 #[cfg(not(feature = "train"))]
 const KEPT: u8 = 3;
 
@@ -274,13 +275,13 @@ fn is_interrupted_step(_: &(dyn std::error::Error + 'static)) -> bool {
     false
 }
 
-/// Whether an argument has a value that cannot be, apart from those that the parser refuses.
+/// Whether an argument has an impossible value that the parser accepts.
 fn is_wrong_argument(error: &anyhow::Error) -> bool {
     matches!(error.downcast_ref(), Some(PresetError::Missing { .. }))
         || matches!(error.downcast_ref(), Some(ConfigError::Fold { .. }))
 }
 
-/// Whether the reader of the output has closed it: `myointent replay ... | head` is no failure.
+/// Whether the reader has closed the output: `myointent replay ... | head` is no failure.
 #[must_use]
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
@@ -288,7 +289,7 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
         .any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
 }
-/// The bytes of a model file.
+/// Reads the bytes of a model file.
 fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
     bounded_read::read_model(path).with_context(|| path.display().to_string())
 }
@@ -318,5 +319,25 @@ mod tests {
             }
             assert!(error.contains("model.intent"), "{error}");
         }
+    }
+
+    #[cfg(not(feature = "train"))]
+    #[test]
+    fn without_training_its_commands_and_options_say_what_to_build() {
+        for line in [
+            "train --preset cpu --run runs/mine",
+            "quickstart",
+            "personalize --model a.intent --data mine --help",
+        ] {
+            let words = std::iter::once("myointent").chain(line.split(' '));
+            let command = Cli::try_parse_from(words).unwrap().command;
+            assert!(matches!(command, Command::Train(_)), "{line}");
+        }
+        let words = ["myointent", "evaluate", "--model", "a.intent"];
+        let Command::Evaluate(arguments) = Cli::try_parse_from(words).unwrap().command else {
+            panic!("another command");
+        };
+        let error = evaluate::run(&arguments).unwrap_err().to_string();
+        assert!(error.contains(WITHOUT_TRAINING), "{error}");
     }
 }

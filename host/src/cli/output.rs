@@ -1,7 +1,7 @@
-//! Files that a command writes where the user says, and that are there already.
+//! Checks before an output file of the user's choice replaces an existing one.
 //!
-//! A model is somebody's work and is never replaced. Tables and pages are made again at any time: a command replaces an
-//! earlier output of its own kind, and no other file.
+//! A model is never replaced. Tables and pages can be made again: a command replaces its own earlier output of that kind,
+//! and no other file.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// How a page begins.
+/// First bytes of a page.
 pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";
 
 /// Why a file is not written.
 #[derive(Debug, Error)]
 pub(super) enum OutputError {
-    /// There is a file of that name.
+    /// A file of that name exists.
     #[error("{path} exists already: give another name with --out, or remove it")]
     Exists {
         /// The file.
@@ -29,17 +29,17 @@ pub(super) enum OutputError {
         /// The file.
         path: PathBuf,
     },
-    /// The file of that name cannot be looked at.
+    /// The file of that name cannot be read.
     #[error("{path} cannot be replaced: {source}; give another name")]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
-/// Refuses a model's name that a file has.
+/// Refuses the name of a model file if it is taken.
 ///
 /// # Errors
 /// [`OutputError::Exists`].
@@ -51,7 +51,7 @@ pub(super) fn refuse_existing(path: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Refuses the name of a table or a page that a file of another kind has: one that does not start so.
+/// Refuses the name of a table or a page if a file of another kind has it: one that does not begin with `start`.
 ///
 /// # Errors
 /// [`OutputError::Unlike`], or [`OutputError::Unreadable`].
@@ -66,7 +66,7 @@ pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError
     match path.metadata() {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(unreadable(error)),
-        // A pipe would be waited for.
+        // Opening a pipe would block.
         Ok(found) if !found.is_file() => return Err(unlike()),
         Ok(_) => {}
     }
@@ -82,7 +82,7 @@ pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError
     }
 }
 
-/// The first line of a table: what tells its kind.
+/// First line of a table, which identifies its kind.
 pub(super) fn first_line(bytes: &[u8]) -> &[u8] {
     let end = bytes.iter().position(|&byte| byte == b'\n');
     &bytes[..end.map_or(bytes.len(), |at| at + 1)]

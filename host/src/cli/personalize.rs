@@ -50,10 +50,10 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// The new model was not written.
+/// Error: the new model was not written.
 #[derive(Debug, Error)]
 pub(super) enum NotWritten {
-    /// It is worse than the old one.
+    /// The new model is worse than the old one.
     #[error(
         "on the part held back {why}: nothing was written, go on with {model}; more recordings may help"
     )]
@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         &settings,
         &device,
         &Interrupt::listen(),
-        // A bar in the terminal shows it.
+        // The progress bar in the terminal shows the steps.
         |_| (),
     )?;
     if done.seen_before {

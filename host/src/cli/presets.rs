@@ -22,7 +22,7 @@ pub struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     if let Some(name) = &arguments.name {
-        // The text itself, comments included, after a check that it is valid.
+        // Prints the source text with its comments, after a check that it is valid.
         Preset::find(name)?;
         let text = BUILT_IN
             .iter()

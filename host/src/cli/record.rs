@@ -19,7 +19,8 @@ use training::backend::BackendArguments;
 /// Arguments of `record`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Give one source: --port, --bluetooth, --replay or --demo. The page shows what to do now, what comes next and for how long, beside the\n\
+    after_help = "Give one source: --port, --bluetooth, --replay or --demo.\n\nExamples:\n  myointent record --person anna --port /dev/ttyACM0\n  myointent record --person test --demo --speed 4",
+    after_long_help = "Give one source: --port, --bluetooth, --replay or --demo. The page shows what to do now, what comes next and for how long, beside the\n\
     traces; keys are on it. A trial that went wrong is repeated with R. Everything is written as it comes: after a break, a kill or\n\
     a full disk the next start for the same person makes recordings of what was written. At the end the page says whether they are\n\
     good enough and leads on to `myointent personalize`. docs/record.md explains it.\n\n\
@@ -34,7 +35,9 @@ pub struct Arguments {
     /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
-    /// Whose muscles: letters, digits and hyphens. The name of the folder and the beginning of the files' names.
+    /// Whose muscles: letters, digits and hyphens.
+    ///
+    /// The name of the folder and the beginning of the files' names.
     #[arg(long, value_parser = person)]
     person: String,
     /// Folder that has a folder for each person.
@@ -43,18 +46,21 @@ pub struct Arguments {
     /// What is asked for: a built-in protocol, as `myointent protocols` lists them, or a TOML file.
     #[arg(long, value_name = "NAME|FILE", default_value = "quick")]
     protocol: String,
-    /// Model file that is tuned on the recordings, and whose labels the page shows. Without it, the shipped three-class model.
+    /// Model file that is tuned on the recordings, and whose labels the page shows.
+    ///
+    /// Without it, the shipped three-class model.
     #[arg(long, value_name = "FILE.intent")]
     model: Option<PathBuf>,
     /// Play a demo or a replay so many times as fast, to try a protocol out.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16), conflicts_with = "port")]
+    #[arg(hide_short_help = true, long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16), conflicts_with = "port")]
     speed: u32,
     /// Begin by itself and end with the session, to try a protocol out with --demo or --replay; nobody has to look.
-    #[arg(long, conflicts_with_all = ["port", "bluetooth"])]
+    #[arg(hide_short_help = true, long, conflicts_with_all = ["port", "bluetooth"])]
     unattended: bool,
-    /// Where the page is served: an address, or address:port. Beyond this machine the address that is printed has a token;
-    /// the connection is not encrypted.
-    #[arg(long, value_name = "ADDR", value_parser = listen)]
+    /// Where the page is served: an address, or address:port.
+    ///
+    /// Beyond this machine the address that is printed has a token; the connection is not encrypted.
+    #[arg(hide_short_help = true, long, value_name = "ADDR", value_parser = listen)]
     listen: Option<(IpAddr, Option<u16>)>,
     #[cfg(feature = "train")]
     #[command(flatten)]
@@ -71,7 +77,7 @@ pub struct ProtocolArguments {
     name: Option<String>,
 }
 
-/// A name that readers of the files take for a person.
+/// Parses a person's name: letters, digits and hyphens, as readers of the files expect.
 fn person(name: &str) -> Result<String, String> {
     let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-';
     if name.is_empty() || name.len() > 40 || !name.chars().all(allowed) || name.starts_with('-') {
@@ -82,7 +88,7 @@ fn person(name: &str) -> Result<String, String> {
     Ok(name.to_owned())
 }
 
-/// Serves the page until Ctrl-C. Makes recordings of what earlier sessions of the person have left.
+/// Serves the page until Ctrl-C. First makes recordings of the journals that earlier sessions of the person left behind.
 ///
 /// # Errors
 /// When protocol or model are refused, the source cannot be read or the address cannot be listened on.
@@ -128,7 +134,7 @@ fn recover(folder: &Path) -> anyhow::Result<()> {
         let journal = journal.display();
         match kept {
             Ok(kept) => progress::log(&format!("{journal}: an earlier session, {}", told(&kept))),
-            // The others, and this session, are no worse for it.
+            // A bad journal stops neither the others nor this session.
             Err(error) => progress::log(&format!("warning: {journal}: {error}")),
         }
     }

@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// How many samples the first label of a model needs, found by running the pipeline on silence.
+/// Number of samples before the first label of a model, found by running the pipeline on silence.
 ///
 /// # Errors
 /// When the model is refused.
@@ -122,7 +122,7 @@ fn first_label(model: &Model<'_>) -> anyhow::Result<String> {
     ))
 }
 
-/// The UART lines of a model over samples.
+/// UART lines of a model over samples.
 ///
 /// # Errors
 /// When the model is refused.
@@ -136,8 +136,8 @@ pub fn lines(model: &[u8], samples: &[Sample]) -> anyhow::Result<String> {
     Ok(lines)
 }
 
-/// Runs the device's pipeline over samples, in real time from `start` on if there is one; `align` begins an alignment with
-/// the first.
+/// Runs the device's pipeline over samples; in real time from `start` on, if given. With `align`, an alignment begins with
+/// the first sample.
 fn replay(
     model: &Model<'_>,
     samples: &[Sample],
@@ -173,7 +173,7 @@ fn replay(
     }
 }
 
-/// The recording at a path, by name if there are several.
+/// Loads the recording at a path, by name if there are several.
 ///
 /// # Errors
 /// When there is none, or several without a name.

@@ -33,7 +33,8 @@ use {
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Without --data, of run folders that were evaluated: their results, on the people whom each holds out. With --data, of model\n\
+    after_help = "Examples:\n  myointent report runs/mine\n  myointent report models/three-class.intent --data DIR",
+    after_long_help = "Without --data, of run folders that were evaluated: their results, on the people whom each holds out. With --data, of model\n\
     files and of the model files of run folders, on any recordings; each is evaluated on the people whom it has not seen, or if\n\
     it has seen everybody (a model tuned on its owner), on all of them, and marked. People with all classes of the model and\n\
     people with fewer stand in rows of their own; n is a column's number of people where its row has more.\n\
@@ -43,13 +44,17 @@ use {
     myointent report models/three-class.intent runs/mine --data DIR"
 )]
 pub struct Arguments {
-    /// Run folders; with --data also model files. At most five.
+    /// Run folders; with --data also model files.
+    ///
+    /// At most five.
     #[arg(value_name = "RUN|MODEL", required = true)]
     reported: Vec<PathBuf>,
     /// Evaluate on the recordings below DIR.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Page to write. An earlier page is replaced, no other file.
+    /// Page to write.
+    ///
+    /// An earlier page is replaced, no other file.
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     out: PathBuf,
     #[command(flatten)]
@@ -87,7 +92,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 #[cfg(feature = "train")]
-/// Run folders, on the people whom each holds out.
+/// Evaluated run folders, each on its held-out people.
 fn runs(arguments: &Arguments) -> anyhow::Result<Vec<Reported>> {
     let mut reported: Vec<Reported> = Vec::new();
     for path in &arguments.reported {
@@ -125,7 +130,7 @@ fn runs(_: &Arguments) -> anyhow::Result<Vec<Reported>> {
     bail!("give --data DIR; {}", super::WITHOUT_TRAINING)
 }
 
-/// Model files, and those of run folders, on the recordings below `data`.
+/// Model files, and the model files of run folders, on the recordings below `data`.
 fn models(arguments: &Arguments, data: &Path) -> anyhow::Result<Vec<Reported>> {
     let library = every_recording(data, arguments.people.strict)?;
     let mut reported: Vec<Reported> = Vec::new();
@@ -158,7 +163,7 @@ fn model(
         |selection: &Selection| evaluate_models(std::slice::from_ref(&model), library, selection);
     let selection = arguments.people.selection();
     let evaluation = match evaluate(&selection) {
-        // Of a tuned model and its owner's recordings: the page says so.
+        // A tuned model on its owner's recordings: the page marks it.
         Err(evaluation::EvaluationError::NobodyToEvaluate { seen, .. }) if seen > 0 => {
             evaluate(&Selection {
                 seen: true,
@@ -175,7 +180,7 @@ fn model(
     })))
 }
 
-/// The name of a run folder or a model file on the page.
+/// Name of a run folder or a model file on the page.
 fn name(path: &Path) -> String {
     let own = if path.is_dir() {
         // `.` and `..` have no name of their own.
@@ -190,7 +195,7 @@ fn name(path: &Path) -> String {
     )
 }
 
-/// A name that none of those before has: `fold-1`, `fold-1 (2)`.
+/// Makes a name unique: `fold-1`, `fold-1 (2)`.
 fn unique(name: String, before: &[Reported]) -> String {
     let taken = |name: &str| before.iter().any(|own| own.name() == name);
     if !taken(&name) {
@@ -203,7 +208,7 @@ fn unique(name: String, before: &[Reported]) -> String {
         .unwrap_or(name)
 }
 
-/// Scores of models with different classes answer different questions.
+/// Refuses models with different classes: their scores cannot be compared.
 fn same_classes(reported: &[Reported]) -> anyhow::Result<()> {
     let Some(first) = reported.first() else {
         return Ok(());

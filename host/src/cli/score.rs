@@ -80,7 +80,7 @@ pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The scores as text or JSON.
+/// Formats the scores as text or JSON.
 fn report(args: &Arguments) -> anyhow::Result<String> {
     let truth = label_file::read(&args.truth, Purpose::Truth)?;
     let prediction = label_file::read(&args.prediction, Purpose::Prediction)?;
@@ -104,7 +104,7 @@ fn report(args: &Arguments) -> anyhow::Result<String> {
     })
 }
 
-/// The labels so many samples later.
+/// Delays labels by a number of samples.
 fn delayed(labels: &[Option<Intent>], samples: usize) -> Vec<Option<Intent>> {
     let kept = labels.len().saturating_sub(samples);
     let before = std::iter::repeat_n(None, labels.len() - kept);

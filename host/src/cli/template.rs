@@ -26,7 +26,9 @@ pub struct Arguments {
     /// Folder of the recordings that the model was trained on.
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
-    /// File to write; there must be none of this name. The model file itself if not given.
+    /// File to write; there must be none of this name.
+    ///
+    /// The model file itself if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Refuse damaged files instead of leaving them out.

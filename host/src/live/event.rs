@@ -1,4 +1,4 @@
-//! What a viewer is told: the messages of the websocket, each a JSON object with its `type`.
+//! Events for viewers: the messages of the websocket, each a JSON object with its `type`.
 
 use serde::Serialize;
 use shared::intent::Intent;
@@ -14,30 +14,30 @@ use super::lead::ViewerId;
 use super::outcome::{Installing, Kept, Tuning};
 use crate::record::session::View;
 
-/// One message. Times `at` are milliseconds of the server's clock, samples are numbered as on the UART.
+/// Message to viewers. Times `at` are milliseconds of the server's clock; samples are numbered as on the UART.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub(crate) enum Event {
-    /// Where the stream comes from, and whether it does.
+    /// Source of the stream, and whether it is connected.
     Source {
         /// `demo`, `replay`, `port` or `bluetooth`.
         kind: &'static str,
         /// Path or name.
         name: String,
         connected: bool,
-        /// What is known, and what to do; empty if nothing.
+        /// State of the source and advice; empty if there is nothing to say.
         detail: String,
     },
-    /// The model that runs here.
+    /// Model that this program runs.
     Model {
         classes: Vec<&'static str>,
-        /// Whether the scores end with that of movement outside the vocabulary.
+        /// Whether the last score is that of movement outside the vocabulary.
         other: bool,
-        /// Samples from an instant to the label for it, and from one label to the next.
+        /// Samples from an instant to its label (`look_ahead`), and from one label to the next (`hold`).
         look_ahead: usize,
         hold: usize,
     },
-    /// What runs on the board, and the armband that is connected to it; null where unknown.
+    /// Program and model on the board, and the connected armband; null where unknown.
     Board {
         version: String,
         revision: String,
@@ -47,15 +47,15 @@ pub(crate) enum Event {
         firmware: Option<String>,
         battery: Option<u8>,
     },
-    /// Which armband the board follows, and why.
+    /// Armband that the board follows, and why.
     Binding {
         /// `built-in`, `bound`, `strongest`, `nobody` or `pairing`.
         state: &'static str,
         armband: Option<String>,
-        /// Whether it outlasts a restart.
+        /// Whether the binding outlasts a restart.
         kept: bool,
     },
-    /// What the board has lost and dropped since its start.
+    /// Losses and dropped data that the board has counted since its start.
     Counts {
         connections: u32,
         notifications: u32,
@@ -65,11 +65,11 @@ pub(crate) enum Event {
         lines_dropped: u32,
         emg_dropped: u32,
     },
-    /// What was lost between board and PC since the program's start.
+    /// Losses between board and PC since the program's start.
     Line {
         /// Lines that could not be read.
         damaged: u32,
-        /// Lines with a number that never came.
+        /// Numbered lines that never came.
         missing: u32,
         /// Samples whose `$EMG` line never came.
         samples: u32,
@@ -79,11 +79,11 @@ pub(crate) enum Event {
         at: f64,
         first: u32,
         emg: Vec<Sample>,
-        /// The recording's label of each, if it has any.
+        /// Label of each sample in the recording, if it has any.
         #[serde(skip_serializing_if = "Option::is_none")]
         truth: Option<Vec<Option<&'static str>>>,
     },
-    /// A label, or a change of state.
+    /// Label, or change of state.
     Report {
         at: f64,
         is_label: bool,
@@ -92,49 +92,49 @@ pub(crate) enum Event {
         emitted: u32,
         label: &'static str,
         valid: bool,
-        /// Of the safe state.
+        /// Cause of the safe state.
         cause: Option<&'static str>,
         lost: u32,
         bridged: u32,
         resets: u32,
     },
-    /// What an alignment does.
+    /// State of an alignment.
     Alignment {
         at: f64,
         state: &'static str,
         gestures: u8,
         turn: u8,
         mirrored: bool,
-        /// In hundredths of a nat; with a result alone.
+        /// Distance in hundredths of a nat; only with a result.
         distance: Option<u32>,
         margin: Option<u32>,
     },
-    /// The probability of every class at an instant, as the label for it is decided.
+    /// Probability of each class at an instant, sent when its label is decided.
     Scores { instant: u32, scores: Vec<f32> },
-    /// A viewer marked a sample, or a recording begins again.
+    /// Mark of a viewer at a sample, or the restart of a recording.
     Mark { sample: u32, text: String },
-    /// What the board writes for people.
+    /// Comment line of the board.
     Comment { at: f64, text: String },
-    /// Where the recording session is.
+    /// State of the recording session.
     Session {
         #[serde(flatten)]
         view: View,
-        /// What keeps it from being written, and what to do; empty if nothing.
+        /// Error that keeps the session from being written, and advice; empty if none.
         trouble: String,
     },
-    /// Who leads it; nobody if null.
+    /// Viewer who leads the session; null if nobody does.
     Lead { viewer: Option<ViewerId> },
-    /// What was kept of it.
+    /// Recordings that were kept of the session.
     Kept(Kept),
-    /// What comes of tuning a model on it.
+    /// Progress or result of tuning a model on the recordings.
     Tuning(Tuning),
-    /// What comes of putting the tuned model on the board.
+    /// Progress or result of installing the tuned model on the board.
     Installing(Installing),
-    /// The program ends.
+    /// End of the program.
     End,
 }
 
-/// What a new viewer is told first: the newest event of each of these kinds.
+/// Kinds of events whose newest one a new viewer gets first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Topic {
     Source,
@@ -153,7 +153,7 @@ pub(crate) enum Topic {
 }
 
 impl Event {
-    /// The kind of those events that a new viewer is told; none for what is over when it happened.
+    /// Kind of an event that a new viewer gets; none for events of the moment.
     pub(crate) const fn topic(&self) -> Option<Topic> {
         Some(match self {
             Self::Source { .. } => Topic::Source,
@@ -201,7 +201,7 @@ impl Event {
         }
     }
 
-    /// An alignment that was made before, or on a line that was lost.
+    /// Event for an alignment in force whose own report was not received.
     pub(crate) const fn of_placement(at: f64, alignment: Alignment) -> Self {
         Self::Alignment {
             at,

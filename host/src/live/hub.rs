@@ -1,4 +1,4 @@
-//! From one source to all viewers. A viewer that is slow loses messages; the source never waits for one.
+//! Distribution of events from one source to all viewers. A slow viewer loses messages; the source never waits for one.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::Sender;
@@ -10,13 +10,13 @@ use tokio::sync::broadcast;
 
 use super::event::{Event, Topic};
 
-/// Messages that a viewer may be behind: 4 s of samples.
+/// Number of messages that a viewer may be behind: 4 s of samples.
 const BEHIND: usize = 512;
 
-/// A message as JSON.
+/// Message as JSON.
 pub(crate) type Message = Arc<str>;
 
-/// Takes events, and hands each to all viewers of the moment.
+/// Distributor of events to all present viewers.
 #[derive(Debug)]
 pub(crate) struct Hub {
     state: Mutex<State>,
@@ -26,17 +26,17 @@ pub(crate) struct Hub {
 #[derive(Debug)]
 struct State {
     newest: BTreeMap<Topic, Message>,
-    /// Who takes everything that a source says, and misses nothing.
+    /// Recorder, which receives every event it needs without loss.
     recorder: Option<Sender<Event>>,
     sender: broadcast::Sender<Message>,
 }
 
-/// What a viewer is told.
+/// Messages for one viewer.
 #[derive(Debug)]
 pub(crate) struct Subscription {
-    /// What is known already.
+    /// Newest message of each topic, sent first.
     pub(crate) known: Vec<Message>,
-    /// What follows, without a gap.
+    /// Messages that follow, without a gap.
     pub(crate) following: broadcast::Receiver<Message>,
 }
 
@@ -62,13 +62,13 @@ impl Hub {
         }
     }
 
-    /// Milliseconds since the program began.
+    /// Milliseconds since the hub was created.
     pub(crate) fn now(&self) -> f64 {
-        // Tenths: a message carries no more digits than it needs.
+        // Tenths of a millisecond keep the messages short.
         (self.began.elapsed().as_secs_f64() * 10_000.0).round() / 10.0
     }
 
-    /// The same as a board's clock has it.
+    /// Milliseconds since the hub was created, as a wrapping clock like a board's.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -78,8 +78,8 @@ impl Hub {
         Millis(self.now() as u64 as u32)
     }
 
-    /// Hands all samples, what becomes of the source and how the armband sits to a recorder as well. What waits for it is not bounded: it takes
-    /// less time than the samples do.
+    /// Hands samples, sources and alignments to a recorder as well. The queue is not bounded: the recorder is faster than
+    /// the samples.
     pub(crate) fn record(&self, recorder: Sender<Event>) {
         self.lock().recorder = Some(recorder);
     }
@@ -96,17 +96,17 @@ impl Hub {
             Event::Samples { .. } | Event::Source { .. } | Event::Alignment { .. }
         );
         if let Some(recorder) = state.recorder.as_ref().filter(|_| is_taken) {
-            // A recorder that has ended needs nothing.
+            // The recorder may have ended.
             let _ = recorder.send(event.clone());
         }
         if let Some(topic) = event.topic() {
             state.newest.insert(topic, message.clone());
         }
-        // No viewer is no failure.
+        // There may be no viewer.
         let _ = state.sender.send(message);
     }
 
-    /// Another stream begins: what was known about labels and placement of the one before is not told any more.
+    /// Forgets what is known about labels, placement and board of the stream before; a new one begins.
     pub(crate) fn forget_stream(&self) {
         let mut state = self.lock();
         for topic in [
@@ -120,7 +120,7 @@ impl Hub {
         }
     }
 
-    /// Another session begins: what came of the one before is not told any more.
+    /// Forgets the results of the session before; a new one begins.
     pub(crate) fn forget_session(&self) {
         let mut state = self.lock();
         for topic in [Topic::Kept, Topic::Tuning, Topic::Installing] {
@@ -128,12 +128,12 @@ impl Hub {
         }
     }
 
-    /// A new viewer.
+    /// Subscribes a new viewer.
     pub(crate) fn subscribe(&self) -> Subscription {
         self.lock().subscription()
     }
 
-    /// A viewer that has lost messages begins anew. Returns what it is told of it: those, and all that it has not taken yet.
+    /// Subscribes a viewer again that has lost messages. Returns a message with their number, untaken ones included.
     pub(crate) fn resubscribe(&self, subscription: &mut Subscription, lost: u64) -> Message {
         let state = self.lock();
         let messages = lost + subscription.following.len() as u64;
@@ -142,7 +142,7 @@ impl Hub {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Nothing is left half-changed by a panic: each insertion is whole.
+        // A panic leaves nothing half-changed: each insertion is whole.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,23 +1,23 @@
-//! Who leads a recording session: one viewer. All others watch.
+//! Lead of a recording session: one viewer has it, all others watch.
 
 use std::sync::{Mutex, PoisonError};
 
 /// Number of a viewer.
 pub(crate) type ViewerId = u64;
 
-/// The viewer who leads; the first who says anything to the session, until it leaves the page.
+/// Viewer who leads: the first to send a request to the session, until it leaves the page.
 #[derive(Debug, Default)]
 pub(crate) struct Lead(Mutex<Option<ViewerId>>);
 
 impl Lead {
-    /// Whether a viewer leads, and whether that is new.
+    /// Claims the lead. Returns whether the viewer leads, and whether that is new.
     pub(crate) fn claim(&self, viewer: ViewerId) -> (bool, bool) {
         let mut lead = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_new = lead.is_none();
         (*lead.get_or_insert(viewer) == viewer, is_new)
     }
 
-    /// A viewer has left; whether it led.
+    /// Releases the lead of a viewer that has left. Returns whether it led.
     pub(crate) fn release(&self, viewer: ViewerId) -> bool {
         let mut lead = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let led = *lead == Some(viewer);

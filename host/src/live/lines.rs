@@ -1,6 +1,6 @@
 //! Events as lines of JSON on an output, for scripts and other programs.
 //!
-//! The messages are those of the page. A reader that is slow loses some and is told how many; the source never waits for it.
+//! The messages are those of the page. A slow reader loses some and is told how many; the source never waits for it.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -13,19 +13,19 @@ use tokio::time::sleep;
 
 use super::hub::{Hub, Message, Subscription};
 
-/// A line is written at least so often: only a write tells that the reader has closed the output.
+/// Longest time without a line: only a write shows that the reader has closed the output.
 const QUIET: Duration = Duration::from_secs(1);
-/// How long a reader has to take the last lines.
+/// Time that a reader has to take the last lines.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The thread that writes.
+/// Thread that writes the lines.
 #[derive(Debug)]
 pub(crate) struct Lines {
     thread: JoinHandle<std::io::Result<()>>,
     stop: watch::Sender<bool>,
 }
 
-/// What there is to do.
+/// Event that wakes the writer.
 enum Woken {
     Heard(Result<Message, RecvError>),
     Stop,
@@ -33,7 +33,7 @@ enum Woken {
 }
 
 impl Lines {
-    /// Writes every event from now on, each line at once.
+    /// Starts the thread that writes every event from now on, each line at once.
     ///
     /// # Errors
     /// When the system gives no thread or no clock.
@@ -57,10 +57,10 @@ impl Lines {
         self.thread.is_finished()
     }
 
-    /// Ends it after the messages that were published before. A reader that takes nothing more is left.
+    /// Ends the thread after the messages published before. A reader that takes nothing more is left behind.
     ///
     /// # Errors
-    /// What kept a line from being written.
+    /// Error that kept a line from being written.
     pub(crate) fn stop(self) -> std::io::Result<()> {
         let _ = self.stop.send(true);
         let end = Instant::now() + PATIENCE;
@@ -77,7 +77,7 @@ impl Lines {
     }
 }
 
-/// Writes until the output is closed or the program ends.
+/// Writes lines until the output is closed or the program ends.
 async fn write(
     hub: &Hub,
     mut subscription: Subscription,
@@ -88,7 +88,7 @@ async fn write(
         line(output, &message)?;
     }
     loop {
-        // In this order: what was published before the end is written.
+        // Biased order: what was published before the end is still written.
         let woken = tokio::select! {
             biased;
             heard = subscription.following.recv() => Woken::Heard(heard),
@@ -125,7 +125,7 @@ mod tests {
     use std::io::ErrorKind;
     use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-    /// An output whose reader takes a line when it likes, and closes it by going.
+    /// Output with a slow reader, who may close it.
     struct Pipe(SyncSender<String>);
 
     impl Write for Pipe {

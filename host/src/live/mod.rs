@@ -1,4 +1,4 @@
-//! `myointent live`: muscles, scores and labels as they come, on a page in a browser.
+//! `myointent live`: EMG, scores and labels in real time, on a page in a browser.
 //!
 //! ```text
 //! source (a thread)            hub                  server (a thread)
@@ -7,11 +7,10 @@
 //!                                              -->  or lines of JSON (a thread)
 //! ```
 //!
-//! `myointent record` is the same with a recorder beside it, which hears all samples and leads through a session. A simulated
-//! person waits for it.
+//! `myointent record` adds a recorder, which hears all samples and leads through a session. A simulated person follows its
+//! cues.
 //!
-//! Whatever a viewer does, the source never waits for it. The page brings everything with it and asks for nothing from
-//! elsewhere.
+//! The source never waits for a viewer. The page needs nothing from other servers.
 
 mod event;
 mod hub;
@@ -45,28 +44,28 @@ use self::server::rights::Mode;
 pub use self::source::Source;
 use self::source::{Asked, Context, Request, Stop};
 
-/// The shipped model.
+/// Shipped three-class model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
-/// That wait for the source.
+/// Number of requests that may wait for the source.
 const REQUESTS: usize = 16;
-/// Of the source's thread: a state of the largest model that is accepted, and what is called with it.
+/// Stack size of the source's thread in bytes: room for the state of the largest accepted model.
 const STACK: usize = 16 << 20;
 
-/// What to show, and to whom.
+/// Settings of the page.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Where the stream comes from.
+    /// Source of the stream.
     pub source: Source,
-    /// A model file's bytes. Without one, recordings run through the shipped model, and a board has no scores.
+    /// Bytes of a model file. Without one, recordings run through the shipped model, and a board has no scores.
     pub model: Option<Vec<u8>>,
-    /// Where the page is served; port 0 takes any free one. Not on this machine alone: with a token.
+    /// Address of the page; port 0 takes any free one. An address beyond this machine needs a token.
     pub listen: SocketAddr,
-    /// What is recorded; nothing, if none.
+    /// Settings of a recording session; none for `live`.
     pub record: Option<RecordOptions>,
 }
 
-/// A source that runs, and what it is told and asked through.
+/// Running source, and the handles to control it.
 #[derive(Debug)]
 struct Stream {
     hub: Arc<Hub>,
@@ -105,7 +104,7 @@ impl Stream {
         })
     }
 
-    /// Ends the source; gives what ended it before.
+    /// Ends the source and returns the error that ended it before.
     fn stop(self) -> anyhow::Result<()> {
         self.stop.request();
         match self.source.join() {
@@ -115,10 +114,10 @@ impl Stream {
     }
 }
 
-/// A recorder that runs, and what ends it.
+/// Running recorder, and its stop handle.
 type Recording = (Stop, JoinHandle<anyhow::Result<()>>);
 
-/// The page while it is served.
+/// Page that is being served.
 #[derive(Debug)]
 pub struct Live {
     stream: Stream,
@@ -169,7 +168,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     })
 }
 
-/// Starts a recorder; wishes go to it through the sender.
+/// Starts a recorder; the returned sender takes its wishes.
 fn record_beside(hub: &Hub, recorder: Recorder) -> anyhow::Result<(Recording, SyncSender<Wish>)> {
     let stop = Stop::default();
     let stopped = stop.clone();
@@ -182,7 +181,7 @@ fn record_beside(hub: &Hub, recorder: Recorder) -> anyhow::Result<(Recording, Sy
     Ok(((stop, thread), sender))
 }
 
-/// Listens for viewers of a page.
+/// Opens the listening socket of a page.
 fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
     let listener =
         TcpListener::bind(address).with_context(|| format!("{address}: cannot be listened on"))?;
@@ -190,9 +189,9 @@ fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
     Ok((listener, access))
 }
 
-/// Writes every event of a source as a line of JSON, until `over` or until nobody reads `output` any more.
+/// Writes every event of a source as a line of JSON, until `over` returns true or the reader closes `output`.
 ///
-/// With an address in `listen` a page is served as well, and `opened` is told where.
+/// With an address in `listen`, also serves a page, whose URL is passed to `opened`.
 ///
 /// # Errors
 /// When the model is refused, the address cannot be listened on, the source ends by an error or the output cannot be
@@ -207,7 +206,7 @@ pub fn print(
 ) -> anyhow::Result<()> {
     let page = listen.map(bind).transpose()?;
     let hub = Arc::new(Hub::new());
-    // Before the source: nothing that it says is missed.
+    // Started before the source, so that no event is missed.
     let lines = Lines::start(hub.clone(), output)?;
     let mode = Mode::of(&source, false);
     let requests = mpsc::sync_channel(REQUESTS);
@@ -230,13 +229,13 @@ pub fn print(
 }
 
 impl Live {
-    /// The address of the page, with its token if there is one.
+    /// URL of the page, with its token if there is one.
     #[must_use]
     pub fn url(&self) -> &str {
         &self.url
     }
 
-    /// Whether the source has ended by itself, which only an error makes it do, or an unattended session is over.
+    /// Whether the source has ended by an error, or an unattended session is over.
     #[must_use]
     pub fn is_over(&self) -> bool {
         let recording = self.recording.as_ref();
@@ -247,14 +246,14 @@ impl Live {
     /// Ends source and server; viewers are told.
     ///
     /// # Errors
-    /// What ended the source before, or kept an unattended session from being written.
+    /// The error that ended the source before, or that kept an unattended session from being written.
     pub fn stop(self) -> anyhow::Result<()> {
         let hub = self.stream.hub.clone();
         let mut result = self.stream.stop();
-        // After the last sample.
+        // The source has stopped: the recorder gets its last sample.
         if let Some((stop, thread)) = self.recording {
             stop.request();
-            // A panic was printed.
+            // The panic was printed already.
             let recorded = thread.join().unwrap_or_else(|_| {
                 Err(anyhow::anyhow!(
                     "the recorder ended; what was recorded is in the journal"
@@ -268,7 +267,7 @@ impl Live {
     }
 }
 
-/// Whether an address is of this machine alone.
+/// Whether an address is reachable from this machine alone.
 #[must_use]
 pub const fn is_local(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()

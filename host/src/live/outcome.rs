@@ -1,19 +1,19 @@
-//! What viewers are told of a session that is over.
+//! Messages to viewers about a session that is over.
 
 use serde::Serialize;
 
 use crate::record::told::Told;
 
-/// What was kept of a session.
+/// Result of a session that was kept.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(crate) struct Kept {
     pub(crate) good: bool,
     pub(crate) seconds: f64,
     pub(crate) folder: String,
     pub(crate) files: Vec<String>,
-    /// How often each class is labelled.
+    /// Number of labelled stretches of each class.
     pub(crate) counts: Vec<(&'static str, usize)>,
-    /// Trials that are not used.
+    /// Number of trials that are not used.
     pub(crate) bad: usize,
     pub(crate) findings: Vec<Told>,
     pub(crate) inspect: String,
@@ -21,7 +21,7 @@ pub(crate) struct Kept {
     pub(crate) install: String,
 }
 
-/// One measure of both models on what was held back.
+/// Measure of both models on the part held back.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(crate) struct Row {
     pub(crate) measure: &'static str,
@@ -29,37 +29,37 @@ pub(crate) struct Row {
     pub(crate) after: Option<f64>,
 }
 
-/// What a tuning does.
+/// State of a tuning.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub(crate) struct Tuning {
     /// `running`, `better`, `worse` or `failed`.
     pub(crate) state: &'static str,
-    /// What to know and to do.
+    /// Explanation and advice.
     pub(crate) text: String,
-    /// How many steps are taken, of how many; 0 of 0 while it does not run.
+    /// Number of steps done, and of all; 0 of 0 while no tuning runs.
     pub(crate) steps: usize,
     pub(crate) of: usize,
     pub(crate) rows: Vec<Row>,
-    /// Commands that come next.
+    /// Commands to run next.
     pub(crate) commands: Vec<String>,
-    /// Whether there is a port, on which [`Installing`] can follow.
+    /// Whether the source is a serial port, on which [`Installing`] can follow.
     pub(crate) installs: bool,
 }
 
-/// What an installation of the tuned model on the board does.
+/// State of an installation of the tuned model on the board.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(crate) struct Installing {
     /// `running`, `done` or `failed`.
     pub(crate) state: &'static str,
-    /// What to know and to do.
+    /// Explanation and advice.
     pub(crate) text: String,
-    /// How many blocks the board has, of how many; 0 of 0 before it was asked.
+    /// Number of blocks that the board has, and of all; 0 of 0 before the board was asked.
     pub(crate) blocks: u32,
     pub(crate) of: u32,
 }
 
 impl Installing {
-    /// Before the board has said anything.
+    /// State of an installation before the board's first answer.
     pub(crate) fn running(text: &str) -> Self {
         Self {
             state: "running",

@@ -1,4 +1,4 @@
-//! Scores of the classes, as the smoother of the pipeline sums them, read beside the pipeline.
+//! Scores of the classes: the smoother's sums, computed beside the pipeline.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -7,12 +7,12 @@ use shared::model::{Encode, LookBackLogits};
 use shared::stream::smoother::{AggregationMode, Settings};
 use shared::units::{LOOK_BACK, Patch};
 
-/// The newest outputs of an encoder.
+/// Newest outputs of an encoder.
 #[derive(Debug, Default)]
 pub(crate) struct Outputs {
-    /// At most as many as an instant's label depends on, the newest last.
+    /// Outputs that an instant's label depends on, the newest last.
     rows: VecDeque<LookBackLogits>,
-    /// Since [`Outputs::take`].
+    /// Whether an output came since [`Outputs::take`].
     is_new: bool,
 }
 
@@ -30,10 +30,10 @@ impl Outputs {
         self.is_new = false;
     }
 
-    /// The probability of each of `columns` at the instant whose label is due, once for each output; none before there
-    /// are as many outputs as its label depends on.
+    /// Returns the probability of each of `columns` at the instant whose label is due, once for each output; none before
+    /// there are as many outputs as its label depends on.
     ///
-    /// The softmax of the mean logits: the label is the largest of the same sums, if the confidence gate lets it in.
+    /// It is the softmax of the mean logits: the label is the largest of the same sums, if the confidence gate lets it in.
     pub(crate) fn take(&mut self, settings: &Settings, columns: usize) -> Option<Vec<f32>> {
         let depth = settings.look_ahead + 1;
         if !std::mem::take(&mut self.is_new) || self.rows.len() < depth {
@@ -65,7 +65,7 @@ fn softmax(logits: impl Iterator<Item = f32> + Clone) -> Vec<f32> {
     powers.into_iter().map(|power| power / sum).collect()
 }
 
-/// An encoder whose outputs are kept for the scores.
+/// Encoder whose outputs are kept for the scores.
 #[derive(Debug)]
 pub(crate) struct Observed<'o, E> {
     encoder: E,
@@ -108,7 +108,7 @@ mod tests {
     use shared::stream::smoother::Smoother;
     use shared::units::SampleIndex;
 
-    /// Logits of any values, the same for the same number.
+    /// Pseudo-random logits, fixed by a number.
     fn rows(number: u32) -> LookBackLogits {
         let mut state = number.wrapping_mul(2_654_435_761).wrapping_add(1);
         [(); LOOK_BACK].map(|()| {

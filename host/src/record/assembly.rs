@@ -1,7 +1,7 @@
-//! From a journal's entries to recordings: samples in order, what was asked for at each, and labels of the muscle.
+//! Assembly of recordings from a journal's entries: samples in order, the cue at each, and labels of the muscle.
 //!
-//! A recording is a stretch of one round without a gap. Up to five missing samples are bridged as a board bridges them, by
-//! repeating the last one, and said so; more begin another recording.
+//! A recording is a stretch of one round without a gap. Up to five missing samples are bridged as on a board, by repeating
+//! the last one, and marked so; a longer gap begins another recording.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -15,47 +15,47 @@ use super::session::{Bad, Continuity, Continuous};
 use recordings::labels::cued::{Hold, follow};
 use recordings::labels::motion::motions;
 
-/// Samples of rest on either side of where a long part is cut.
+/// Samples of rest on either side of a cut in a long recording.
 const REST_AROUND: usize = 100;
 
-/// A recording, one entry a sample in each list.
+/// Recording; each list but `holds` has one entry a sample.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Part {
-    /// Round, from 1 on.
+    /// Number of the round, from 1.
     pub round: u32,
-    /// As they came; those that are bridged repeat the one before.
+    /// Samples as received; a bridged one repeats the one before.
     pub samples: Vec<Sample>,
-    /// Number in the stream.
+    /// Index in the stream.
     pub index: Vec<u32>,
     /// Whether the sample never came.
     pub bridged: Vec<bool>,
-    /// How the armband sat, as the board was aligned.
+    /// Placement of the armband, as the board was aligned.
     pub placements: Vec<Alignment>,
-    /// What was asked for.
+    /// Cue.
     pub cues: Vec<Option<Intent>>,
-    /// Attempt; 0 outside.
+    /// Number of the attempt; 0 outside of trials.
     pub trials: Vec<u32>,
-    /// Label of the muscle; none where it is unknown, or the trial is not to be used.
+    /// Label of the muscle; none if it is unknown or the trial is not used.
     pub labels: Vec<Option<Intent>>,
-    /// Every hold of the trials that are used.
+    /// Holds of the trials that are used.
     pub holds: Vec<Hold>,
 }
 
-/// A session as it was recorded.
+/// Recordings of a session.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Take {
-    /// In order; none is empty.
+    /// Recordings in order; none is empty.
     pub parts: Vec<Part>,
-    /// Trials that are not used.
+    /// Trials that are not used, by their number, with the reason.
     pub bad: BTreeMap<u32, Bad>,
-    /// Samples that never came, where they are known to be missing.
+    /// Number of samples known to be missing.
     pub lost: u64,
     /// Whether the session came to its end.
     pub complete: bool,
 }
 
 impl Take {
-    /// The classes that every model has, and those that were asked for.
+    /// Classes that every model has, and those of the cues.
     pub fn classes(&self) -> Vec<Intent> {
         let cues = self.parts.iter().flat_map(|part| &part.cues);
         let always = [Intent::Relax, Intent::Open, Intent::Close];
@@ -65,7 +65,7 @@ impl Take {
     }
 }
 
-/// Puts the recordings together.
+/// Assembles the recordings of a journal.
 pub(crate) fn assemble(entries: &[Entry]) -> Take {
     let mut take = Take::default();
     let mut stream = Continuous::default();
@@ -118,18 +118,18 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
     take
 }
 
-/// Samples without a gap, and what was said about them: a cue may be written before the samples that it begins with.
+/// Samples without a gap, with their cues and rounds; a cue may be written before its first sample.
 #[derive(Default)]
 struct Stretch {
     first: u32,
     samples: Vec<Sample>,
     bridged: Vec<bool>,
     placements: Vec<Alignment>,
-    /// From the next sample on.
+    /// Placement from the next sample on.
     placement: Alignment,
     cues: Vec<(u32, Option<Intent>, u32)>,
     rounds: Vec<(u32, u32)>,
-    /// Of the cues before.
+    /// Cue and trial in force before the first of `cues`.
     carried: (Option<Intent>, u32),
 }
 
@@ -152,7 +152,7 @@ impl Stretch {
         }
     }
 
-    /// The recordings of the stretch, one a round; what follows is another one.
+    /// Ends the stretch: returns its recordings, one a round.
     fn end(&mut self, round: &mut u32) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::new();
         let (mut cue, mut trial) = self.carried;
@@ -183,7 +183,7 @@ impl Stretch {
                 part.trials.push(trial);
             }
         }
-        // What is said about samples that are still to come holds for those.
+        // Cues and rounds of later samples stay.
         let cues = cues.copied().collect();
         let rounds = rounds.copied().collect();
         *self = Self {
@@ -197,13 +197,13 @@ impl Stretch {
     }
 }
 
-/// Whether an index is `at` or after it; right across a wrap.
+/// Whether an index is `at` or after it; correct across a wrap.
 const fn has_come(at: u32, index: u32) -> bool {
     index.wrapping_sub(at) <= u32::MAX / 2
 }
 
 impl Part {
-    /// The part in files of at most so many samples. A file ends in the middle of a rest where there is one in its second half.
+    /// Splits the recording into files of at most `most` samples. A file ends within a rest, if its second half has one.
     pub(crate) fn files(&self, most: usize) -> Vec<Range<usize>> {
         let mut files = Vec::new();
         let mut start = 0;

@@ -1,4 +1,4 @@
-//! From a journal to files: at the end of a session, or at the next start if that did not come.
+//! Conversion of a journal to recordings, at the end of a session or at the next start.
 
 use std::fs;
 use std::io;
@@ -13,24 +13,24 @@ use super::quality::{Quality, judge};
 use execution::run_folder::{RunError, write_whole};
 use recordings::{LoadError, LoadOptions, load};
 
-/// Ending of a journal that the disk has damaged.
+/// File extension of a journal that the disk has damaged.
 const DAMAGED: &str = "journal.damaged";
 
-/// Most samples of a recording: an hour, which is a third of what readers take from one file.
+/// Greatest number of samples of a recording: an hour, a third of what readers take from one file.
 const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 
-/// What was kept of a session.
+/// Recordings made of a session.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Kept {
-    /// Whose.
+    /// Name of the person.
     pub person: String,
-    /// The recordings, in order.
+    /// Paths of the recordings, in order.
     pub files: Vec<PathBuf>,
-    /// Whether they are good enough.
+    /// Quality of the recordings.
     pub quality: Quality,
-    /// Trials that are not used.
+    /// Number of trials that are not used.
     pub bad: usize,
-    /// Bytes of the journal behind its last whole line.
+    /// Number of bytes of the journal after its last whole line.
     pub left_off: usize,
 }
 
@@ -45,45 +45,45 @@ pub enum KeepError {
     Write {
         /// The journal.
         journal: PathBuf,
-        /// Why.
+        /// Error of the write.
         error: RunError,
     },
-    /// There is a file of that name.
+    /// Another file of that name exists.
     #[error("{} exists already and is left as it is: move it, then start `myointent record` for this person again", path.display())]
     Exists {
         /// The file.
         path: PathBuf,
     },
-    /// The recording is written, and no command will read it.
+    /// The recording was written, but no command would read it.
     #[error("the recording is written and cannot be used; the journal is kept: {reason}")]
     Refused {
-        /// The file, and what the examiner found in it.
+        /// Finding, with the file.
         reason: String,
     },
-    /// What was written is not what is read.
+    /// The recording reads back differently.
     #[error("{} is not read as it was written; the journal is kept", path.display())]
     Unlike {
         /// The file.
         path: PathBuf,
     },
-    /// What was written cannot be read.
+    /// The recording cannot be read back.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The journal cannot be put away.
+    /// The journal cannot be removed or renamed.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         #[source]
         source: io::Error,
     },
 }
 
-/// Makes a journal into recordings beside it, reads these back, and removes it.
+/// Makes recordings beside a journal, reads them back, and removes the journal.
 ///
 /// # Errors
-/// The journal stays where it is, and the next start tries again.
+/// See [`KeepError`]. The journal stays where it is, and the next start tries again.
 pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
     let (lock, header, contents) = open(journal)?;
     let take = assemble(&contents.entries);
@@ -99,7 +99,7 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
     for (place, (part, piece)) in pieces.enumerate() {
         let path = file(journal, place + 1);
         let text = csv(&take, part, piece.clone(), header.synthetic);
-        // The journal itself may have made it: a program that was killed half-way.
+        // A program that was killed half-way may have written the file before.
         let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
         if path.exists() && !is_own {
             return Err(KeepError::Exists { path });
@@ -143,17 +143,17 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
     Ok(kept)
 }
 
-/// `anna_20261122T110323Z_quick_1.csv`
+/// Path of a recording: `anna_20261122T110323Z_quick_1.csv`.
 fn file(journal: &Path, number: usize) -> PathBuf {
     let stem = journal.file_stem().unwrap_or_default().to_string_lossy();
     journal.with_file_name(format!("{stem}_{number}.csv"))
 }
 
-/// Journals in a person's folder that no session writes, made into recordings: of sessions that were killed, or whose disk
-/// was full. With each, what came of it.
+/// Makes recordings of all journals in a person's folder that no session writes: their sessions were killed, or the disk was
+/// full. Returns the result for each.
 ///
 /// # Errors
-/// When the folder cannot be read. One that is not there has none.
+/// When the folder cannot be read. A missing folder has no journals.
 pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, KeepError>)>> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,
@@ -169,7 +169,7 @@ pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, KeepError
     }
     journals.sort();
     let kept = journals.into_iter().filter_map(|path| match keep(&path) {
-        // Another session's, or killed before its first line was whole.
+        // Another session writes it, or was killed before its first line was complete.
         Err(KeepError::Journal(JournalError::Busy { .. })) => None,
         Err(KeepError::Journal(JournalError::Empty { .. })) => {
             let removed = fs::remove_file(&path).map_err(|source| KeepError::Io {

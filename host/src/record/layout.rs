@@ -1,8 +1,8 @@
-//! Recordings as files in ReactEMG's layout, with further columns that readers of that layout ignore.
+//! Writer of recordings in ReactEMG's csv layout, with further columns that its readers ignore.
 //!
-//! `gt` is the label of the muscle. Behind the channels: `sample`, its number in the stream; `cue`, what was asked for; `trial`,
-//! which attempt; `used`, 0 where the trial is not to be used; `bridged`, 1 where the sample never came and repeats the one before;
-//! `turn` and `mirrored`, how the armband sat, as the board was aligned: the reader turns the channels so, as the board does.
+//! `gt` is the label of the muscle. Columns after the channels: `sample`, the index in the stream; `cue`; `trial`, the attempt;
+//! `used`, 0 if the trial is not used; `bridged`, 1 if the sample is missing and repeats the one before; `turn` and `mirrored`,
+//! the placement of the armband: the reader aligns the channels by it, as the board does.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -15,7 +15,7 @@ pub use recordings::readers::formats::react_emg::{
     MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
 };
 
-/// The text of some samples of a part; of nobody's muscles if `synthetic`.
+/// Formats samples of a part as csv; `synthetic` marks them as such.
 pub(crate) fn csv(take: &Take, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
     let channels: String = (0..CHANNELS)
         .map(|channel| format!(",emg_{channel}"))

@@ -1,4 +1,4 @@
-//! A guided recording session: what a person is asked to do, and what is kept of it.
+//! Guided recording sessions: protocol, session, journal, and the recordings made of it.
 //!
 //! ```text
 //! protocol -> session -> journal -> assembly -> csv, findings -> personalize
@@ -6,7 +6,7 @@
 //!                        only       the muscle  good enough      one's own
 //! ```
 //!
-//! `live` drives it: samples of its source in, cues to its page out.
+//! `live` drives a session: samples of its source go in, cues for its page come out.
 
 mod assembly;
 pub mod journal;

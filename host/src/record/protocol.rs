@@ -1,7 +1,7 @@
-//! What a person is asked to do, in which order and for how long: a TOML file.
+//! Protocols of recording sessions: which gestures, in which order and for how long, as a TOML file.
 //!
-//! Guided: a sequence of classes, from rest to rest, in rounds; each round is a recording. Free: the person says what is done,
-//! by keys. A trial is a rest and the gestures after it, up to the next rest: what is repeated as a whole.
+//! Guided: a sequence of classes, from rest to rest, in rounds; each round is a recording. Free: the person names the gestures
+//! by keys. A trial is a rest and the gestures up to the next rest; it is repeated as a whole.
 
 mod error;
 
@@ -16,7 +16,7 @@ use shared::units::SAMPLE_RATE_HZ;
 pub use self::error::{ProtocolError, ProtocolFault};
 use execution::bounded_read;
 
-/// The built-in protocols, by name.
+/// Built-in protocols: name and TOML text.
 pub const BUILT_IN: [(&str, &str); 5] = [
     ("quick", include_str!("../../protocols/quick.toml")),
     (
@@ -28,57 +28,57 @@ pub const BUILT_IN: [(&str, &str); 5] = [
     ("free", include_str!("../../protocols/free.toml")),
 ];
 
-/// Seconds of a class: below a second a muscle has no time to follow and to settle.
+/// Seconds of a class: a muscle needs a second to follow and to settle.
 const SECONDS: RangeInclusive<f64> = 1.0..=60.0;
-/// Seconds before a round.
+/// Seconds of pause before a round.
 const PAUSE: RangeInclusive<f64> = 1.0..=120.0;
-/// Hours of a session: a journal has room for it, and for as many trials again that are repeated.
+/// Hours of a session: a journal has room for it, even if each trial is repeated once.
 const HOURS: RangeInclusive<f64> = 0.0..=8.0;
 const MOST_ROUNDS: u32 = 50;
-/// Classes of a sequence.
+/// Greatest number of classes in a sequence.
 const MOST_STEPS: usize = 500;
 
-/// A class, and how long it is asked for.
+/// Step of a trial: a class and its duration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Step {
     /// The class.
     pub intent: Intent,
-    /// Samples.
+    /// Duration in samples.
     pub samples: u32,
 }
 
-/// A rest and the gestures after it; the last one of a round is a rest alone.
+/// Rest and the gestures after it; the last trial of a round is only a rest.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Trial {
-    /// At least one, rest first.
+    /// Steps: at least one, rest first.
     pub steps: Vec<Step>,
 }
 
-/// What is asked for.
+/// Course of a session.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Course {
-    /// These trials in each of so many rounds.
+    /// Trials in order, in each of several rounds.
     Guided {
-        /// At least one.
+        /// Number of rounds, at least one.
         rounds: u32,
-        /// At least one with a gesture.
+        /// Trials, at least one with a gesture.
         trials: Vec<Trial>,
     },
-    /// The person says which of these is done.
+    /// Free choice of the person among these gestures.
     Free {
-        /// Rest first.
+        /// Gestures, rest first.
         gestures: Vec<Intent>,
     },
 }
 
-/// A protocol.
+/// Protocol of a recording session.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Protocol {
-    /// Name, of the built-in one or of the file.
+    /// Name of the built-in protocol or of the file.
     pub name: String,
-    /// Samples before each round.
+    /// Samples of pause before each round.
     pub pause: u32,
-    /// What is asked for.
+    /// Course of the session.
     pub course: Course,
 }
 
@@ -93,15 +93,15 @@ struct Text {
 }
 
 impl Protocol {
-    /// A built-in protocol by its name, or the one of a file.
+    /// Finds a built-in protocol by its name, or reads it from a file.
     ///
     /// # Errors
-    /// When there is none, or what is wrong with it.
+    /// When there is no such protocol, or it is invalid.
     pub fn find(name: &str) -> Result<Self, ProtocolError> {
         Self::parse(name, &text(name)?)
     }
 
-    /// The protocol of a text; `name` is that of the file.
+    /// Parses the text of a protocol; `name` is for messages.
     ///
     /// # Errors
     /// [`ProtocolError::Toml`] with line and column, or [`ProtocolError::Wrong`].
@@ -125,7 +125,7 @@ impl Protocol {
         Ok(protocol)
     }
 
-    /// The classes that occur, in class order.
+    /// Classes of the protocol, in class order.
     #[must_use]
     pub fn intents(&self) -> Vec<Intent> {
         let asked = |intent: &Intent| match &self.course {
@@ -138,7 +138,7 @@ impl Protocol {
         Intent::ALL.into_iter().filter(asked).collect()
     }
 
-    /// Samples of it without a repeated trial; none if the person decides.
+    /// Samples of the session without a repeated trial; none if it is free.
     #[must_use]
     pub fn samples(&self) -> Option<u64> {
         let Course::Guided { rounds, trials } = &self.course else {
@@ -150,10 +150,10 @@ impl Protocol {
     }
 }
 
-/// The text of a protocol, comments included.
+/// Reads the text of a protocol, comments included.
 ///
 /// # Errors
-/// When there is none.
+/// When there is no such protocol or the file cannot be read.
 pub fn text(name: &str) -> Result<String, ProtocolError> {
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Ok((*text).to_owned());
@@ -263,7 +263,7 @@ fn bounded(what: &str, found: f64, range: &RangeInclusive<f64>) -> Result<f64, P
     })
 }
 
-/// Samples of a number of seconds within bounds.
+/// Converts seconds within bounds to samples.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

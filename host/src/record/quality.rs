@@ -1,4 +1,4 @@
-//! Whether a session is good enough to tune a model on, and if not, why and what to do.
+//! Quality of recordings: whether they are good enough to tune a model on, and if not, why and what to do.
 
 use std::collections::BTreeMap;
 
@@ -12,20 +12,20 @@ pub use recordings::labels::cued::Follow;
 use recordings::runs;
 use recordings::statistics::median;
 
-/// How often `personalize` needs each gesture: it holds back a third, and needs two there.
+/// Number of times that `personalize` needs each gesture: it holds back a third, and needs two there.
 const FEWEST: usize = 6;
-/// How often docs/personalization.md asks for.
+/// Number of times that docs/personalization.md asks for.
 const ENOUGH: usize = 8;
-/// Share of lost samples from which scores suffer, and from which a board gives no label (60 of 600).
+/// Shares of lost samples from which scores suffer (`LOSSES`), and from which a board gives no label (60 of 600).
 const LOSSES: f64 = 0.02;
 const MANY_LOSSES: f64 = 0.1;
-/// Contrast of a gesture with rest below which labels cannot be found: that of muscle-made labels.
+/// Contrast of a gesture with rest below which labels cannot be found, as for labels of the muscle.
 const LEAST_CONTRAST: f64 = 0.4;
 
-/// Something that is wrong with a session.
+/// Flaw of a session.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Finding {
-    /// Not a sample was recorded.
+    /// No sample was recorded.
     #[error("nothing was recorded")]
     Nothing,
     /// A gesture was done too seldom.
@@ -33,19 +33,19 @@ pub enum Finding {
     Seldom {
         /// The gesture.
         class: &'static str,
-        /// How often its label is there.
+        /// Number of its labelled stretches.
         found: usize,
-        /// How often it should be.
+        /// Number of labelled stretches needed.
         expected: usize,
     },
-    /// The muscle did not follow.
+    /// The muscle did not follow cues.
     #[error("{class}: {found} of {of} cues were not followed")]
     NotFollowed {
         /// The gesture.
         class: &'static str,
-        /// Cues that the muscle did not follow, or too late, or too weakly.
+        /// Number of cues not followed, followed too late or too weakly.
         found: usize,
-        /// Cues that count.
+        /// Number of cues that count.
         of: usize,
     },
     /// A gesture looks like rest.
@@ -56,18 +56,18 @@ pub enum Finding {
         /// Median amplitude over that of rest.
         factor: f64,
     },
-    /// An electrode says nothing.
+    /// An electrode gives no signal.
     #[error("channel {channel} is silent")]
     Silent {
-        /// From 1 on, as the armband counts.
+        /// Channel, from 1 as on the armband.
         channel: usize,
     },
-    /// An electrode says more than the armband can measure.
+    /// An electrode's signal exceeds the armband's range.
     #[error("channel {channel} is saturated in {percent:.0} % of the samples")]
     Saturated {
-        /// From 1 on.
+        /// Channel, from 1.
         channel: usize,
-        /// Share of the samples.
+        /// Share of the samples in percent.
         percent: f64,
     },
     /// Samples were lost.
@@ -75,15 +75,15 @@ pub enum Finding {
         "{samples} samples were lost, {percent:.1} %; gaps of up to 25 ms are bridged, longer ones begin another file"
     )]
     Lost {
-        /// How many.
+        /// Number of lost samples.
         samples: u64,
-        /// Share of all.
+        /// Share of all samples in percent.
         percent: f64,
     },
-    /// The person follows late.
+    /// Delay of the muscle after its cue.
     #[error("the muscle follows its cue after {late_ms} ms")]
     Late {
-        /// Median.
+        /// Median in milliseconds.
         late_ms: i32,
     },
     /// The session was ended before its end.
@@ -95,7 +95,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// How bad it is.
+    /// Severity of the finding.
     #[must_use]
     pub fn severity(&self) -> Severity {
         match self {
@@ -108,7 +108,7 @@ impl Finding {
         }
     }
 
-    /// What to do.
+    /// Advice to the person.
     #[must_use]
     pub const fn advice(&self) -> &'static str {
         match self {
@@ -136,14 +136,14 @@ impl Finding {
     }
 }
 
-/// What came of a session.
+/// Quality of recordings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Quality {
-    /// The worst first.
+    /// Findings, the worst first.
     pub findings: Vec<Finding>,
-    /// How often each class is labelled.
+    /// Number of labelled stretches of each class.
     pub counts: BTreeMap<&'static str, usize>,
-    /// Seconds of all recordings.
+    /// Duration of all recordings in seconds.
     pub seconds: f64,
 }
 
@@ -156,7 +156,7 @@ impl Quality {
     }
 }
 
-/// Judges recordings: of one session at its end, or of all of a person's.
+/// Judges the recordings of one session, or all of a person's together.
 pub(crate) fn judge(take: &Take, damaged: bool) -> Quality {
     let samples: usize = take.parts.iter().map(|part| part.samples.len()).sum();
     let seconds = samples as f64 * f64::from(SAMPLE_PERIOD_MS) / 1000.0;

@@ -1,4 +1,4 @@
-//! Recordings of guided sessions, judged again from their files: all that a person has recorded counts together.
+//! Quality of guided recordings, judged from their files: all recordings of a person count together.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,24 +13,24 @@ use recordings::labels::motion::motions;
 pub use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
 use recordings::{DataSet, Library, Recording};
 
-/// A person's guided recordings.
+/// Guided recordings of a person.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Recorded {
     /// Data set and person.
     pub person: String,
     /// Number of files.
     pub files: usize,
-    /// Whether they are good enough together.
+    /// Quality of all of them together.
     pub quality: Quality,
 }
 
-/// The guided recordings in a library, person by person in alphabetical order; other recordings are passed over.
+/// Judges the guided recordings of a library, person by person in alphabetical order; skips other recordings.
 ///
-/// What only a session's end knows, whether it ended early, is not said, and of lost samples only those that were bridged.
+/// The files do not tell whether a session ended early, and of lost samples they have only the bridged ones.
 #[must_use]
 pub fn recorded(library: &Library) -> Vec<Recorded> {
     let mut people: BTreeMap<&str, Take> = BTreeMap::new();
-    // The sets that files of this layout are read as: no other file is opened again.
+    // Files of this layout are read as these sets: no other file is opened again.
     let is_own = |recording: &&Recording| {
         matches!(recording.data_set, DataSet::ReactEmg | DataSet::Synthetic)
     };
@@ -51,7 +51,7 @@ pub fn recorded(library: &Library) -> Vec<Recorded> {
     judged.collect()
 }
 
-/// What a file of the layout holds; none of another layout, or if it cannot be read any more.
+/// Reads a file of the layout; none for another layout, or if it cannot be read any more.
 fn part(path: &Path, labels: &[Option<Intent>]) -> Option<Part> {
     let mut rows = csv::Reader::from_path(path).ok()?;
     let header = rows.headers().ok()?.clone();

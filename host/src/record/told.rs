@@ -1,11 +1,11 @@
-//! Findings in words.
+//! Text of findings for people.
 
 use serde::Serialize;
 
 use super::quality::Finding;
 use recordings::Severity;
 
-/// A finding in words.
+/// Finding as text, with its severity.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub(crate) struct Told {
     pub(crate) severity: Severity,

@@ -43,7 +43,7 @@ fn recording() -> recordings::Recording {
     feature = "ndarray",
     expect(deprecated, reason = "compared on purpose, see docs/decisions.md")
 )]
-/// Every CPU backend that is compiled in.
+/// All CPU backends that are compiled in.
 fn devices() -> Vec<(&'static str, Device)> {
     vec![
         #[cfg(feature = "flex")]
@@ -136,7 +136,7 @@ fn steps<L: Learner>(
     });
 }
 
-/// UART lines of a stream, as `replay` counts them.
+/// Counts the UART lines of a stream.
 fn lines(model: &Model<'_>, samples: &[Sample]) -> usize {
     let encoder = HostEncoder::new(model).expect("a valid model");
     let mut state = encoder.fresh();
@@ -153,7 +153,7 @@ fn lines(model: &Model<'_>, samples: &[Sample]) -> usize {
     lines
 }
 
-/// A minute through the device's pipeline, and through the encoder alone; elements are samples.
+/// Measures the device's pipeline, and the encoder alone, on a minute of samples; elements are samples.
 fn replay(criterion: &mut Criterion) {
     let dimensions = Dimensions {
         width: 64,

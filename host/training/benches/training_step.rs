@@ -28,7 +28,7 @@ use training::student::model::Student;
 use training::teacher::learner::TeacherLearner;
 use training::teacher::model::TeacherInput;
 
-// As the program itself does (host/src/main.rs).
+// The same allocator as in the program (host/src/main.rs).
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
@@ -142,7 +142,7 @@ fn student_case(student: &Student, device: &Device) -> anyhow::Result<String> {
     Ok(serde_json::to_string(&case)?)
 }
 
-/// All parameters in the order in which the module visits them.
+/// Collector of all parameters, in the order in which the module visits them.
 struct Parameters(Vec<f32>);
 
 impl ModuleVisitor for Parameters {

@@ -1,4 +1,4 @@
-//! Which library computes on tensors, and the device that it computes on.
+//! Backend: the library that computes on tensors, and its device.
 
 pub use burn::tensor::Device;
 use clap::{Args, ValueEnum};
@@ -27,7 +27,7 @@ pub enum Backend {
 #[derive(Clone, Copy, Debug, Args)]
 pub struct BackendArguments {
     /// Library that computes on tensors; a GPU's if one is compiled in and none is given.
-    #[arg(long, value_enum)]
+    #[arg(hide_short_help = true, long, value_enum)]
     pub backend: Option<Backend>,
 }
 
@@ -44,7 +44,7 @@ pub enum BackendError {
          or, to try the backend, install a software Vulkan (Debian: mesa-vulkan-drivers)"
     )]
     NoAdapter {
-        /// What the library found.
+        /// Message of the library.
         reason: String,
     },
 }
@@ -66,7 +66,7 @@ impl Backend {
     /// The device, without gradients.
     ///
     /// # Errors
-    /// When the backend finds none.
+    /// When the backend finds no device.
     pub fn device(self) -> Result<Device, BackendError> {
         match self {
             #[cfg(feature = "cuda")]
@@ -81,7 +81,7 @@ impl Backend {
     }
 }
 
-/// Burn 0.22 deprecates this backend in favour of `flex`; it stays selectable while it is there.
+/// Device of ndarray. Burn 0.22 deprecates it in favour of `flex`; it stays selectable as long as Burn has it.
 #[cfg(feature = "ndarray")]
 #[expect(deprecated, reason = "selectable on purpose, see docs/decisions.md")]
 fn ndarray() -> Device {

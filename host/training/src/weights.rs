@@ -9,7 +9,7 @@ use burn::tensor::{Bytes, Tensor};
 use execution::fingerprint::Fingerprint;
 use execution::run_folder::{Artefact, ModelInfo, RunError, RunFolder};
 
-/// The part of an artefact that holds a model's weights.
+/// Name of an artefact's part with a model's weights.
 const PART: &str = "weights";
 
 /// Weights of models in a run folder.
@@ -25,10 +25,10 @@ pub trait Weights {
         model: &impl Module,
     ) -> Result<(), RunError>;
 
-    /// Reads weights that were made from this into a model of the same shape.
+    /// Reads the weights made from `made_from` into a model of the same shape.
     ///
     /// # Errors
-    /// [`RunError::NotOfThisRun`] if they were made from something else; when the file is missing, damaged or of
+    /// [`RunError::NotOfThisRun`] if the weights were made from something else; when the file is missing, damaged or of
     /// another shape.
     fn load_model<M: Module>(
         &self,
@@ -69,8 +69,8 @@ impl Weights for RunFolder {
     }
 }
 
-/// Fingerprint of the values of a model's weights, in the order in which the module visits them; not of a file of them,
-/// which also holds identifiers that are drawn anew for every model.
+/// Fingerprint of the values of a model's weights, in the order in which the module visits them. A file's bytes would not
+/// do: they also hold identifiers that are drawn anew for every model.
 #[must_use]
 pub(crate) fn fingerprint(model: &impl Module) -> Fingerprint {
     Fingerprint::of_parts(|update| model.visit(&mut Values(update)))
@@ -86,7 +86,7 @@ impl ModuleVisitor for Values<'_> {
     }
 }
 
-/// A model's weights as bytes, for the file `path`.
+/// Encodes a model's weights as bytes, for the file `path`.
 ///
 /// # Errors
 /// When they cannot be written.

@@ -84,11 +84,6 @@ impl Core {
         self.cpu.reg(number)
     }
 
-    /// Sets one of the registers 0 to 15.
-    pub fn set_register(&mut self, number: u8, value: u32) {
-        self.cpu.set_reg(number, value);
-    }
-
     /// The main stack pointer.
     pub fn stack_pointer(&self) -> u32 {
         self.cpu.msp()

@@ -21,7 +21,6 @@ pub struct Image {
     pub segments: Vec<(u32, Vec<u8>)>,
     /// Functions by address: start, size, name.
     functions: Vec<(u32, u32, String)>,
-    symbols: Vec<(String, u32)>,
 }
 
 impl Image {
@@ -44,7 +43,6 @@ impl Image {
             return Err(ImageError::Empty);
         }
         let mut functions = Vec::new();
-        let mut symbols = Vec::new();
         for symbol in file.symbols() {
             let (Ok(name), address) = (symbol.name(), symbol.address() as u32) else {
                 continue;
@@ -52,13 +50,11 @@ impl Image {
             if symbol.kind() == SymbolKind::Text {
                 functions.push((address & !1, symbol.size() as u32, name.to_owned()));
             }
-            symbols.push((name.to_owned(), address));
         }
         functions.sort();
         Ok(Self {
             segments,
             functions,
-            symbols,
         })
     }
 
@@ -67,7 +63,6 @@ impl Image {
         Self {
             segments: vec![(address, bytes)],
             functions: Vec::new(),
-            symbols: Vec::new(),
         }
     }
 
@@ -91,11 +86,5 @@ impl Image {
             }
             _ => format!("{address:#010x}"),
         }
-    }
-
-    /// The address of a symbol whose name contains this; the first one in the file.
-    pub fn address(&self, name: &str) -> Option<u32> {
-        let found = self.symbols.iter().find(|(one, _)| one.contains(name));
-        found.map(|(_, address)| *address)
     }
 }

@@ -13,8 +13,8 @@ pub mod stream;
 
 pub use device::{integer_logits, outputs};
 
-/// The input of a model from the samples of a stream, from its beginning, preprocessed as the model was trained. What a
-/// board makes of the same samples.
+/// Input of a model from the samples of a stream, from its beginning: preprocessed as in training, and as a board does
+/// it.
 #[must_use]
 pub fn input(samples: &[Sample], preprocessing: Preprocessing) -> Vec<CleanSample> {
     let mut wearer = preprocessing.normalized.then(Normalizer::new);

@@ -29,9 +29,9 @@ pub fn pipeline<'s, E: Encode>(
     Ok(pipeline)
 }
 
-/// Passes a recording through a pipeline as an armband sends it, two samples every 10 ms. `wait` is called with the time
-/// before each two, `output` with each line that a board writes, a report or what is new about the alignment, until it
-/// breaks off.
+/// Passes a recording through a pipeline as an armband sends it, two samples every 10 ms. `wait` is called with the
+/// time before each two. `output` is called with each line that a board writes, a report or a change of the alignment,
+/// until it breaks off.
 pub fn feed<E: Encode, B>(
     pipeline: &mut Pipeline<'_, E>,
     samples: &[Sample],

@@ -39,7 +39,7 @@ impl Recalls {
         Ok(recalls)
     }
 
-    /// The counts of both.
+    /// Sum of both counts.
     #[must_use]
     pub fn plus(mut self, other: &Self) -> Self {
         for class in 0..MAX_CLASSES {

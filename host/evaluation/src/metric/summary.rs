@@ -1,8 +1,8 @@
 //! Scores of many recordings: per subject, then over subjects.
 //!
-//! Per subject: balanced accuracy = mean of the recalls over the samples of all recordings; raw accuracy =
-//! unweighted mean over its recordings; transition accuracy = correct / events over all of them. Over subjects: mean and sample standard deviation (n - 1), as in the
-//! reference's evaluation of ROAM-EMG.
+//! Per subject: balanced accuracy = mean of the recalls over the samples of all recordings; raw accuracy = unweighted
+//! mean over its recordings; transition accuracy = correct / events over all of them. Over subjects: mean and sample
+//! standard deviation (n - 1), as in the reference's evaluation of ROAM-EMG.
 
 use std::collections::BTreeMap;
 

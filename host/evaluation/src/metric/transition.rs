@@ -33,7 +33,7 @@ pub struct Rule {
 }
 
 impl Default for Rule {
-    /// The paper's: half a second on each side, not strict, relax not allowed.
+    /// The paper's rule: half a second on each side, not strict, relax not allowed.
     fn default() -> Self {
         Self {
             buffer: 200,
@@ -77,9 +77,9 @@ pub struct TransitionScore {
 /// Labelled stretches without a change.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize)]
 pub struct ConstantStretches {
-    /// Their number.
+    /// Number of stretches.
     pub count: usize,
-    /// Number of those predicted correctly at every sample.
+    /// Number of stretches predicted correctly at every sample.
     pub held: usize,
 }
 
@@ -195,7 +195,7 @@ fn offset(prediction: &[Label], at: usize, from: Label, to: Label, half: usize) 
         .filter(|&i| prediction[i] == from && prediction[i + 1] == to)
         .map(distance)
         .min_by_key(|offset| offset.abs());
-    // There is none only where relax lies between A and B: then the first B, as in the reference.
+    // No direct change occurs only where relax lies between A and B: then the first B counts, as in the reference.
     straight.or_else(|| range.clone().find(|&i| prediction[i] == to).map(distance))
 }
 

@@ -1,4 +1,4 @@
-//! How people wear the armband, and what alignment makes of it.
+//! Placement of the armband, and alignment of models to it.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -20,25 +20,25 @@ use crate::inference::stream::{feed, pipeline};
 use crate::{Candidate, Trial};
 use recordings::alignment::{Openings, openings};
 
-/// What is added to the name of a model that is evaluated after alignment.
+/// Suffix of the name of a model that is evaluated after alignment.
 pub const ALIGNED: &str = ", aligned";
 
-/// How the armband sits, after the data set's own frame is accounted for.
+/// Placement of the armband, after the data set's own frame is accounted for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Worn {
-    /// Places that it is turned by.
+    /// Places by which it is turned.
     pub turn: Turn,
     /// Whether it is on the other arm.
     pub mirrored: bool,
 }
 
-/// Places that armbands are turned by.
+/// Places by which armbands are turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Turn {
-    /// All by the same number, 0 to 7.
+    /// The same number for all, 0 to 7.
     By(u8),
-    /// By 0 to 7 in turn, from person to person in alphabetical order.
+    /// 0 to 7 in turn, from person to person in alphabetical order.
     Any,
 }
 
@@ -66,10 +66,10 @@ pub struct AlignedSubject {
     pub model: String,
     /// The person.
     pub subject: String,
-    /// What came of it: `aligned`, `poor-distance`, `poor-margin`, `timeout`, or `unavailable` without a template.
+    /// Outcome: `aligned`, `poor-distance`, `poor-margin`, `timeout`, or `unavailable` without a template.
     pub outcome: &'static str,
-    /// Places between the placement found and the frame of the data set, 0 to 4; none on the other arm, or if nothing was
-    /// applied.
+    /// Places between the placement found and the frame of the data set, 0 to 4; none on the other arm, or if nothing
+    /// was applied.
     pub places_off: Option<u8>,
     /// Whether the placement found is on the other arm than the frame of the data set.
     pub wrong_arm: bool,
@@ -77,14 +77,14 @@ pub struct AlignedSubject {
     pub quality: Option<(u32, u32)>,
 }
 
-/// What alignment made of everybody.
+/// Alignments of all models and people.
 #[derive(Default)]
 pub(super) struct Aligned {
     /// A result for each model and person.
     pub(super) results: Vec<AlignedSubject>,
-    /// Each model's alignments; none where nothing was to be changed.
+    /// Alignments of each model, by person; none where nothing is changed.
     pub(super) found: Vec<BTreeMap<String, Alignment>>,
-    /// How many openings were taken of each person, at most.
+    /// Maximum number of openings that were taken of each person.
     pub(super) taken: BTreeMap<String, usize>,
 }
 
@@ -105,7 +105,7 @@ pub(super) fn openings_of(trials: &[Trial]) -> BTreeMap<String, (Openings, Vec<u
         .collect()
 }
 
-/// What a board with each model makes of each person's openings; `arm_told`: it is told on which arm the armband is.
+/// Alignment by each person's openings of a board with each model; `arm_told`: it is told on which arm the armband is.
 ///
 /// # Errors
 /// When a board would refuse a model.
@@ -153,8 +153,8 @@ pub(super) fn align(
     Ok(aligned)
 }
 
-/// The line with which a board ends an alignment by these openings, or none if it still waits for more at their end; and
-/// how many of them it took. The board was switched on with their first sample.
+/// Report with which a board ends an alignment by these openings, or none if it still waits for more at their end; and
+/// the number of openings that it took. The board is switched on with their first sample.
 ///
 /// # Errors
 /// When the board would refuse the model.
@@ -193,7 +193,7 @@ fn answer(
     })
 }
 
-/// The labels of the openings that were taken, in all trials of these people, become none: they are not scored.
+/// Removes the labels of the openings that were taken, in all trials of these people: they are not scored.
 pub(super) fn leave_out_openings(
     trials: &mut [Trial],
     people: &BTreeMap<String, (Openings, Vec<usize>)>,

@@ -43,7 +43,7 @@ impl NamedModel {
 /// A model's logits over trials that another run evaluates.
 ///
 /// # Errors
-/// When the model is refused, or has seen somebody of the trials.
+/// When the model is refused, or has seen a person of the trials.
 pub fn beside(model: &NamedModel, trials: &[Trial]) -> Result<Candidate, EvaluationError> {
     let parsed = Model::parse(&model.bytes)?;
     let seen: Vec<&str> = parsed.header.provenance.subjects_seen.iter().collect();

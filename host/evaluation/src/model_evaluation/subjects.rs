@@ -1,4 +1,4 @@
-//! Whom model files are evaluated on, and who is left out.
+//! People whom model files are evaluated on, and people who are left out.
 
 use serde::Serialize;
 use shared::model::file::Model;
@@ -57,7 +57,7 @@ pub(super) fn subjects(
             .filter(|(_, parsed)| saw(parsed))
             .map(|(model, _)| model.name.clone())
             .collect();
-        // A whole data set names nobody for a release.
+        // The name of a whole data set does not include its test people.
         let by_name = selection.subjects.iter().any(|name| name == subject);
         if test && !selection.test && !by_name {
             left_out.test.push(subject.to_owned());
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use recordings::DataSet;
 
-    /// Whom a selection evaluates of two people of roshambo, of whom 06 is a test person, and the test people left out.
+    /// Evaluated people of a selection, and test people left out: roshambo/03, and roshambo/06, who is a test person.
     fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {
         let recordings = ["roshambo/03", "roshambo/06"]
             .map(|subject| Recording::new(DataSet::Roshambo, subject, Vec::new(), Vec::new()));
@@ -119,7 +119,7 @@ mod tests {
                 "{names:?}"
             );
         }
-        // Whoever is named is evaluated.
+        // A person who is named is evaluated.
         assert_eq!(selected(&["roshambo/06"], false), (test, Vec::new()));
         assert_eq!(selected(&["roshambo/03"], true), (one, Vec::new()));
     }

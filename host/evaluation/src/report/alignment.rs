@@ -1,9 +1,9 @@
-//! What alignment made of the armbands, as a table.
+//! Table of the alignments.
 
 use super::Table;
 use crate::model_evaluation::{AlignedSubject, ModelResults, Turn, Worn};
 
-/// How many people each model placed where; none if no alignment was asked for.
+/// Number of people by model and placement found; none if no alignment was asked for.
 pub(super) fn table(results: &ModelResults) -> Option<Table> {
     if results.alignments.is_empty() {
         return None;
@@ -46,7 +46,7 @@ pub(super) fn table(results: &ModelResults) -> Option<Table> {
     Some(table)
 }
 
-/// How the armband was worn, in words; empty if as in the data sets.
+/// Placement of the armband, in words; empty if as in the data sets.
 pub(super) fn placement(worn: Worn) -> String {
     let turn = match worn.turn {
         Turn::By(0) => None,

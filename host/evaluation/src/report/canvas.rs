@@ -1,4 +1,4 @@
-//! What every picture shares: scale, colours, type, a title for screen readers.
+//! Common parts of all pictures: scale, colours, type, a title for screen readers.
 //!
 //! Pictures are drawn in the colours of a light page; on a dark screen the style sheet replaces each
 //! neutral colour by its dark counterpart.
@@ -20,13 +20,13 @@ pub(super) type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 /// Units of the drawing per pixel of the page: plotters knows whole units only.
 pub(super) const SCALE: i32 = 2;
 
-/// Text, and lines that carry data.
+/// Colour of text, and of lines that carry data.
 pub(super) const INK: RGBColor = RGBColor(0x1F, 0x29, 0x33);
-/// Axes' text and remarks.
+/// Colour of axes' text and of remarks.
 pub(super) const MUTED: RGBColor = RGBColor(0x66, 0x70, 0x85);
-/// Grid lines and empty bands.
+/// Colour of grid lines and empty bands.
 pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE6, 0xEB);
-/// The trace of a muscle.
+/// Colour of a muscle's trace.
 pub(super) const TRACE: RGBColor = RGBColor(0x52, 0x60, 0x6D);
 
 /// Colours of lines in order. Okabe and Ito, "Color Universal Design" (2008): distinguishable
@@ -39,7 +39,7 @@ pub(super) const LINES: [RGBColor; 5] = [
     RGBColor(0xE6, 0x9F, 0x00),
 ];
 
-/// Style of pictures alone, and their colours on a dark screen.
+/// Style sheet of pictures alone, with their colours on a dark screen.
 pub(super) const STYLE: &str = "\
 svg text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif}\
 @media screen and (prefers-color-scheme:dark){\
@@ -68,7 +68,7 @@ pub(super) fn intent_colour(intent: Intent) -> RGBColor {
     }
 }
 
-/// Text of `points` pixels, anchored where it is put.
+/// Style of text of `points` pixels, anchored where it is put.
 pub(super) fn text(points: f64, colour: RGBColor, h: HPos, v: VPos) -> TextStyle<'static> {
     // plotters divides a size by 1.24, the height of a font's box.
     let size = points * f64::from(SCALE) * 1.24;
@@ -111,13 +111,13 @@ pub(super) fn draw(
     ))
 }
 
-/// The same picture as a file of its own.
+/// The picture as a file of its own.
 pub(super) fn stand_alone(svg: &str) -> String {
     svg.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1)
         .replacen("<title>", &format!("<style>{STYLE}</style><title>"), 1)
 }
 
-/// Text for HTML and SVG, element content and quoted attributes alike.
+/// Escapes text for HTML and SVG, element content and quoted attributes alike.
 pub(super) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {

@@ -4,7 +4,7 @@ use crate::Difference;
 use crate::metric::event::latency::{Latency, LatencySummary};
 use recordings::statistics::{Interval, MeanSd};
 
-/// In place of a missing number.
+/// Text in place of a missing number.
 const NONE: &str = "-";
 
 /// One cell as text, in a terminal or Markdown: `0.912 (0.04)`.
@@ -15,7 +15,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The cell of so many people, which it says where the row has another number: `0.912 [0.88, 0.94] n 29`.
+    /// Adds the number of people where the row has another one: `0.912 [0.88, 0.94] n 29`.
     #[must_use]
     pub fn of_people(mut self, people: usize, of_row: usize) -> Self {
         if people != of_row && self.shown != NONE {
@@ -25,13 +25,13 @@ impl Cell {
     }
 }
 
-/// A name.
+/// Cell of a text.
 #[must_use]
 pub fn text(text: impl Into<String>) -> Cell {
     Cell { shown: text.into() }
 }
 
-/// A missing number.
+/// Cell of a missing number.
 #[must_use]
 pub fn none() -> Cell {
     text(NONE)
@@ -80,7 +80,7 @@ pub fn estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
     text(format!("{:.3}{}", value.mean, interval.unwrap_or_default()))
 }
 
-/// The same in 14 columns: `0.76 (.70-.81)`.
+/// A share in 14 columns, with its 95 % interval: `0.76 (.70-.81)`.
 #[must_use]
 pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) -> Cell {
     let Some(value) = mean else { return none() };
@@ -98,7 +98,7 @@ pub fn rate(value: Option<MeanSd>) -> Cell {
     spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
 }
 
-/// Median and 90th percentile of a latency in ms, `285 / 610`, or that they fall on missed gestures.
+/// Median and 90th percentile of a latency in ms, `285 / 610`; `missed` for one that falls on a missed gesture.
 #[must_use]
 pub fn latency(value: Option<LatencySummary>) -> Cell {
     let Some(LatencySummary { median, p90 }) = value else {
@@ -146,7 +146,7 @@ fn whole(value: f64) -> String {
     format!("{:.0}", value.round())
 }
 
-/// Rounded to a step of 1 / `steps`; zero has no minus.
+/// Rounds to a step of 1 / `steps`; zero has no minus.
 fn unsigned_zero(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps + 0.0
 }

@@ -15,7 +15,7 @@ const CELL: i32 = 84;
 const GUTTER: i32 = 92;
 const HEAD: i32 = 52;
 
-/// A square per pair of true and emitted label, its share of the true label in percent and in depth of
+/// Picture of a square per pair of true and emitted label, with its share of the true label in percent and in depth of
 /// colour. Samples without an emitted label are left out.
 pub(super) fn svg(confusion: &Confusion) -> Result<String, ReportError> {
     let classes = confusion.intents.len();

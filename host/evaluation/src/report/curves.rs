@@ -26,16 +26,16 @@ pub(super) struct Panel {
     pub title: String,
     /// Name of the horizontal axis: "epoch", "step".
     pub step: String,
-    /// At most five, for the colours to differ.
+    /// Curves, at most five, for the colours to differ.
     pub curves: Vec<Curve>,
 }
 
 const SIZE: (i32, i32) = (520, 300);
-/// Room for the names right of the lines.
+/// Width for the names right of the lines, in pixels.
 const NAMES: i32 = 120;
 const LINE_HEIGHT: i32 = 16;
 
-/// Lines with their names at their ends.
+/// Picture of the curves, with their names at their ends.
 pub(super) fn svg(panel: &Panel) -> Result<String, ReportError> {
     let curves: Vec<Vec<(f64, f64)>> = panel.curves.iter().map(finite).collect();
     let steps = range(curves.iter().flatten().map(|point| point.0), 0.0);
@@ -139,7 +139,7 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     (low - margin * span, high + margin * span)
 }
 
-/// Three figures at most behind the point, no trailing zeros.
+/// Number with at most three decimals and no trailing zeros.
 fn short(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,4 +1,4 @@
-//! What a model file costs on a board.
+//! Cost of a model file on a board.
 
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
@@ -10,7 +10,7 @@ use super::Table;
 const FLASH_KIB: f64 = 160.0;
 /// Clock of the boards, instructions at one cycle each.
 const CLOCK_HZ: f64 = 64e6;
-/// Cycles an instruction, estimated for the shipped model without wait states: 191 200 cycles, 124 428 instructions.
+/// Cycles per instruction, estimated for the shipped model without wait states: 191 200 cycles, 124 428 instructions.
 const CYCLES: f64 = 1.537;
 
 /// Bytes of the encoder's state on a board, whatever the model; on a PC, whose addresses are longer, it has a few more.
@@ -18,7 +18,8 @@ const STATE: usize = 17_960;
 
 /// Instructions of the whole pipeline for a patch: width, layers, span, classes, other movement known, count.
 ///
-/// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed count.
+/// Counted by `cargo xtask count --model FILE` on the emulated Cortex-M4F; docs/budgets.md. The first is the committed
+/// count.
 const COUNTED: [(usize, usize, usize, usize, bool, u32); 3] = [
     (64, 2, 27, 3, true, 124_342),
     (64, 2, 27, 5, false, 125_072),
@@ -33,7 +34,7 @@ pub(super) struct Device {
     width: usize,
     layers: usize,
     span: usize,
-    /// Whether a board runs it; otherwise why not.
+    /// Reason why a board refuses the model; none if it runs it.
     refused: Option<String>,
     /// Bytes of the encoder's state on a board, whatever the model.
     state: usize,
@@ -41,7 +42,7 @@ pub(super) struct Device {
 }
 
 impl Device {
-    /// Of a model file; none if it is refused.
+    /// Cost of a model file; none if the file is invalid.
     pub(super) fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         let model = Model::parse(bytes).ok()?;
         let dimensions = &model.header.dimensions;
@@ -69,7 +70,7 @@ impl Device {
     }
 }
 
-/// A row for each model.
+/// Table with a row for each model.
 pub(super) fn table(devices: &[Device]) -> Table {
     let caption = "Flash: of 160 KiB that a board keeps for a model. State: RAM of the encoder, the same for every model. Instructions: the whole \
                    pipeline, sample to label, for a patch of 10 samples (50 ms); time: estimated, at 64 MHz without wait states";

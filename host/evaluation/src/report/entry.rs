@@ -18,21 +18,21 @@ use crate::{
     gestures, smooth,
 };
 
-/// Most entries on one page, for their colours to differ.
+/// Maximum number of entries on one page, for their colours to differ.
 pub const MOST_ENTRIES: usize = 5;
 
 /// Samples of a recording in a picture: 20 s.
 const SHOWN: usize = 4000;
-/// People who are drawn of a single entry, the lowest first; the best one comes on top.
+/// People who are drawn of a single entry, the lowest first; the best one is added.
 const WORST: usize = 3;
 
-/// A run or a model file, and what its pictures are drawn from.
+/// A run or a model file, and the data of its pictures.
 pub(super) struct Entry<'a> {
     /// Name on the page.
     pub name: String,
-    /// What it is, in the order to be shown.
+    /// Facts about it, in the order to be shown.
     pub facts: Vec<Fact>,
-    /// Its rows under lag-compensated labels, a data set each.
+    /// Rows under lag-compensated labels, one for each data set.
     pub scores: Vec<Score>,
     /// Rows of other models of the same run.
     pub beside: Vec<Score>,
@@ -40,11 +40,11 @@ pub(super) struct Entry<'a> {
     pub floors: Vec<Score>,
     /// The recordings.
     pub trials: &'a [Trial],
-    /// Its logits over them.
+    /// Logits over the recordings.
     pub candidate: &'a Candidate,
-    /// Its classes.
+    /// Classes of the model.
     pub vocabulary: Vocabulary,
-    /// Its look-ahead.
+    /// Look-ahead of the model.
     pub look_ahead: LookAhead,
     /// Learning curves.
     pub panels: Vec<Panel>,
@@ -53,17 +53,17 @@ pub(super) struct Entry<'a> {
 }
 
 impl Entry<'_> {
-    /// Its row over all recordings of the people who have all classes; of those with fewer, if nobody has.
+    /// Row over all recordings of the people who have all classes; of those with fewer, if nobody has.
     pub(super) fn over_all(&self) -> Option<&Score> {
         over_all(&self.scores).next()
     }
 
-    /// Its rows over all recordings: of the people who have all classes, of those with fewer.
+    /// Rows over all recordings: of the people who have all classes, of those with fewer.
     pub(super) fn everybody(&self) -> Vec<&Score> {
         over_all(&self.scores).collect()
     }
 
-    /// The people, the lowest balanced accuracy first, those without one left out.
+    /// People by balanced accuracy, the lowest first; those without one are left out.
     fn people(&self) -> Vec<&str> {
         let rows = over_all(&self.scores);
         let mut values: Vec<_> = rows
@@ -96,7 +96,8 @@ pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
     Group::ALL.into_iter().flat_map(of)
 }
 
-/// What every page has of its entries: people, pictures, device cost. Title, summary, facts, tables and notes are the caller's.
+/// Parts of a page that come from its entries: people, pictures, device cost. Title, summary, facts, tables and notes
+/// are the caller's.
 ///
 /// # Errors
 /// When labels cannot be compared or the smoother's settings are invalid.
@@ -247,7 +248,7 @@ fn device(entry: &Entry<'_>) -> Option<Device> {
     Device::of(&entry.name, entry.bytes?)
 }
 
-/// The numbers that a page begins with, each beside the energy detector's: people who have all classes, if there are any.
+/// Numbers at the top of a page, each beside the energy detector's: of people who have all classes, if there are any.
 fn headline(entry: &Entry<'_>) -> Vec<Headline> {
     let Some(own) = entry.over_all() else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! What was done about the lag of each data set's labels, and how many gestures it left out.
+//! Facts on the lag compensation of each data set's labels, and on the gestures that it left out.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::Cued;
 use recordings::DataSet;
 use recordings::labels::set_lag::Lag;
 
-/// A line for each data set: what, and how.
+/// Facts, one for each data set: the compensation, and the gestures left out.
 #[must_use]
 pub fn labels(lags: &BTreeMap<DataSet, Lag>, gestures: &BTreeMap<DataSet, Cued>) -> Vec<Fact> {
     let line = |(data_set, lag): (&DataSet, &Lag)| {

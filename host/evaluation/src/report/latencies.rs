@@ -14,8 +14,8 @@ use crate::metric::event::latency::{self, Latency};
 
 const SIZE: (i32, i32) = (520, 340);
 
-/// A histogram of the latencies of recognised gestures, given in samples; none for a missed gesture. The median over all
-/// gestures is marked, unless it falls on a missed one.
+/// A histogram of the latencies of recognised gestures, given in samples; none for a missed gesture. The median over
+/// all gestures is marked, unless it falls on a missed one.
 pub(super) fn svg(latencies: &[Option<i32>]) -> Result<String, ReportError> {
     let recognised: Vec<i32> = latencies.iter().copied().flatten().collect();
     let mut sorted: Vec<f64> = recognised

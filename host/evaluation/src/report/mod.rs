@@ -49,9 +49,9 @@ struct ReportData {
     title: String,
     /// One sentence under the headline: what was evaluated, and on whom.
     summary: String,
-    /// The numbers that the page begins with.
+    /// Numbers at the top of the page.
     headline: Vec<Headline>,
-    /// What produced the numbers, in groups with a name, which may be empty.
+    /// Origin of the numbers, in groups with a name, which may be empty.
     provenance: Vec<(String, Vec<Fact>)>,
     /// Means at a glance.
     overview: Vec<Row>,
@@ -59,11 +59,11 @@ struct ReportData {
     tables: Vec<Table>,
     /// Tables that few readers need, at the end of the page.
     more_tables: Vec<Table>,
-    /// A bar a person.
+    /// Picture with a bar for each person.
     people: Option<People>,
     /// Scores of each person.
     people_tables: Vec<Table>,
-    /// Whose recordings are drawn.
+    /// Sentence on whose recordings are drawn.
     drawn: String,
     /// Recordings with true and emitted labels.
     timelines: Vec<Timeline>,
@@ -71,29 +71,29 @@ struct ReportData {
     panels: Vec<Panel>,
     /// Errors of each entry.
     errors: Vec<Errors>,
-    /// What the models cost on a board.
+    /// Cost of the models on a board.
     device: Vec<Device>,
     /// Limits of the numbers; one paragraph each.
     notes: Vec<String>,
 }
 
-/// A number that the page begins with.
+/// A number at the top of the page.
 #[derive(Clone, Debug, Default)]
 struct Headline {
     name: String,
     value: String,
-    /// Its interval or unit.
+    /// Interval or unit.
     remark: String,
-    /// The same of the energy detector.
+    /// Number of the energy detector.
     floor: Option<String>,
 }
 
-/// What is wrong with the labels of an entry.
+/// Errors in the labels of an entry.
 #[derive(Clone, Debug, Default)]
 struct Errors {
-    /// The entry.
+    /// Name of the entry.
     name: String,
-    /// True against emitted labels, in samples.
+    /// True and emitted labels, in samples.
     confusion: Option<Confusion>,
     /// Latency of every gesture in samples; none for those that were missed.
     latencies: Vec<Option<i32>>,

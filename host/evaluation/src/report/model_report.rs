@@ -50,7 +50,7 @@ pub fn write(
     super::write_html(&report, page)
 }
 
-/// What a reader of such a page has to know.
+/// Notes for the reader of such a page.
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels are lag-compensated: those that were cues begin where the muscle follows, by each cue's own lag where rest \
@@ -98,7 +98,7 @@ pub(super) fn entries<'a>(
         .collect()
 }
 
-/// Scores of all models and floors; differences of the first model to all others; people, the worst first.
+/// Tables: scores of all models and floors; differences of the first model to all others; people, the worst first.
 #[must_use]
 pub fn tables(results: &ModelResults) -> Vec<Table> {
     let results = &marked(results);
@@ -121,7 +121,7 @@ fn scores_and_differences(results: &ModelResults) -> Vec<Table> {
     vec![table(SCORES, &scores), differences(results)]
 }
 
-/// The first model against the others and the floors, paired over people.
+/// Table of the first model against the others and the floors, paired over people.
 fn differences(results: &ModelResults) -> Table {
     let caption = "Differences, paired over subjects; mean [95 % interval] over n subjects";
     let measures = COMPARED.map(Measure::name);
@@ -174,7 +174,7 @@ fn remark(results: &ModelResults, subject: &str) -> String {
     remarks.join("; ")
 }
 
-/// A row for each person and model, of all data sets together.
+/// Table with a row for each person and model, of all data sets together.
 #[must_use]
 pub fn people_rows(results: &ModelResults) -> Table {
     let header = ["subject", "model"]
@@ -215,7 +215,7 @@ fn model_facts(model: &EvaluatedModel, seen: &[&str]) -> Vec<Fact> {
         .collect()
 }
 
-/// What the evaluation of all models has in common.
+/// Facts that hold for all models of the evaluation.
 pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
     let mut facts: Vec<Fact> = Vec::new();
     let evaluated = results.subjects.iter().map(|own| own.subject.clone());

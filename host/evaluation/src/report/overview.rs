@@ -21,24 +21,24 @@ const DRAWN: [(Measure, &str); 3] = [
 ];
 
 const WIDTH: i32 = 1100;
-/// Room for the names.
+/// Width for the names, in pixels.
 const GUTTER: i32 = 190;
-/// Room for a number right of its axis.
+/// Width for a number right of its axis, in pixels.
 const NUMBER: i32 = 86;
 const HEAD: i32 = 30;
 const ROW: i32 = 26;
 const FOOT: i32 = 22;
-/// Letters of a name that fit.
+/// Maximum number of letters of a name.
 const LETTERS: usize = 27;
 
-/// What one row stands for.
+/// Kind of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// The entry of this number.
     Entry(usize),
     /// Another model of the same run.
     Beside,
-    /// What needs no model.
+    /// A baseline without a model.
     Floor,
 }
 
@@ -47,7 +47,7 @@ pub(super) enum Kind {
 pub(super) struct Row {
     /// Name at the left.
     pub name: String,
-    /// Decides the colour.
+    /// Kind, which decides the colour.
     pub kind: Kind,
     /// Number of people.
     pub people: usize,
@@ -73,7 +73,7 @@ impl Row {
     }
 }
 
-/// A point for each mean, with a line over its 95 % interval.
+/// Picture with a point for each mean, and a line over its 95 % interval.
 pub(super) fn svg(rows: &[Row]) -> Result<String, ReportError> {
     let told = rows.iter().map(|row| {
         let mean = row.values[0].map_or_else(|| "-".to_owned(), |(mean, _)| number(mean).shown);
@@ -178,7 +178,7 @@ fn number(mean: MeanSd) -> Cell {
     cell::text(format!("{:.3}", mean.mean))
 }
 
-/// A name that may be too long for its place.
+/// Name cut to at most `letters` letters.
 pub(super) fn shortened(name: &str, letters: usize) -> String {
     if name.chars().count() <= letters {
         return name.to_owned();

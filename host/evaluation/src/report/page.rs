@@ -45,7 +45,7 @@ pub(super) fn html(data: &ReportData) -> Result<String, ReportError> {
 /// A part of the page with a headline.
 struct Section {
     id: &'static str,
-    /// As the headline and the contents say it.
+    /// Title in the headline and in the contents.
     title: String,
     content: String,
 }
@@ -147,7 +147,7 @@ fn sections(data: &ReportData) -> Result<Vec<Section>, ReportError> {
     Ok(sections)
 }
 
-/// Confusion and latencies, a row of two for each entry.
+/// Section of confusion and latencies, a row of two pictures for each entry.
 fn errors(errors: &[Errors]) -> Result<Option<Section>, ReportError> {
     let mut own = Section::new(
         "errors",

@@ -15,41 +15,42 @@ use super::{
 use crate::{Measure, Score};
 
 const WIDTH: i32 = 1100;
-/// Room for a person's name, and right of a bar for its number.
+/// Width for a person's name; `NUMBER` is that for the number right of a bar, in pixels.
 const GUTTER: i32 = 158;
 const NUMBER: i32 = 42;
 const LEGEND: i32 = 30;
 const HEAD: i32 = LEGEND + 22;
-/// Height of a bar, and between two people.
+/// Height of a bar; `GAP` is that between two people, in pixels.
 const BAR: i32 = 9;
 const GAP: i32 = 8;
-/// Letters of a name that fit.
+/// Maximum number of letters of a name.
 const LETTERS: usize = 23;
 
 /// The balanced accuracy of each person.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct People {
-    /// Names of the entries: a bar each.
+    /// Names of the entries, one bar each.
     pub names: Vec<String>,
-    /// What the marks show; empty without them.
+    /// Name of what the marks show; empty without them.
     pub floor: String,
     /// The people, the lowest value of the first entry first, those without one last.
     pub rows: Vec<Person>,
 }
 
-/// One person.
+/// Values of one person.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Person {
     /// The subject.
     pub subject: String,
-    /// Under each entry; none for those that do not evaluate this person.
+    /// Values under each entry; none for those that do not evaluate this person.
     pub values: Vec<Option<f64>>,
-    /// Under the floor.
+    /// Value under the floor.
     pub floor: Option<f64>,
 }
 
 impl People {
-    /// Of the rows of some entries over all their recordings, and of floors, each for people that it has a value for.
+    /// Values of the people in the rows of some entries over all their recordings, each with the value of the first
+    /// floor that has one.
     pub(super) fn of(entries: &[(&str, Vec<&Score>)], floors: &[&Score]) -> Self {
         let mut people: BTreeMap<&str, Person> = BTreeMap::new();
         for (at, (_, scores)) in entries.iter().enumerate() {
@@ -87,7 +88,7 @@ impl People {
         }
     }
 
-    /// Columns of people side by side.
+    /// Number of columns of people side by side.
     const fn columns(&self) -> usize {
         match self.rows.len() {
             0..=12 => 1,
@@ -97,7 +98,7 @@ impl People {
     }
 }
 
-/// Bars of balanced accuracy from 0 to 1, a mark at the floor.
+/// Picture of balanced accuracy as bars from 0 to 1, with a mark at the floor.
 pub(super) fn svg(people: &People) -> Result<String, ReportError> {
     let columns = people.columns();
     let in_column = people.rows.len().div_ceil(columns).max(1);
@@ -162,7 +163,7 @@ fn legend(area: &Area<'_>, people: &People) -> Drawn {
     Ok(())
 }
 
-/// Where a column of people is, in pixels.
+/// Position of a column of people, in pixels.
 struct Column {
     left: i32,
     length: i32,

@@ -68,7 +68,7 @@ pub(super) fn cells(person: &Person<'_>) -> [String; COLUMNS.len()] {
     ]
 }
 
-/// The people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.
+/// Table of the people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.
 pub(super) fn people_table(scores: &[&Score], remark: &dyn Fn(&str) -> String) -> Option<Table> {
     let caption = format!(
         "People, the lowest balanced accuracy of {} first",

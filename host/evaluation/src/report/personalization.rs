@@ -14,7 +14,7 @@ const SHOWN: [(Measure, usize); 7] = [
     (Measure::Flicker, 1),
 ];
 
-/// A row for each model: the measures of the part held back.
+/// Table with a row for each model: the measures of the part held back.
 #[must_use]
 pub fn table(caption: &str, scores: &[Score]) -> Table {
     let header = SHOWN.map(|(measure, _)| measure.name());

@@ -125,7 +125,7 @@ pub(super) fn entry<'a>(
     })
 }
 
-/// What produced the numbers.
+/// Origin of the numbers.
 fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
     let recordings = if config.data.is_some() {
         let sets: Vec<_> = config.lags.keys().map(|set| set.name()).collect();
@@ -149,7 +149,7 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
     facts
 }
 
-/// Whom rows are over, and of how many people a column is.
+/// Note on the people of a row, and on columns of fewer people.
 pub(super) const PEOPLE: &str = "People whose recordings have all classes of the model and people with fewer stand in rows of \
      their own, and no mean is over both. A number of fewer people than its row has says so (n). Intervals are shown from six \
      people on; over fewer than about ten they are too narrow.";

@@ -59,7 +59,7 @@ pub fn tables(results: &Results) -> Vec<Table> {
     tables
 }
 
-/// Without look-ahead, and with that of the model file; people with all classes first, data set by data set.
+/// Rows without look-ahead, and with that of the model file; people with all classes first, data set by data set.
 fn shown<'a>(scores: impl Iterator<Item = &'a Score>, aggregation: LookAhead) -> Vec<&'a Score> {
     let mut shown: Vec<&Score> = scores
         .filter(|score| score.look_ahead == LookAhead::None || score.look_ahead == aggregation)
@@ -192,7 +192,7 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     table
 }
 
-/// The model file against the floors, person by person; of a run without one, every model.
+/// Table of the model file against the floors, person by person; of a run without one, every model.
 fn differences(scores: &[&Score]) -> Table {
     let header = ["recordings", "classes", "difference", "look-ahead"];
     let measures = COMPARED.map(Measure::name);
@@ -419,7 +419,7 @@ mod tests {
             .iter()
             .map(|table| table.rows.iter().map(|row| row[2].as_str()).collect())
             .collect();
-        // Without look-ahead and with the model file's.
+        // Rows without look-ahead and with the model file's.
         let scores = vec![INTEGER, INTEGER, CONSTANT, ENERGY];
         let constant = format!("{INTEGER} - {CONSTANT}");
         let energy = format!("{INTEGER} - {ENERGY}");

@@ -2,7 +2,7 @@
 
 use crate::model_evaluation::{ALIGNED, EvaluatedSubject, ModelResults};
 
-/// Results with each model named as a page shows it: one that has seen some of the people says so, wherever it stands.
+/// Results with each model named as on a page: the name says if the model has seen some of the people.
 pub(super) fn marked(results: &ModelResults) -> ModelResults {
     let mut marked = results.clone();
     for (at, model) in results.models.iter().enumerate() {
@@ -28,7 +28,7 @@ pub(super) fn seen_by<'a>(results: &'a ModelResults, model: &str) -> Vec<&'a str
     seen.map(|own| &own.subject[..]).collect()
 }
 
-/// What a model's name says of the people whom it has seen; empty if it has seen nobody.
+/// Suffix of a model's name about the people whom it has seen; empty if it has seen nobody.
 fn mark(seen: usize, people: usize) -> String {
     match seen {
         0 => String::new(),

@@ -26,13 +26,13 @@ pub enum Reported {
 pub struct ReportedRun {
     /// Name on the page.
     pub name: String,
-    /// Its folder.
+    /// Folder of the run.
     pub folder: RunFolder,
-    /// Its configuration.
+    /// Configuration of the run.
     pub config: ResolvedConfig,
-    /// Its kept results.
+    /// Results that the folder keeps.
     pub results: Results,
-    /// What they were computed from: one candidate, that of the model file.
+    /// Trials and candidates of the results: one candidate, that of the model file.
     pub evaluation: Evaluation,
 }
 
@@ -42,7 +42,7 @@ pub struct ReportedModel {
     pub model: NamedModel,
     /// The run folder that it came from, for its learning curves.
     pub folder: Option<RunFolder>,
-    /// Its evaluation, of one model.
+    /// Evaluation of the model alone.
     pub evaluation: ModelEvaluation,
 }
 
@@ -64,7 +64,7 @@ impl Reported {
         }
     }
 
-    /// Its classes.
+    /// Classes of the model.
     #[must_use]
     pub fn vocabulary(&self) -> Vocabulary {
         match self {
@@ -129,7 +129,7 @@ pub fn write(reported: &[Reported], data: &str, page: &Path) -> Result<(), Repor
     super::write_html(&report, page)
 }
 
-/// The entries; those of several are named as they are on the page.
+/// Entries of the page; those of several are named as they are on the page.
 fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, ReportError> {
     let mut entries = Vec::new();
     for own in reported.iter().take(MOST_ENTRIES) {
@@ -150,7 +150,7 @@ fn entries(reported: &[Reported]) -> Result<Vec<Entry<'_>>, ReportError> {
     Ok(entries)
 }
 
-/// Floors over other people, or fitted to others, are named after the entry that they belong to.
+/// Names floors over other people, or fitted to others, after the entry that they belong to.
 fn name_floors(entries: &mut [Entry<'_>]) {
     for at in 1..entries.len() {
         let (before, from) = entries.split_at_mut(at);

@@ -7,7 +7,7 @@ use super::model_report::SCORES;
 use super::scores::{COMPARED, sort, table};
 use crate::{Difference, Measure, Score};
 
-/// Scores, differences, people.
+/// Tables of scores, differences and people.
 pub(super) fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
     let mut scores: Vec<&Score> = entries.iter().flat_map(|own| &own.scores).collect();
     for floor in entries.iter().flat_map(|own| &own.floors) {
@@ -23,7 +23,8 @@ pub(super) fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
     ]
 }
 
-/// Every later entry against every earlier one, data set by data set, and each against its floors over all recordings.
+/// Table of every later entry against every earlier one, data set by data set, and of each against its floors over all
+/// recordings.
 fn differences(entries: &[Entry<'_>]) -> Table {
     let caption = "Differences, paired over the subjects that both have; mean [95 % interval] over n subjects";
     let measures = COMPARED.map(Measure::name);
@@ -63,7 +64,7 @@ fn differences(entries: &[Entry<'_>]) -> Table {
     table
 }
 
-/// Balanced and transition accuracy of every person under every entry, in the order of the picture.
+/// Table of balanced and transition accuracy of every person under every entry, in the order of the picture.
 fn people(entries: &[Entry<'_>]) -> Table {
     let shown = [
         Measure::BalancedAccuracy,

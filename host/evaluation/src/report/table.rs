@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::canvas::escape;
 
-/// Letters of a cell that are kept on one line of a page.
+/// Letters of a cell above which its line may break on a page.
 const LONG: usize = 32;
 
 /// Rows of text under a header. A row shorter than the header ends in empty cells.
@@ -37,7 +37,7 @@ impl Table {
         self.rows.push(row.into_iter().map(Into::into).collect());
     }
 
-    /// Aligned columns for a terminal: numbers to the right, the rest to the left.
+    /// Text with aligned columns for a terminal: numbers to the right, the rest to the left.
     #[must_use]
     pub fn plain(&self) -> String {
         let columns = self.columns();
@@ -101,7 +101,7 @@ impl Table {
         out
     }
 
-    /// A table of the page.
+    /// The table as HTML.
     pub(super) fn html(&self) -> String {
         let columns = self.columns();
         let mut out = String::from("<div class=\"wide\"><table>");

@@ -1,6 +1,6 @@
 //! A binary file of a run: one or more parts behind a header that says what they were made from.
 //!
-//! Two lines of text, then the parts, one after the other:
+//! The file has two lines of text, then the parts, one after the other:
 //!
 //! ```text
 //! myointent artefact 1
@@ -21,32 +21,32 @@ const MAGIC: &[u8] = b"myointent artefact 1\n";
 /// Description of a model in its artefact.
 #[derive(Serialize, Deserialize)]
 pub struct ModelInfo {
-    /// Fingerprint of its weights.
+    /// Fingerprint of the model's weights.
     pub weights: Fingerprint,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
     made_from: Fingerprint,
-    /// Of all parts.
+    /// Checksum of all parts.
     checksum: Fingerprint,
     about: serde_json::Value,
-    /// Name and length in bytes.
+    /// Name and length in bytes of each part.
     parts: Vec<(String, usize)>,
 }
 
 /// The content of a binary file of a run.
 #[derive(Debug)]
 pub struct Artefact {
-    /// What it was made from.
+    /// Fingerprint of what it was made from.
     pub made_from: Fingerprint,
-    /// What else is known of it, as JSON.
+    /// Description of the content, as JSON.
     about: serde_json::Value,
     parts: Vec<(String, Vec<u8>)>,
 }
 
 impl Artefact {
-    /// One without parts.
+    /// An artefact without parts.
     ///
     /// # Errors
     /// When `about` cannot be written as JSON.
@@ -64,10 +64,10 @@ impl Artefact {
         self
     }
 
-    /// What is known of it.
+    /// Description of the content.
     ///
     /// # Errors
-    /// When it is of another shape.
+    /// When it has another shape.
     pub fn about<T: DeserializeOwned>(&self) -> Result<T, String> {
         T::deserialize(&self.about).map_err(|error| error.to_string())
     }
@@ -112,7 +112,7 @@ impl Artefact {
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// What is wrong with them: another format, a part cut off, another checksum.
+    /// A description of the damage: another format, a part cut off, another checksum.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
         let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
         let end = text.iter().position(|&byte| byte == b'\n');
@@ -157,7 +157,7 @@ impl RunFolder {
         Artefact::decode(&bytes).map_err(|reason| RunError::content(path, reason))
     }
 
-    /// Reads a binary file that was made from this.
+    /// Reads a binary file that was made from `made_from`.
     ///
     /// # Errors
     /// [`RunError::NotOfThisRun`] if it was made from something else; when it is missing or damaged.
@@ -171,7 +171,7 @@ impl RunFolder {
         }
     }
 
-    /// Fingerprint of a model's weights that were made from this.
+    /// Fingerprint of a model's weights that were made from `made_from`.
     ///
     /// # Errors
     /// As [`RunFolder::artefact_of`].

@@ -1,4 +1,4 @@
-//! Files that are whole or not there.
+//! Writing of files that are complete or absent.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -58,12 +58,12 @@ fn sync_folder(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes what killed processes had not finished writing in a folder.
+/// Removes files that killed processes had not finished writing in a folder.
 pub(super) fn remove_partial(folder: &Path) -> io::Result<()> {
     remove_ending(folder, &[PARTIAL])
 }
 
-/// Removes the files of a folder whose names end so.
+/// Removes the files of a folder whose names have one of these endings.
 pub(super) fn remove_ending(folder: &Path, endings: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;

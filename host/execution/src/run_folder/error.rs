@@ -66,7 +66,7 @@ pub enum RunError {
     Exists {
         /// The run's folder.
         path: PathBuf,
-        /// One of its files.
+        /// A file of the other run.
         found: String,
     },
     /// Another process writes into the folder.
@@ -74,7 +74,7 @@ pub enum RunError {
     Locked {
         /// The run's folder.
         path: PathBuf,
-        /// Which process, where, since when, and its command.
+        /// Process, machine and start time, and its command.
         holder: String,
     },
     /// A loss is infinite or no number.
@@ -86,7 +86,7 @@ pub enum RunError {
         name: String,
         /// The epoch, from 1 on.
         epoch: usize,
-        /// Which loss: of training or validation, and its name.
+        /// Name of the loss, of training or validation.
         what: String,
         /// The loss.
         loss: f64,

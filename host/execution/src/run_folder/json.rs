@@ -78,7 +78,7 @@ impl RunFolder {
         self.save_json(name, &stamped)
     }
 
-    /// Reads a JSON file that was made from this.
+    /// Reads a JSON file that was made from `made_from`.
     ///
     /// # Errors
     /// [`RunError::NotOfThisRun`] if it was made from something else; when it is missing or has unexpected content.

@@ -12,10 +12,10 @@ use super::RunError;
 
 /// Name of the lock's file in a run folder.
 const LOCK: &str = "run.lock";
-/// Most bytes that are read of another process's entry, and written of this one's.
+/// Maximum size of an entry in bytes, read or written.
 const LONGEST: usize = 400;
 
-/// Held as long as it lives.
+/// Lock of a run folder, held as long as it lives.
 #[derive(Debug)]
 pub(super) struct Lock(File);
 
@@ -41,7 +41,7 @@ impl Lock {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut entry = Vec::new();
-                // Without its text the lock holds all the same.
+                // The lock holds even if its text cannot be read.
                 let _ = file.take(LONGEST as u64).read_to_end(&mut entry);
                 let holder = String::from_utf8_lossy(&entry).trim().to_owned();
                 return Err(RunError::Locked {
@@ -59,7 +59,8 @@ impl Lock {
 }
 
 impl Drop for Lock {
-    /// Closing the file is not enough: a process that is being started in another thread has a copy of it for a moment.
+    /// Releases the lock. Closing the file is not enough: a process that is being started in another thread has a copy
+    /// of it for a moment.
     fn drop(&mut self) {
         let _ = self.0.unlock();
     }

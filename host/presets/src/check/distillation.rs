@@ -1,11 +1,11 @@
-//! Settings of a student's training.
+//! Validity of the settings of a student's training.
 
 use super::{Invalid, require};
 use crate::Preset;
 use crate::distillation::MEMBERS;
 
 impl Preset {
-    /// The first setting that no student can be trained with.
+    /// The first setting that no student can be trained with, if there is one.
     pub(super) fn invalid_distillation(&self) -> Option<Invalid> {
         let distillation = &self.distillation;
         [

@@ -1,18 +1,18 @@
-//! Rates, shares and decays: numbers with which a training goes on, but never to a model.
+//! Validity of rates, shares and decays: with a wrong one a training runs, but never yields a model.
 
 use super::{Invalid, require};
 use crate::Preset;
 use crate::schedule::LrSchedule;
 use crate::teacher::LoraConfig;
 
-/// Largest learning rate that single precision holds with room for a step. A training that diverges with less is stopped by
-/// its loss.
+/// Largest learning rate that single precision holds with room for a step. A training that diverges with less is
+/// stopped by its loss.
 const MOST_RATE: f64 = 1e30;
 /// Largest rank of adapters: more than any layer is wide.
 const MOST_RANK: usize = 1024;
 
 impl Preset {
-    /// The first number that no training survives.
+    /// The first number that no training survives, if there is one.
     pub(super) fn invalid_numbers(&self) -> Option<Invalid> {
         self.invalid_dropout()
             .or_else(|| self.invalid_rates())

@@ -100,7 +100,7 @@ fn a_set_that_is_not_trained_on_by_default_is_used_where_it_is_named() {
     assert!(resolved(named)[0] > 0);
 }
 
-/// As [`library`], with opens between rest.
+/// A library as [`library`], with opens between rest.
 fn openers() -> Library {
     let mut library = library();
     for (number, recording) in library.recordings.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 
 use shared::units::CHANNELS;
 
-/// Row-major.
+/// Row-major matrix with one row and one column for each electrode.
 pub(super) type Matrix = [[f64; CHANNELS]; CHANNELS];
 
 /// The inverse of a symmetric positive definite matrix, by Gauss-Jordan elimination, which needs no pivoting there.

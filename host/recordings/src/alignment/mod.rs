@@ -1,6 +1,6 @@
 //! Alignment on recordings: the template of a model, and the gestures with which a person would align the armband.
 //!
-//! The device's side is [`shared::stream::alignment`]; what was measured is in docs/alignment.md.
+//! The device's side is [`shared::stream::alignment`]. Measurements are in docs/alignment.md.
 
 mod matrix;
 mod open_hand;

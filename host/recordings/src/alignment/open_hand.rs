@@ -1,4 +1,4 @@
-//! How active each electrode is while a person opens the hand.
+//! Activity profile of a person's open hand, by electrode.
 
 use shared::intent::Intent;
 use shared::stream::alignment::{OCTAVE, Profile};
@@ -10,11 +10,12 @@ use crate::labels::runs::runs;
 /// Shortest run of a label that counts as a gesture, in samples: 0.3 s.
 const SHORTEST: usize = 60;
 
-/// The profile of one person's open hand, in octaves, of samples with their lag-compensated labels; none if they never open
-/// it.
+/// Profile of one person's open hand, in octaves, from samples with their lag-compensated labels; none if they never
+/// open it.
 ///
-/// Of each run of the label the patches count whose activity is at least half of the run's own 80 % quantile: labels of cues
-/// reach beyond the muscle. Every run has the same weight. The profile is the device's ([`Profile`]).
+/// In each run of the label, the patches count whose activity is at least half of the run's own 80 % quantile: labels
+/// of cues extend beyond the muscle's activity. Every run has the same weight. The profile is the device's
+/// ([`Profile`]).
 #[must_use]
 pub fn open_hand<'r>(
     recordings: impl IntoIterator<Item = (&'r [Sample], &'r [Option<Intent>])>,
@@ -56,7 +57,7 @@ pub fn open_hand<'r>(
     (count > 0.0).then(|| Profile::new(means()).values().map(octaves))
 }
 
-/// Mean over the patches that are at least half as active as the most active fifth begins.
+/// Mean over the patches whose activity is at least half of the 80 % quantile.
 fn mean_of_active(patches: &[[f64; CHANNELS]]) -> [f64; CHANNELS] {
     let level = |patch: &[f64; CHANNELS]| patch.iter().sum::<f64>();
     let mut levels: Vec<f64> = patches.iter().map(level).collect();

@@ -9,28 +9,28 @@ use shared::units::{PATCH, Sample};
 
 use crate::labels::runs::{Run, runs};
 
-/// Openings that are tried at most: a wearer whose gesture was not noticed repeats it.
+/// Maximum number of openings that are tried: a wearer repeats a gesture that was not noticed.
 const MOST: usize = 4;
 /// Shortest run of a label that counts as a gesture, in samples: 0.3 s.
 const SHORTEST: usize = 60;
-/// Samples on either side of a gesture that are taken with it, 0.5 s: people are earlier and later than their labels.
+/// Samples taken on either side of a gesture, 0.5 s: people move earlier or later than their labels.
 const AROUND: usize = 100;
-/// Samples of rest before, between and after the gestures: 1 s. Published sets cut their recordings as they like.
+/// Samples of rest before, between and after the gestures: 1 s. The rest in published recordings varies.
 const REST: usize = 200;
 
-/// A person's openings, and which samples they are.
+/// A person's openings of the hand, and their places in the recordings.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Openings {
-    /// Rest.
+    /// Samples of rest that separate the gestures.
     rest: Vec<Sample>,
-    /// The gestures with what is around them.
+    /// Samples of each gesture, with those on either side of it.
     gestures: Vec<Vec<Sample>>,
-    /// Which recording, and which samples of it, for each gesture.
+    /// Recording and range of samples of each gesture.
     places: Vec<(usize, Range<usize>)>,
 }
 
-/// The first openings of one person, by lag-compensated labels; none if the recordings hold fewer than two, or no second of
-/// rest.
+/// The first openings of one person, by lag-compensated labels; none if the recordings hold fewer than two, or no
+/// second of rest.
 #[must_use]
 pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Openings> {
     let labelled = |wanted: Intent, shortest: usize| {
@@ -65,7 +65,8 @@ pub fn openings(recordings: &[(&[Sample], &[Option<Intent>])]) -> Option<Opening
 }
 
 impl Openings {
-    /// What the armband would send: rest, then each gesture with rest behind it, and rest until the last one is decided on.
+    /// The samples that the armband would send: rest, each gesture with rest behind it, and rest until the last one is
+    /// decided.
     #[must_use]
     pub fn stream(&self) -> Vec<Sample> {
         let mut stream = self.rest.clone();
@@ -77,7 +78,7 @@ impl Openings {
         stream
     }
 
-    /// How many of them the first `samples` of the stream take part of.
+    /// Number of openings that begin within the first `samples` of the stream.
     #[must_use]
     pub fn within(&self, samples: usize) -> usize {
         let mut begins = self.rest.len();
@@ -89,8 +90,8 @@ impl Openings {
         begun.count()
     }
 
-    /// What a template makes of them without a model, which has no voice where both arms are nearly as good; a timeout if
-    /// they are too few.
+    /// Outcome of these openings with a template and no model: where both arms fit nearly equally well, the nearest fit
+    /// is taken. A timeout if there are too few openings.
     #[must_use]
     pub fn outcome(&self, template: &Template) -> Outcome {
         let emg: Vec<_> = clean(self.stream(), Median::Three).collect();

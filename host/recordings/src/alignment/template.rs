@@ -5,12 +5,12 @@ use shared::units::CHANNELS;
 
 use super::matrix::{Matrix, inverse};
 
-/// Fewest people who open the hand; fewer make no template.
+/// Minimum number of people who open the hand; fewer make no template.
 pub const FEWEST_PEOPLE: usize = 3;
 
-/// Least share of the covariance that is that of a sphere.
+/// Minimum weight of the identity in the shrunk covariance.
 const SHRINKAGE: f64 = 0.2;
-/// Least variance of an electrode, in square octaves: a tenth of an octave.
+/// Minimum variance of an electrode, in square octaves: a tenth of an octave.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// A normal density of profiles, in octaves.
@@ -19,17 +19,17 @@ struct Density {
     precision: Matrix,
 }
 
-/// The template of people as they sat in training, by the [profile](super::open_hand) of each; none of fewer than
+/// Template from people's [profiles](super::open_hand), with the armband as worn in training; none from fewer than
 /// [`FEWEST_PEOPLE`].
 ///
-/// The covariance is shrunk to a multiple of the identity. Turning people so that they agree would make a template that is sharper
-/// and a model that sees them where it was not trained: measured in docs/alignment.md.
+/// The covariance is shrunk to a multiple of the identity. Rotating people until they agree would make a sharper
+/// template, but would turn the model's input away from its training: measured in docs/alignment.md.
 #[must_use]
 pub fn template(people: &[[f64; CHANNELS]]) -> Option<Template> {
     quantized(&density(people)?)
 }
 
-/// The density of profiles; none of fewer than [`FEWEST_PEOPLE`].
+/// Density of the profiles; none from fewer than [`FEWEST_PEOPLE`].
 fn density(profiles: &[[f64; CHANNELS]]) -> Option<Density> {
     if profiles.len() < FEWEST_PEOPLE {
         return None;
@@ -49,7 +49,7 @@ fn density(profiles: &[[f64; CHANNELS]]) -> Option<Density> {
     }
     let variance = (0..CHANNELS).map(|at| covariance[at][at]).sum::<f64>() / CHANNELS as f64;
     let variance = variance.max(LEAST_VARIANCE);
-    // Few people say little about how electrodes vary together.
+    // The covariance of few people is uncertain.
     let shrinkage = (CHANNELS as f64 / count).clamp(SHRINKAGE, 1.0);
     for (row, values) in covariance.iter_mut().enumerate() {
         for value in &mut *values {
@@ -63,7 +63,7 @@ fn density(profiles: &[[f64; CHANNELS]]) -> Option<Density> {
     })
 }
 
-/// In the device's units.
+/// Converts a density to the device's units; none if the template is invalid.
 fn quantized(density: &Density) -> Option<Template> {
     #[expect(
         clippy::cast_possible_truncation,

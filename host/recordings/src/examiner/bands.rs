@@ -1,4 +1,4 @@
-//! Two armbands in one file: their rows in turn, or their channels side by side.
+//! Detection of two armbands in one file: alternating rows, or channels side by side.
 
 use std::collections::BTreeMap;
 
@@ -20,9 +20,9 @@ const DEVICES: [&str; 10] = [
     "mac",
     "address",
 ];
-/// Names of columns that may say it: they do if they change from row to row.
+/// Names of columns that say it only if they change from row to row.
 const SIDES: [&str; 4] = ["arm", "side", "hand", "source"];
-/// Names of columns that are numbered but no EMG: of the armband's other sensors.
+/// Names of numbered columns that are no EMG: the armband's other sensors.
 const OTHERS: [&str; 12] = [
     "acc",
     "accel",
@@ -37,16 +37,17 @@ const OTHERS: [&str; 12] = [
     "imu",
     "rot",
 ];
-/// Samples that are needed to tell rows in turn.
+/// Minimum number of samples for the detection of alternating rows.
 const ENOUGH: usize = 1200;
-/// Ratio of a channel's amplitude in every second row to that in the others, which one armband does not have: at most 1.15.
+/// Ratio of a channel's amplitude in every second row to that in the others, which shows two armbands; one armband has
+/// at most 1.15.
 const UNLIKE: f64 = 1.3;
-/// Amplitude of a channel that is compared.
+/// Minimum amplitude of a channel that is compared.
 const LOUD: f64 = 1.5;
-/// Correlation that samples 5 ms apart are below, on average over channels, and others above.
+/// Mean correlation over channels below which samples are 5 ms apart. `UNRELATED` is the limit of each channel.
 const RELATED: f64 = -0.17;
 const UNRELATED: f64 = -0.11;
-/// Channels that have to say so.
+/// Minimum number of channels that must agree.
 const FEWEST: usize = 3;
 
 /// Whether a column says from which armband a row came, by its name.
@@ -59,7 +60,7 @@ fn plain(name: &str) -> String {
     name.trim().trim_matches('"').to_lowercase()
 }
 
-/// Rows of each armband that a column of devices names.
+/// Number of rows of each armband, by a column that names devices.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Devices {
     name: String,
@@ -68,11 +69,11 @@ pub(crate) struct Devices {
     changes: usize,
 }
 
-/// Devices whose names are kept: a column of other numbers has any number of values.
+/// Maximum number of devices whose names are kept: a column of other numbers has any number of values.
 const MOST_DEVICES: usize = 9;
 
 impl Devices {
-    /// A column of that name, before the first row.
+    /// Empty counts for a column of this name.
     pub fn of(name: String) -> Self {
         Self {
             name,
@@ -82,7 +83,7 @@ impl Devices {
         }
     }
 
-    /// Takes a row's text.
+    /// Counts a row by its text in the column.
     pub fn push(&mut self, text: &str) {
         let text = text.trim().trim_matches('"');
         if self.last != text {
@@ -154,7 +155,7 @@ pub(crate) fn in_row(columns: usize) -> Result<(), Finding> {
     Ok(())
 }
 
-/// Refuses samples of two armbands in turn: every second one, or two of each.
+/// Refuses alternating samples of two armbands: one or two of each in turn.
 pub(super) fn in_turn(signal: &Signal<'_>) -> Result<(), Finding> {
     let samples = signal.samples;
     if samples.len() < ENOUGH {
@@ -171,7 +172,7 @@ pub(super) fn in_turn(signal: &Signal<'_>) -> Result<(), Finding> {
             return Err(Finding::InTurn { rows: 1 });
         }
     }
-    // Every loud channel says the same: a single one may move with the arm.
+    // All loud channels must agree: a single one may follow the arm's movement.
     let related = |all: &[f64]| {
         all.len() >= FEWEST && all.iter().all(|&own| own < UNRELATED) && mean(all) < RELATED
     };

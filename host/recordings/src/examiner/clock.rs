@@ -1,4 +1,4 @@
-//! Clock of a recording: a column of times, or of sample numbers, and what it says of the rate and of gaps.
+//! Clock of a recording: a column of times or sample numbers, which gives the rate and the gaps.
 
 use shared::units::SAMPLE_RATE_HZ;
 
@@ -35,7 +35,7 @@ const COUNTERS: [&str; 16] = [
     "n",
     "unnamed: 0",
 ];
-/// Units of times: their names, and how many are a second.
+/// Units of times: names, and number of units in a second.
 const UNITS: [(&[&str], f64); 4] = [
     (&["s", "sec", "secs", "second", "seconds", "unix"], 1.0),
     (
@@ -67,50 +67,50 @@ const UNITS: [(&[&str], f64); 4] = [
         1e9,
     ),
 ];
-/// Seconds from row to row for which a unit without a name is thought of.
+/// Seconds from row to row that are plausible for a unit without a name.
 const PERIODS: std::ops::Range<f64> = 0.0005..0.5;
-/// Share of the usual step that steps of even times differ from it by at most.
+/// Largest deviation of an even step from the usual step, as a share of it.
 const ALIKE: f64 = 0.2;
 /// Rows over which a rate is averaged: times may come in bursts, or be whole seconds.
 const AVERAGED: usize = 400;
-/// Rows around a gap whose earliest arrivals are compared: what was late only is no gap.
+/// Rows on either side of a gap whose earliest arrivals are compared: a late arrival alone is no gap.
 const AROUND: usize = 200;
-/// Seconds from which missing time is a gap: a board bridges 25 ms and starts its window anew after more.
+/// Missing seconds from which there is a gap: a board bridges 25 ms and restarts its window after more.
 const GAP: f64 = 0.05;
 
-/// Column of times of a recording: a value a row.
+/// Column of times of a recording, one value per row.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Clock {
     /// The column's name.
     pub name: String,
-    /// Values of the column as they stand; a date and a time of day are seconds.
+    /// Values of the column; dates and times of day in seconds.
     times: Vec<f64>,
 }
 
 /// Judgement of a clock.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Says {
-    /// Rows a second, and gaps: the row behind each, and its seconds (negative: the times go back).
+    /// Rate of the rows, and gaps between them.
     Rate {
-        /// Rows a second, gaps left out.
+        /// Rows per second, gaps left out.
         hz: f64,
-        /// In the order of rows.
+        /// Gaps in order: the first row after each, and its seconds; negative if the times go back.
         gaps: Vec<(usize, f64)>,
     },
-    /// Nothing: the times do not rise, or no unit fits.
+    /// No rate: the times do not rise, or no unit fits.
     Nothing,
 }
 
 /// Kind of a column.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Kind {
-    /// Times, of how many a second if the name says so.
+    /// Times; how many are a second if the name says so.
     Times(Option<f64>),
-    /// Numbers of samples.
+    /// Sample numbers.
     Counter,
 }
 
-/// The kind that a column's name says; none if it is no clock.
+/// Kind of a column by its name; none if it is no clock.
 fn kind(name: &str) -> Option<Kind> {
     let name = name.trim().trim_matches('"').to_lowercase();
     if COUNTERS.contains(&name.as_str()) {
@@ -157,7 +157,7 @@ fn kind(name: &str) -> Option<Kind> {
     }
 }
 
-/// The column that is a clock, of all names of a header: times before counters.
+/// Position of the clock's column among all names of a header; times take precedence over counters.
 pub(crate) fn column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
     let of = |wanted: fn(Kind) -> bool| {
         let mut kinds = names.iter().map(|name| kind(name.as_ref()));
@@ -167,7 +167,7 @@ pub(crate) fn column<S: AsRef<str>>(names: &[S]) -> Option<usize> {
 }
 
 impl Clock {
-    /// A column of that name, before the first row.
+    /// Empty clock of a column of this name.
     pub const fn of(name: String) -> Self {
         Self {
             name,
@@ -175,12 +175,12 @@ impl Clock {
         }
     }
 
-    /// Takes a row's text. One that is no time is not a number: the clock then says nothing.
+    /// Adds a row's text. A text that is no time becomes NaN, and the clock then gives no rate.
     pub fn push(&mut self, text: &str) {
         self.times.push(clock_text::parse(text).unwrap_or(f64::NAN));
     }
 
-    /// The times of some of the rows.
+    /// Clock of the rows that are kept.
     pub fn kept(&self, keep: &[bool]) -> Self {
         let times = self.times.iter().zip(keep);
         Self {
@@ -192,7 +192,7 @@ impl Clock {
         }
     }
 
-    /// Whether it counts samples: by its name, or because it rises by exactly one, and no unit is named.
+    /// Whether the clock counts samples: by its name, or because it rises by exactly one and names no unit.
     pub fn counts(&self) -> bool {
         match kind(&self.name) {
             Some(Kind::Counter) => true,
@@ -205,7 +205,7 @@ impl Clock {
         }
     }
 
-    /// Judgement of the rows by this clock.
+    /// Rate and gaps of the rows by this clock.
     pub fn says(&self) -> Says {
         let times = self.unwrapped();
         let Some(period) = period(&times).filter(|period| *period > 0.0) else {
@@ -230,7 +230,7 @@ impl Clock {
         }
     }
 
-    /// The values, a counter of 8, 16 or 32 bits that begins again at 0 going on.
+    /// Values of the column; a counter of 8, 16 or 32 bits is unwrapped.
     fn unwrapped(&self) -> Vec<f64> {
         let mut base = 0.0;
         let mut before: Option<f64> = None;
@@ -247,7 +247,8 @@ impl Clock {
     }
 }
 
-/// The usual step from row to row: of even times the median, else the median over blocks of rows; none if a value is no number, or there are too few.
+/// Usual step from row to row: the median of even steps, else the median over blocks of rows; none if a value is no
+/// number or there are too few.
 fn period(times: &[f64]) -> Option<f64> {
     if times.len() < 2 || times.iter().any(|time| !time.is_finite()) {
         return None;
@@ -272,9 +273,10 @@ fn period(times: &[f64]) -> Option<f64> {
     steps.get(steps.len() / 2).copied()
 }
 
-/// Rows behind a gap, and its seconds.
+/// Gaps: the first row after each, and its seconds.
 ///
-/// Rows come late, never early: so the earliest of many, each against its place in an even stream, tells the true offset.
+/// Rows come late, never early. The earliest of many, each relative to its place in an even stream, gives the true
+/// offset.
 fn gaps(seconds: &[f64], period: f64) -> Vec<(usize, f64)> {
     let late = |row: usize| seconds[row] - row as f64 * period;
     let earliest = |rows: std::ops::Range<usize>| rows.map(late).fold(f64::INFINITY, f64::min);

@@ -1,9 +1,9 @@
-//! Texts of times as seconds.
+//! Parser of times in text.
 
 /// Seconds in a day.
 const DAY: f64 = 86_400.0;
 
-/// A number as it stands, or a date with a time of day, or a time of day, in seconds.
+/// Parses a number, a date with a time of day, or a time of day, as seconds.
 pub(super) fn parse(text: &str) -> Option<f64> {
     let text = text.trim().trim_matches('"');
     if let Ok(number) = text.parse::<f64>() {
@@ -16,7 +16,7 @@ pub(super) fn parse(text: &str) -> Option<f64> {
     Some(date * DAY + time_of_day(time)?)
 }
 
-/// Days of a date `2021-03-04` since some day.
+/// Days of a date such as `2021-03-04` since a fixed day.
 fn days(text: &str) -> Option<f64> {
     let mut parts = text.split(['-', '/', '.']).map(str::parse::<u32>);
     let mut next = || parts.next()?.ok();
@@ -34,7 +34,7 @@ fn days(text: &str) -> Option<f64> {
     Some(f64::from(365 * year + leaps + (153 * month + 2) / 5 + day))
 }
 
-/// Seconds of `12:30:05.125`, a zone behind it left out.
+/// Seconds of a time of day such as `12:30:05.125`; a time zone behind it is ignored.
 fn time_of_day(text: &str) -> Option<f64> {
     let text = text.trim_end_matches('Z');
     let zone = text.rfind(['+', '-']).filter(|&at| at > 0);

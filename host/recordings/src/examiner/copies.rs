@@ -1,8 +1,8 @@
-//! Copies: the same samples in several recordings, counted once.
+//! Copies: the same samples in several recordings are counted once.
 //!
-//! A recording is cut where two rows have a certain hash, so that the same samples are cut at the same places wherever
-//! they begin. Pieces that another recording has too are its samples: chance has never the same hundred rows. Rows
-//! that stand still make no piece, so recordings of nothing are no copies.
+//! A recording is cut where two rows have a certain hash, so that equal samples are cut at equal places wherever they
+//! begin. A piece that another recording has too is a repeat: equal rows of that length never occur by chance. Pieces
+//! of which most rows do not change are dropped, so constant recordings are no copies.
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -15,17 +15,17 @@ use shared::units::{SAMPLE_RATE_HZ, Sample};
 use crate::finding::Finding;
 use crate::recording::Recording;
 
-/// A piece ends at one of so many pairs of rows.
+/// Average number of pairs of rows from one cut to the next.
 const PAIRS: u64 = 64;
-/// Rows that a piece has at least.
+/// Minimum number of rows of a piece.
 const LEAST: usize = 16;
-/// Share of a recording's pieces in another one from which it is a copy.
+/// Share of a recording's rows in pieces that others have too, from which it is a copy.
 const COPY: f64 = 0.8;
-/// Rows of pieces that are needed to judge a copy.
+/// Minimum number of rows in pieces that are needed to judge a copy.
 const ENOUGH: usize = 150;
-/// Rows in another recording from which an overlap is told.
+/// Rows in common with another recording from which an overlap is reported.
 const OVERLAP: usize = 400;
-/// Parts of a copy's path, in lower case.
+/// Parts of names in lower case that mark a copy's path.
 const MARKS: [&str; 8] = [
     "copy",
     "kopie",
@@ -44,11 +44,11 @@ pub struct Repeat {
     pub path: PathBuf,
     /// The recording left out.
     pub name: String,
-    /// The file kept, and how the two differ.
+    /// Finding that names the file kept and the differences.
     pub finding: Finding,
 }
 
-/// Leaves out copies, and says what recordings share. The order of the others stays.
+/// Leaves out copies, and adds findings of overlaps. The order of the other recordings stays.
 pub(crate) fn leave_out(recordings: &mut Vec<Recording>) -> Vec<Repeat> {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_cached_key(|&at| {
@@ -115,12 +115,12 @@ fn copy(copy: &Recording, kept: &Recording) -> Finding {
     }
 }
 
-/// The last folder of a person's name: `backup/anna` is anna.
+/// Last folder of a person's name: `anna` of `backup/anna`.
 fn person(recording: &Recording) -> Option<&str> {
     recording.subject.rsplit('/').next()
 }
 
-/// Folders and names in a path that say it is a copy: hidden, a backup, a copy of a program that keeps folders alike.
+/// Number of names in a path that mark a copy: hidden ones, and those with one of the marks.
 fn marks(path: &Path) -> usize {
     let marked = |name: &&OsStr| {
         let name = name.to_string_lossy().to_lowercase();
@@ -129,7 +129,7 @@ fn marks(path: &Path) -> usize {
     path.iter().filter(|name| marked(name)).count()
 }
 
-/// The pieces of a recording that lie whole in it, and their hashes.
+/// Pieces that lie whole in a recording, and their hashes.
 fn pieces(samples: &[Sample]) -> Vec<(Range<usize>, u64)> {
     let mut ends = (1..samples.len()).filter(|&row| {
         let pair = [samples[row - 1], samples[row]];

@@ -1,4 +1,4 @@
-//! Electrodes: channels that say nothing, too much, or what another one says.
+//! Judgement of electrodes: silent, saturated and copied channels.
 
 use shared::units::{CHANNELS, Sample};
 
@@ -7,15 +7,16 @@ use crate::finding::Finding;
 
 /// Share of a channel's samples at -128 or 127 above which it is reported as saturated.
 pub const SATURATED: f64 = 0.02;
-/// Share of all samples at the ends from which nothing is left; the loudest public recording has 0.05.
+/// Share of all samples at the ends of the range above which a recording is refused; the loudest public recording has
+/// 0.05.
 const CLIPPED: f64 = 0.5;
-/// Amplitude below which an electrode says nothing, in counts; the quietest one of a public recording has 0.66.
+/// Amplitude in counts below which an electrode is silent; the quietest one of a public recording has 0.66.
 pub const SILENT: f64 = 0.3;
-/// Correlation from which a channel is a copy of another; neighbours reach 0.989 in public recordings.
+/// Correlation above which a channel is a copy of another; neighbours reach 0.989 in public recordings.
 const COPY: f64 = 0.995;
-/// Channels with a signal of their own that a recording needs.
+/// Minimum number of channels with a signal of their own in a recording.
 const FEWEST: usize = 3;
-/// Share of hum that makes channels alike.
+/// Hum, in percent of a channel's power, above which correlated channels are no copies.
 const ALIKE_BY_HUM: f64 = 50.0;
 
 /// Share of the samples at either end of the range, by channel.
@@ -29,12 +30,12 @@ pub fn saturation(samples: &[Sample]) -> [f64; CHANNELS] {
     ends.map(|count| count as f64 / samples.len().max(1) as f64)
 }
 
-/// Amplitude by channel, without a constant below it.
+/// Mean distance of each channel from its own mean, in counts.
 pub fn levels(samples: &[Sample]) -> [f64; CHANNELS] {
     Signal::of(samples).levels
 }
 
-/// Judges the electrodes.
+/// Judges the electrodes; the error is a finding that makes the recording meaningless.
 pub(super) fn examine(signal: &Signal<'_>, hum: Option<&Finding>) -> Result<Vec<Finding>, Finding> {
     let mut findings = Vec::new();
     if signal.levels.iter().all(|&level| level == 0.0) {

@@ -35,7 +35,7 @@ pub(crate) fn label(at: usize) -> usize {
     2 * (at / 400 % 2)
 }
 
-/// A csv in ReactEMG's layout of samples as they are written by `value`.
+/// Samples as a csv in ReactEMG's layout; `value` writes a count.
 pub(crate) fn csv(samples: &[Sample], value: impl Fn(i8) -> String) -> String {
     let mut text = "gt,emg_0,emg_1,emg_2,emg_3,emg_4,emg_5,emg_6,emg_7\n".to_owned();
     for (at, sample) in samples.iter().enumerate() {
@@ -48,7 +48,7 @@ pub(crate) fn csv(samples: &[Sample], value: impl Fn(i8) -> String) -> String {
     text
 }
 
-/// Table with another column in front.
+/// Table with a further column in front.
 pub(crate) fn with_column(text: &str, name: &str, value: impl Fn(usize) -> String) -> String {
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();

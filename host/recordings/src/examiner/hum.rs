@@ -1,7 +1,7 @@
 //! Mains hum: power at 50 or 60 Hz that the neighbouring frequencies do not have.
 //!
-//! EMG has a broad spectrum; a line in it comes from the mains. Harmonics come back at 200 Hz: 150 Hz as 50 Hz, 180 Hz
-//! as 20 Hz. The armband filters the line in EMG mode 2, not in mode 3.
+//! EMG has a broad spectrum; a line in it comes from the mains. Harmonics alias at 200 Hz: 150 Hz to 50 Hz, 180 Hz to
+//! 20 Hz. The armband filters the line in EMG mode 2, not in mode 3.
 
 use std::f64::consts::TAU;
 
@@ -13,16 +13,16 @@ use crate::finding::Finding;
 const MAINS_HZ: [usize; 2] = [50, 60];
 /// Samples of a window: a second, so that a bin is 1 Hz wide.
 const WINDOW: usize = SAMPLE_RATE_HZ as usize;
-/// Windows that are looked at, spread over the recording.
+/// Maximum number of windows that are examined, spread over the recording.
 const MOST_WINDOWS: usize = 120;
 /// Share of a channel's power from which hum is reported; public recordings without it have at most 0.13.
 const SHARE: f64 = 0.15;
-/// Share from which hum is reported in a short recording, where chance does more.
+/// Share of power from which hum is reported in a short recording, where chance has more effect.
 const SHORT_SHARE: f64 = 0.3;
 /// Seconds below which a recording is short.
 const SHORT: usize = 10;
 
-/// The mains hum of a recording, if there is any: at the frequency where most is.
+/// Mains hum of a recording, at the stronger of the two frequencies; none below the threshold.
 pub(super) fn find(samples: &[Sample]) -> Option<Finding> {
     let windows: Vec<&[Sample]> = samples.chunks_exact(WINDOW).collect();
     let every = windows.len().div_ceil(MOST_WINDOWS).max(1);
@@ -86,7 +86,7 @@ fn shares<'s>(windows: impl Iterator<Item = &'s &'s [Sample]>, hz: usize) -> [f6
     })
 }
 
-/// Power in one bin: all bins together have the sum of the squares.
+/// Power in one bin; the bins sum to the sum of the squares.
 fn power(values: &[f64], bin: usize, wave: &[(f64, f64)]) -> f64 {
     let [mut re, mut im] = [0.0; 2];
     for (at, value) in values.iter().enumerate() {

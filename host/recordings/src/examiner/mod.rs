@@ -1,18 +1,18 @@
-//! Examiner: looks at every recording once, for all commands, and says what it finds.
+//! Examiner: judges every recording once, for all commands, and reports findings.
 //!
 //! | module | question |
 //! | --- | --- |
-//! | [`scale`] | are the values counts of the armband? |
-//! | [`clock`], [`clock_text`] | what does a column of times say: the rate, gaps? |
-//! | [`repeats`] | do rows come twice? |
-//! | [`rows`] | which rows are samples, and where does the recording break? |
-//! | [`bands`] | are the rows or columns those of two armbands? |
+//! | `scale` | are the values counts of the armband? |
+//! | `clock`, `clock_text` | what does a column of times say: the rate, gaps? |
+//! | `repeats` | do rows come twice? |
+//! | `rows` | which rows are samples, and where does the recording break? |
+//! | `bands` | are the rows or columns those of two armbands? |
 //! | [`electrodes`] | is a channel dead, saturated or a copy of another? |
-//! | [`hum`] | is there mains hum? |
-//! | [`copies`] | are the samples those of another recording? |
+//! | `hum` | is there mains hum? |
+//! | `copies` | are the samples those of another recording? |
 //!
-//! A recording without meaning is refused: a [`Finding`] as the error. What is doubtful is a finding beside the
-//! recording. Thresholds were set on 8 790 public recordings, of which none is refused.
+//! A recording without meaning is refused, with a [`Finding`] as the error. A doubt is a finding beside the recording.
+//! Thresholds were set on 8 790 public recordings, of which none is refused.
 
 pub(crate) mod bands;
 pub(crate) mod clock;
@@ -31,13 +31,13 @@ use super::finding::Finding;
 use super::recording::{DataSet, Recording};
 use signal::Signal;
 
-/// Samples below which a recording is not judged: a second.
+/// Samples below which a recording is not judged: one second.
 const FEWEST: usize = 200;
 
 /// Examines the samples of a recording.
 ///
 /// # Errors
-/// The finding that leaves no meaning in it.
+/// A finding that makes the recording meaningless.
 pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
     let mut findings = Vec::new();
     let samples = &recording.samples;
@@ -52,7 +52,7 @@ pub(crate) fn examine(recording: &Recording) -> Result<Vec<Finding>, Finding> {
     let signal = Signal::of(samples);
     let hum = hum::find(samples);
     findings.extend(electrodes::examine(&signal, hum.as_ref())?);
-    // Half of its samples were filled in: nothing can be said of neighbours.
+    // Half of that set's samples were filled in, so its neighbours cannot be judged.
     if recording.data_set != DataSet::UciGestures && hum.is_none() {
         bands::in_turn(&signal)?;
         findings.extend(rows::neighbours(&signal));

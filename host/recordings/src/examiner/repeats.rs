@@ -1,36 +1,36 @@
 //! Repeats: rows that equal the row before.
 //!
 //! Two samples of eight channels are equal once in thousands. A program that polls the newest sample faster than the
-//! armband sends writes it again, and evenly: at 250 Hz every fifth row. One that polls at the armband's own rate repeats
-//! now and then, and loses as many: no pattern.
+//! armband sends writes it again, and evenly: at 250 Hz every fifth row. A program that polls at the armband's own rate
+//! repeats and loses samples without a pattern.
 
 use shared::units::Sample;
 
 use super::FEWEST;
 
-/// Share of repeats from which they are judged: radio losses that a recorder filled in stay below.
+/// Share of repeated rows from which they are judged; radio losses that a recorder filled in stay below it.
 const SHARE: f64 = 0.02;
-/// Rows of a run from which it is a standstill: no program polls so fast.
+/// Equal consecutive rows from which there is a standstill: no program polls so fast.
 const STANDSTILL: usize = 40;
 /// Runs of rows whose lengths are summed, to tell an even pattern from chance.
 const BLOCK: usize = 50;
-/// Blocks that are needed to tell.
+/// Minimum number of blocks for that test.
 const BLOCKS: usize = 4;
-/// Share of chance's variance that an even pattern stays below.
+/// Largest variance of an even pattern, as a share of the variance of random repeats.
 const EVEN: f64 = 0.3;
 
-/// Repeats of rows.
+/// Pattern of repeated rows.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Repeats {
     /// Few repeats, as in a recording of the armband.
     Few,
-    /// Evenly spread: each sample comes so many times on average.
+    /// Even repeats: mean number of rows per sample.
     Even(f64),
-    /// In no pattern: the share of rows that repeat.
+    /// Repeats without a pattern: the share of rows that repeat.
     Uneven(f64),
 }
 
-/// Judges which rows repeat the one before.
+/// Judges the pattern of the rows that repeat the one before.
 pub(crate) fn judge(samples: &[Sample]) -> Repeats {
     let runs: Vec<usize> = runs(samples).filter(|&run| run < STANDSTILL).collect();
     let rows: usize = runs.iter().sum();
@@ -54,7 +54,7 @@ fn runs(samples: &[Sample]) -> impl Iterator<Item = usize> {
     samples.chunk_by(|a, b| a == b).map(<[Sample]>::len)
 }
 
-/// Whether the sums of runs vary less than chance would have it: as geometric lengths of the same mean do.
+/// Whether the sums of runs vary less than those of random runs, whose lengths are geometric with the same mean.
 fn is_even(runs: &[usize], mean: f64) -> bool {
     let blocks = runs.chunks_exact(BLOCK);
     if blocks.len() < BLOCKS {
@@ -65,18 +65,18 @@ fn is_even(runs: &[usize], mean: f64) -> bool {
     let count = blocks.len() as f64;
     let off = blocks.map(|block| (block.iter().sum::<usize>() as f64 - expected).powi(2));
     let variance = off.sum::<f64>() / count;
-    // A block's ends are whole rows: half a row of variance in the most even pattern.
+    // Blocks end at whole rows, which adds half a row of variance even to the most even pattern.
     variance < EVEN * BLOCK as f64 * mean * (mean - 1.0) + 0.5
 }
 
-/// Which rows do not repeat the one before.
+/// Flags of the rows that do not repeat the one before.
 pub(crate) fn first_of_each(samples: &[Sample]) -> Vec<bool> {
     let differs = samples.windows(2).map(|pair| pair[0] != pair[1]);
     let first = std::iter::once(true).take(samples.len());
     first.chain(differs).collect()
 }
 
-/// The longest standstill: its first row and the number of its rows; none if there is none.
+/// First row and number of rows of the longest standstill, if there is one.
 pub(crate) fn standstill(samples: &[Sample]) -> Option<(usize, usize)> {
     let mut begin = 0;
     let mut longest: Option<(usize, usize)> = None;

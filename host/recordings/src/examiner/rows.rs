@@ -1,7 +1,7 @@
-//! Rows: which of them are samples of a 200 Hz stream, and where the recording breaks.
+//! Rows that are samples of a 200 Hz stream, and pieces of a recording between gaps.
 //!
-//! Duration, latency and flicker are wrong by factors where the rate is another one. Repeats are dropped only where what is
-//! left is at 200 Hz for certain: by the clock, or because neighbours then correlate as the armband's do.
+//! Another rate makes duration, latency and flicker wrong by factors. Repeats are dropped only where the rest is at 200
+//! Hz for certain: by the clock, or because neighbours then correlate as the armband's do.
 
 use std::ops::Range;
 
@@ -14,23 +14,23 @@ use super::signal::{Signal, mean};
 use crate::finding::Finding;
 use crate::recording::Recording;
 
-/// Share of the rate by which a clock may be off without a word: the armband's own is within 2 %.
+/// Largest deviation of a clock's rate, as a share, that is not reported: the armband's own is within 2 %.
 const QUIETLY_OFF: f64 = 0.03;
-/// Share of the rate by which a clock may be off with a warning; beyond, a recording is refused.
+/// Largest deviation of a clock's rate, as a share, that gives a warning; beyond it a recording is refused.
 const OFF: f64 = 0.1;
-/// Uneven repeats from which a recording is refused: a board fills in at most as many samples.
+/// Share of uneven repeats above which a recording is refused: a board fills in at most as many samples.
 const REPEATED: f64 = 0.15;
-/// Correlation of neighbours, in every loud channel, within which samples are missing between them.
+/// Range of the correlation of neighbours, in every loud channel, that shows missing samples between them.
 const UNRELATED: Range<f64> = -0.13..0.1;
-/// Correlation of neighbours up to which they are 5 ms apart for certain.
+/// Correlation of neighbours below which they are 5 ms apart for certain.
 const RELATED: f64 = -0.12;
-/// Rows from which a clock is looked at.
+/// Minimum number of rows for which a clock is used.
 const CLOCKED: usize = 20;
-/// Samples, and loud channels, that are needed to judge neighbours: rest is noise.
+/// Minimum number of samples for which neighbours are judged, since rest is noise; `CHANNELS`: of loud channels.
 const ENOUGH: usize = 4000;
 const CHANNELS: usize = 4;
 
-/// Rows that are samples, and the pieces that they are in.
+/// Rows that are samples, and the pieces that they form.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Rows {
     keep: Vec<bool>,
@@ -40,11 +40,11 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Judges the rows of a recording, with their clock if there is one. Where samples were filled in and marked, repeats
-    /// are not judged.
+    /// Judges the rows of a recording, with their clock if there is one. Where samples were filled in and marked,
+    /// repeats are not judged.
     ///
     /// # Errors
-    /// When the rows are not at 200 Hz, or gaps leave no piece of a window.
+    /// When the rows are not at 200 Hz, or gaps leave less than half of them in pieces of a window or more.
     pub fn of(samples: &[Sample], clock: Option<&Clock>, filled_in: bool) -> Result<Self, Finding> {
         let mut findings = Vec::new();
         let clock = clock.filter(|_| samples.len() >= CLOCKED);
@@ -98,7 +98,7 @@ impl Rows {
         })
     }
 
-    /// The recording without rows that are no samples, in pieces without a gap.
+    /// Removes the rows that are no samples, and splits the recording into pieces without a gap.
     pub fn apply(self, mut recording: Recording) -> Vec<Recording> {
         let mut rows = self.keep.iter().copied();
         recording.samples.retain(|_| rows.next().unwrap_or(true));
@@ -112,7 +112,7 @@ impl Rows {
             name: format!("{}.{}", recording.name, number + 1),
             samples: recording.samples[piece.clone()].to_vec(),
             labels: recording.labels[piece.clone()].to_vec(),
-            // Said once.
+            // Findings are reported once, with the first piece.
             findings: if number == 0 {
                 recording.findings.clone()
             } else {
@@ -124,7 +124,7 @@ impl Rows {
     }
 }
 
-/// The rows that are kept, and their clock.
+/// Flags of the rows that are kept, and the clock of these rows.
 fn kept(
     samples: &[Sample],
     repeats: Repeats,
@@ -151,7 +151,7 @@ fn kept(
         .filter(|(_, keep)| **keep)
         .map(|(sample, _)| *sample)
         .collect();
-    // A counter of rows says nothing of repeats that it counts itself.
+    // A counter counts repeated rows too, so it cannot give the rate without them.
     let clock = clock
         .filter(|clock| !clock.counts())
         .map(|clock| clock.kept(&keep));
@@ -192,7 +192,7 @@ fn split(rows: usize, gaps: &[(usize, f64)]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Whether neighbours are unrelated, as those of every second sample are.
+/// Finding that neighbours are unrelated, as where every second sample is missing.
 pub(super) fn neighbours(signal: &Signal<'_>) -> Option<Finding> {
     let correlations = signal.autocorrelations(1, 0, 1);
     let enough = signal.samples.len() >= ENOUGH && correlations.len() >= CHANNELS;

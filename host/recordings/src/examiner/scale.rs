@@ -2,19 +2,19 @@
 
 use crate::finding::{Finding, Scale};
 
-/// Rows of which values are kept to find their step.
+/// Maximum number of rows whose values are kept to find their step.
 const KEPT: usize = 4096;
-/// How far a count may be from a whole number: decimals are printed short.
+/// Largest distance of a count from a whole number: decimals are printed short.
 const ROUNDED: f64 = 0.01;
-/// How far a value may be from a whole multiple of a step, in steps.
+/// Largest distance of a value from a whole multiple of a step, in steps.
 const OFF_STEP: f64 = 0.02;
-/// Largest value over the step: a count of 128, which a rescaled source may hold.
+/// Largest ratio of a value to the step: a count of 128, which a rescaled source may hold.
 const MOST: f64 = 128.5;
-/// Largest value of counts: all below a half would be read as zeros.
+/// Minimum of the largest magnitude of counts: below a half, all would be read as zeros.
 const LEAST: f64 = 0.5;
-/// Share of rows that are counts from which others are damage.
+/// Share of rows with counts from which the other rows are damage.
 const COUNTS: f64 = 0.99;
-/// Scales that files are known to have: the value of one count, and what the values are.
+/// Scales that files are known to have: the value of one count, and a description.
 const KNOWN: [(f64, &str); 8] = [
     (1.0 / 128.0, "counts divided by 128"),
     (1.0 / 127.0, "counts divided by 127"),
@@ -26,7 +26,7 @@ const KNOWN: [(f64, &str); 8] = [
     (256.0, "counts times 256, the bytes of each value exchanged"),
 ];
 
-/// Values of a file, row by row.
+/// Judge of the scale of a file's values, row by row.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Judge {
     values: Vec<f64>,
@@ -51,7 +51,7 @@ impl Default for Judge {
 }
 
 impl Judge {
-    /// Takes the channels of a row.
+    /// Adds the channels of a row.
     pub fn push(&mut self, row: &[f64]) {
         let is_count = |value: &f64| {
             (value - value.round()).abs() <= ROUNDED && (-128.0..=128.0).contains(&value.round())
@@ -72,7 +72,7 @@ impl Judge {
     /// Accepts counts, a few damaged rows among them.
     ///
     /// # Errors
-    /// The scale that the values have.
+    /// [`Finding::Scale`] if the values are no counts.
     pub fn finish(&self) -> Result<(), Finding> {
         let largest = self.least.abs().max(self.most.abs());
         let counts = self.counts as f64 >= COUNTS * self.rows as f64 && largest >= LEAST;
@@ -102,7 +102,7 @@ impl Judge {
             let multiple = |value: &f64| (value / step - (value / step).round()).abs() <= OFF_STEP;
             (0.9..=MOST).contains(&(largest / step)) && self.values.iter().all(multiple)
         };
-        // Of several that fit the largest: multiples of it are multiples of its parts.
+        // The largest step that fits: its multiples are multiples of smaller steps too.
         let known = KNOWN.iter().filter(|(step, _)| fits(*step));
         if let Some(&(step, name)) = known.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
             return Scale::Step {

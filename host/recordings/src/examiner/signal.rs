@@ -2,16 +2,16 @@
 
 use shared::units::{CHANNELS, Sample};
 
-/// Amplitude of a channel that is more than the noise of rest.
+/// Amplitude in counts above which a channel is more than the noise of rest.
 const LOUD: f64 = 2.0;
 
-/// Samples of a recording and what is computed of them once.
+/// Samples of a recording, and statistics that are computed once.
 pub(super) struct Signal<'s> {
     /// The samples.
     pub samples: &'s [Sample],
     /// Mean of each channel.
     pub means: [f64; CHANNELS],
-    /// Mean distance from the mean, by channel: the amplitude without a constant below it.
+    /// Mean distance of each channel from its own mean, in counts.
     pub levels: [f64; CHANNELS],
 }
 
@@ -41,8 +41,8 @@ impl<'s> Signal<'s> {
         if norm > 0.0 { both / norm } else { 0.0 }
     }
 
-    /// Correlation of samples with those `lag` later, of each loud channel. Only pairs that begin at a row `phase` modulo
-    /// `of` count. In 200 Hz recordings of the armband neighbours have -0.2 to -0.4, and others next to nothing.
+    /// Correlation of samples with those `lag` later, of each loud channel, over the pairs that begin at a row `phase`
+    /// modulo `of`. In 200 Hz recordings of the armband it is -0.2 to -0.4 for neighbours, and about 0 for others.
     pub fn autocorrelations(&self, lag: usize, phase: usize, of: usize) -> Vec<f64> {
         let loud = (0..CHANNELS).filter(|&channel| self.levels[channel] > LOUD);
         let correlation = |channel: usize| {

@@ -1,4 +1,4 @@
-//! Recordings that are not what they seem, as files below a folder.
+//! Tests with defective recordings, as files below a folder.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -33,12 +33,12 @@ fn counts(samples: &[Sample]) -> String {
     csv(samples, |count| count.to_string())
 }
 
-/// The kinds of what was found.
+/// Kinds of the findings.
 fn kinds(library: &Library) -> Vec<&'static str> {
     groups(library).iter().map(|group| group.kind).collect()
 }
 
-/// The words of a refusal of the only file.
+/// Message that refuses the only file.
 fn refusal(text: &str) -> String {
     let library = one(text);
     assert!(library.recordings.is_empty(), "{:?}", kinds(&library));

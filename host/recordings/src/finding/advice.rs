@@ -1,11 +1,11 @@
-//! How bad a finding is, and what to do.
+//! Severity of a finding, and advice.
 
 use shared::units::CHANNELS;
 
 use super::{Finding, Severity};
 
 impl Finding {
-    /// How bad it is, where the recording is kept.
+    /// Severity of the finding if the recording is kept.
     #[must_use]
     pub fn severity(&self) -> Severity {
         match self {
@@ -18,7 +18,7 @@ impl Finding {
         }
     }
 
-    /// Name of the kind: recordings with the same are told together.
+    /// Name of the kind, by which findings are grouped.
     #[must_use]
     pub const fn kind(&self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl Finding {
         }
     }
 
-    /// Advice; empty where nothing is to be done.
+    /// Advice on what to do; empty if there is nothing to do.
     #[must_use]
     pub fn advice(&self) -> String {
         match self {

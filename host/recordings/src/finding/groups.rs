@@ -1,4 +1,4 @@
-//! Findings of many recordings: the same one is told once, with how many have it.
+//! Findings of many recordings, grouped.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,13 +10,13 @@ use super::{Finding, Severity};
 /// A finding, and the recordings that have it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Group {
-    /// How bad it is.
+    /// Severity of the finding.
     pub severity: Severity,
     /// Name of the kind.
     pub kind: &'static str,
-    /// What was found in the first recording.
+    /// Text of the finding in the first recording.
     pub what: String,
-    /// What to do.
+    /// Advice on what to do.
     pub advice: String,
     /// The recordings or files, in order.
     pub which: Vec<String>,
@@ -36,8 +36,8 @@ impl fmt::Display for Group {
     }
 }
 
-/// Findings with whose they are, the same kind together: the worst first, then by name. What readers know of their data set
-/// is told apart by its words.
+/// Groups findings, given with their recordings' names, by kind: the worst first, then by name. Known limits of a data
+/// set are grouped by their text.
 pub fn grouped<'f>(findings: impl IntoIterator<Item = (String, &'f Finding)>) -> Vec<Group> {
     let mut groups: BTreeMap<(&str, &str, Severity), Group> = BTreeMap::new();
     for (whose, finding) in findings {

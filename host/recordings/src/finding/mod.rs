@@ -1,4 +1,4 @@
-//! What the examiner finds in a recording: in words, with what to do.
+//! Findings of the examiner in a recording, with text and advice.
 
 mod advice;
 mod groups;
@@ -12,15 +12,15 @@ use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample, WINDOW};
 pub use groups::{Group, grouped};
 pub use scale::Scale;
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
-    /// Good to know.
+    /// Information only.
     Note,
-    /// Usable; better without.
+    /// The recording is usable, but has a defect.
     Warning,
-    /// Not good enough.
+    /// Results on the recording are unreliable.
     Serious,
 }
 
@@ -36,10 +36,10 @@ impl Severity {
     }
 }
 
-/// Something that is not as it should be in a recording. Channels count from 1, rows of samples from 1.
+/// Defect of a recording. Channels and rows count from 1, but the channels of [`Hum`](Self::Hum) from 0.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Finding {
-    /// A limit that the reader of the data set knows of.
+    /// A limit of the data set that its reader knows.
     #[error("{0}")]
     Known(String),
     /// Fewer samples than a window.
@@ -54,20 +54,20 @@ pub enum Finding {
         scale.words()
     )]
     Scale {
-        /// What they are.
+        /// Scale of the values.
         scale: Scale,
-        /// The least of them.
+        /// Least value.
         least: f64,
-        /// The largest.
+        /// Largest value.
         most: f64,
     },
     /// All samples are the same.
     #[error("expected samples that change, found {sample:?} throughout")]
     Constant {
-        /// The sample.
+        /// The constant sample.
         sample: Sample,
     },
-    /// No value below zero, or none above.
+    /// All values are on one side of zero.
     #[error(
         "expected EMG around zero, found values on one side only: rectified, or its envelope (EMG mode 1)"
     )]
@@ -75,7 +75,7 @@ pub enum Finding {
     /// Most values at the ends of the range.
     #[error("expected EMG, found {percent:.0} % of all values at -128 or 127")]
     Clipped {
-        /// Share of the values.
+        /// Share of the values, in percent.
         percent: f64,
     },
     /// Too few channels have a signal of their own.
@@ -84,16 +84,16 @@ pub enum Finding {
         /// Channels that are neither silent nor copies.
         own: usize,
     },
-    /// A channel says nothing.
+    /// A channel is silent.
     #[error("channel {channel} is silent")]
     Dead {
         /// The channel.
         channel: usize,
     },
-    /// A channel is a copy.
+    /// A channel is a copy of another.
     #[error("channel {channel} says the same as channel {of}")]
     SameChannel {
-        /// The copy.
+        /// The channel that is a copy.
         channel: usize,
         /// The channel that it equals.
         of: usize,
@@ -103,10 +103,10 @@ pub enum Finding {
     Saturated {
         /// The channel.
         channel: usize,
-        /// Share of its samples.
+        /// Share of the channel's samples, in percent.
         percent: f64,
     },
-    /// The mains are in the signal.
+    /// Mains hum is in the signal.
     #[error(
         "mains hum: up to {percent:.0} % of a channel's power is at {hz} Hz, in {} of {CHANNELS} channels",
         channels.len()
@@ -114,12 +114,12 @@ pub enum Finding {
     Hum {
         /// Frequency of the mains.
         hz: usize,
-        /// Channels that have it, from 0.
+        /// Channels with hum, from 0.
         channels: Vec<usize>,
-        /// The worst channel's share.
+        /// Share of the worst channel's power, in percent.
         percent: f64,
     },
-    /// The clock says another rate.
+    /// The clock gives another rate.
     #[error("expected {SAMPLE_RATE_HZ} rows a second, found {hz:.0} by column \"{column}\"")]
     Rate {
         /// The clock's column.
@@ -127,7 +127,7 @@ pub enum Finding {
         /// Rows a second.
         hz: f64,
     },
-    /// The clock leaps.
+    /// The clock has gaps, or goes back.
     #[error(
         "column \"{column}\" leaps {gaps} times, by {seconds:.2} s at row {row}: read as {pieces} recordings"
     )]
@@ -136,11 +136,11 @@ pub enum Finding {
         column: String,
         /// Number of leaps.
         gaps: usize,
-        /// Row behind the largest.
+        /// Row after the largest leap.
         row: usize,
-        /// The largest; negative: the times go back.
+        /// Largest leap in seconds; negative if the times go back.
         seconds: f64,
-        /// Recordings that the rows are read as.
+        /// Number of recordings that the rows are read as.
         pieces: usize,
     },
     /// The clock is not understood.
@@ -156,33 +156,33 @@ pub enum Finding {
         "each sample is there {times:.2} times, evenly: polled faster than {SAMPLE_RATE_HZ} Hz; {dropped} repeats are left out"
     )]
     Polled {
-        /// Rows a sample.
+        /// Mean rows per sample.
         times: f64,
         /// Rows left out.
         dropped: usize,
     },
-    /// Even repeats, of samples that are not at 200 Hz.
+    /// Repeats are even, but the samples are not at 200 Hz.
     #[error(
         "each row is there {times:.2} times, and what is left without repeats is not at {SAMPLE_RATE_HZ} Hz: samples are missing"
     )]
     Held {
-        /// Rows a sample.
+        /// Mean rows per sample.
         times: f64,
     },
-    /// Uneven repeats.
+    /// Repeats have no pattern.
     #[error(
         "{percent:.0} % of the rows repeat the one before in no pattern: as many samples may be lost"
     )]
     Repeats {
-        /// Share of the rows.
+        /// Share of the rows that repeat, in percent.
         percent: f64,
     },
-    /// The same row for long.
+    /// The samples do not change for a long time.
     #[error("the samples stand still for {seconds:.1} s from row {row} on")]
     Standstill {
-        /// The first row.
+        /// First row of the standstill.
         row: usize,
-        /// How long.
+        /// Duration in seconds.
         seconds: f64,
     },
     /// Neighbours are not 5 ms apart.
@@ -190,36 +190,36 @@ pub enum Finding {
         "samples hardly correlate with the next ({correlation:.2}; -0.2 to -0.4 at {SAMPLE_RATE_HZ} Hz): every second one may be missing"
     )]
     Unrelated {
-        /// The correlation.
+        /// Mean correlation of neighbours.
         correlation: f64,
     },
     /// Rows of several armbands.
     #[error("expected the rows of one armband, found those of {} in column \"{column}\": {}", devices.len(), devices.join(", "))]
     Devices {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Its values.
+        /// Values of the column.
         devices: Vec<String>,
     },
     /// Columns of several armbands.
     #[error("expected {CHANNELS} columns of EMG, found those of {} armbands: {}", armbands.len(), armbands.join("; "))]
     ManyColumns {
-        /// First and last column of each.
+        /// First and last column of each armband.
         armbands: Vec<String>,
     },
-    /// Rows of sixteen values.
+    /// Rows without names have the columns of two armbands.
     #[error("expected {CHANNELS} channels, found {columns} columns: those of two armbands")]
     ManyChannels {
-        /// Columns.
+        /// Number of columns.
         columns: usize,
     },
-    /// Rows of two armbands in turn.
+    /// Rows of two armbands alternate.
     #[error("expected the samples of one armband, found two in turn, {rows} of each")]
     InTurn {
-        /// Rows of one before the other's.
+        /// Rows of one armband before the other's.
         rows: usize,
     },
-    /// The samples are another recording's too.
+    /// The samples are also in another recording.
     #[error(
         "the same samples as in {}{}{}, left out",
         of.display(),
@@ -229,17 +229,17 @@ pub enum Finding {
     Copy {
         /// The recording that is kept.
         of: PathBuf,
-        /// The labels differ.
+        /// Whether the labels differ.
         labels: bool,
-        /// The persons differ.
+        /// Whether the persons differ.
         person: bool,
     },
-    /// Some of the samples are another recording's too.
+    /// Some of the samples are also in another recording.
     #[error("{seconds:.0} s of its samples are also in {}", of.display())]
     Overlap {
-        /// The other recording, or itself.
+        /// File of the other recording.
         of: PathBuf,
-        /// How many.
+        /// Duration of the common samples, in seconds.
         seconds: f64,
     },
 }

@@ -1,25 +1,25 @@
 //! Scale of values that are no counts.
 
-/// What the values are.
+/// Scale of values that should be counts.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Scale {
     /// Whole multiples of the value of one count.
     Step {
         /// The value of one count.
         step: f64,
-        /// A known scale's name.
+        /// Name of the scale, if it is a known one.
         known: Option<&'static str>,
     },
     /// Bytes without a sign, 0 to 255: those above 127 are negative counts.
     Unsigned,
     /// Bytes with 128 added, 0 to 255.
     Offset,
-    /// No multiples of any step.
+    /// Values that are multiples of no step.
     Unknown,
 }
 
 impl Scale {
-    /// What the values are, in words.
+    /// Description of the values.
     pub(crate) fn words(self) -> String {
         match self {
             Self::Step {
@@ -32,7 +32,7 @@ impl Scale {
         }
     }
 
-    /// How the values become counts.
+    /// Advice on converting the values to counts.
     pub(crate) fn advice(self) -> String {
         match self {
             Self::Step { step, .. } if step < 1.0 => {

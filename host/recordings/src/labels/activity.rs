@@ -5,7 +5,7 @@
 //! 1. Levels: quiet and loud are the 10 % and 90 % quantiles of e in the recording, half-way lies between
 //!    them. With a contrast (loud - quiet) below 0.4, a factor of 1.5, nothing is labelled.
 //! 2. Bursts: stretches with e above half-way; gaps below 0.3 s between two are closed. Those below 0.4 s
-//!    are dropped: what they are is unknown.
+//!    are dropped and stay unknown.
 //! 3. Edges: e over 200 ms finds a burst but widens it by 20 to 30 ms at either edge. The onset is
 //!    moved to the first sample from which e over 50 ms stays above half-way for 50 ms, at most 100 ms away; the
 //!    release likewise, backwards in time.
@@ -27,26 +27,26 @@ use crate::statistics::median;
 
 /// Samples of the moving average that finds bursts: 200 ms.
 const COARSE: usize = 40;
-/// Samples of the one that places their edges, and for which it stays beyond half-way: 50 ms.
+/// Samples of the moving average that places the edges of bursts, and for which it stays beyond half-way: 50 ms.
 const FINE: usize = 10;
-/// Samples that an edge is moved by at most: half of [`COARSE`].
+/// Maximum number of samples by which an edge is moved: half of [`COARSE`].
 const REACH: usize = COARSE / 2;
 /// Share of the recording below the quiet level, and above the loud one.
 const TAIL: f64 = 0.1;
-/// Least contrast (natural logarithm). Noise alone has 0.06 to 0.16 (`epn`, no gesture), the weakest file of
+/// Minimum contrast (natural logarithm). Noise alone has 0.06 to 0.16 (`epn`, no gesture), the weakest file of
 /// `wang-myo` 0.88.
 const LEAST_CONTRAST: f64 = 0.4;
 /// Samples of a gap that is closed: below 0.3 s.
 const GAP: usize = 60;
-/// Least samples of a burst: 0.4 s.
+/// Minimum length of a burst in samples: 0.4 s.
 const BURST: usize = 80;
-/// Most samples of an edge that is taken for an instant: 0.5 s.
+/// Maximum length in samples of an edge that is taken for an instant: 0.5 s.
 const EDGE: usize = 100;
 
 /// Note of a recording that cannot be labelled.
 const WEAK: &str = "unlabelled: the muscle hardly rises above rest";
 
-/// What the muscle does at one sample.
+/// Activity of the muscle at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Activity {
     Quiet,
@@ -78,7 +78,7 @@ pub(crate) fn labelled(
 
 /// Labels samples of one motion: relax where the muscle is quiet, `motion` where it is active.
 ///
-/// None if the contrast is too weak.
+/// The result is none if the contrast is too weak.
 fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
     let motions = activity(samples)?
         .into_iter()
@@ -90,7 +90,7 @@ fn label(samples: &[Sample], motion: Motion) -> Option<Truth> {
     Some(motions.collect())
 }
 
-/// What the muscle does, sample by sample; none if the contrast is too weak.
+/// Activity of the muscle at each sample; none if the contrast is too weak.
 pub(super) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
     let envelope = Envelope::new(samples);
     let coarse = envelope.all(COARSE);
@@ -98,7 +98,7 @@ pub(super) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
     let mut activity = vec![Activity::Quiet; samples.len()];
     let bursts = bursts(&coarse, levels.half_way());
     for (index, burst) in bursts.iter().enumerate() {
-        // Nothing of a burst reaches into its neighbours.
+        // The edges of a burst stay out of its neighbours.
         let before = index.checked_sub(1).map_or(0, |i| bursts[i].end);
         let after = bursts.get(index + 1).map_or(samples.len(), |b| b.start);
         let loud = median(&coarse[burst.clone()])?;
@@ -136,14 +136,14 @@ pub(super) fn activity(samples: &[Sample]) -> Option<Vec<Activity>> {
     Some(activity)
 }
 
-/// A recording's own levels of the envelope.
+/// Quiet and loud level of a recording's envelope.
 struct Levels {
     quiet: f64,
     loud: f64,
 }
 
 impl Levels {
-    /// None if the contrast is too weak, or without a sample.
+    /// Levels of an envelope; none if the contrast is too weak or there is no sample.
     fn of(coarse: &[f64]) -> Option<Self> {
         let mut sorted = coarse.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -170,8 +170,8 @@ fn bursts(coarse: &[f64], level: f64) -> Vec<Range<usize>> {
     bursts
 }
 
-/// The start of a burst by the finer envelope; as it is at the start of the recording, or if the finer
-/// envelope does not cross within reach.
+/// Start of a burst by the finer envelope; unchanged at the start of the recording, or if the finer envelope does not
+/// cross within reach.
 fn onset(envelope: &Envelope, level: f64, start: usize) -> usize {
     let above = |at: usize| envelope.at(at, FINE) > level;
     let Some(first) = start.checked_sub(REACH) else {
@@ -183,7 +183,7 @@ fn onset(envelope: &Envelope, level: f64, start: usize) -> usize {
         .unwrap_or(start)
 }
 
-/// The end of a burst, as [`onset`] backwards.
+/// End of a burst by the finer envelope: [`onset`] backwards.
 fn release(envelope: &Envelope, level: f64, end: usize, samples: usize) -> usize {
     let above = |at: usize| envelope.at(at, FINE) > level;
     let last = end + REACH;
@@ -245,7 +245,7 @@ mod tests {
         truth.labels.iter().filter(|label| label.is_none()).count()
     }
 
-    /// Edges are found to within 50 ms.
+    /// Whether edges are found to within 50 ms.
     fn close_to(found: &[Range<usize>], expected: &[Range<usize>]) -> bool {
         found.len() == expected.len()
             && found.iter().zip(expected).all(|(found, expected)| {

@@ -1,4 +1,4 @@
-//! Labels moved to where the muscle acts: published ones are cues.
+//! Lag compensation of labels: published labels are cues, which the muscle follows late.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,29 +9,29 @@ use super::runs::runs;
 use crate::movement::Movement;
 use crate::recording::Recording;
 
-/// Samples from which on what is unknown between two rests is taken for a movement: 0.5 s.
+/// Minimum length in samples of an unknown stretch between two rests that counts as a movement: 0.5 s.
 const MOVEMENT: usize = 100;
 
-/// How labels are compensated for their lag.
+/// Lag compensation of labels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Compensation {
-    /// All are so many samples later.
+    /// All labels are moved this many samples later.
     Constant(usize),
-    /// A gesture's label is where the muscle follows that very cue, and none where it does not.
+    /// A gesture's label is moved to where the muscle follows its cue; none where it does not.
     EachCue,
 }
 
 impl Compensation {
-    /// Labels as they are.
+    /// Labels stay as they are.
     pub const NONE: Self = Self::Constant(0);
 }
 
 impl Recording {
     /// The recording with compensated labels and other movement.
     ///
-    /// Other movement that the muscle does not show is kept, as late as the set's labels usually are: a label that it raises
-    /// is wrong all the same.
+    /// Other movement that the muscle does not show is kept, moved by the set's usual lag: a label that it raises is
+    /// wrong too.
     #[must_use]
     pub fn compensated(&self, compensation: Compensation) -> Self {
         let Truth {
@@ -48,7 +48,7 @@ impl Recording {
         }
     }
 
-    /// Labels and other movement so many samples later.
+    /// Labels and other movement, moved `samples` later.
     fn later(&self, samples: usize) -> Truth {
         let length = self.labels.len();
         let movements = self.other_movement.iter().map(|movement| Movement {
@@ -57,7 +57,7 @@ impl Recording {
         });
         Truth {
             labels: lag::compensated(&self.labels, samples),
-            // One that ends before the recording begins, by the lag.
+            // Movement that would begin after the end of the recording is dropped.
             other_movement: movements.filter(|own| !own.samples.is_empty()).collect(),
         }
     }
@@ -69,7 +69,7 @@ impl Recording {
             cues[movement.samples.clone()].fill(Motion::Other(movement.kind));
         }
         name_movements(&mut cues);
-        // What is unknown shows what rest is like, but stays unknown.
+        // Unknown stretches count as rest for the muscle's level, but stay unknown.
         let known_rest = |cue: &Motion| match cue {
             Motion::Unknown => Motion::RELAX,
             cue => *cue,
@@ -98,7 +98,7 @@ impl Recording {
     }
 }
 
-/// Takes what is unknown between two rests for a movement without a name: the muscle says when it was made.
+/// Marks unknown stretches between two rests as movement without a name, which the muscle then places.
 fn name_movements(cues: &mut [Motion]) {
     for three in runs(cues).windows(3) {
         let [before, unknown, after] = three else {

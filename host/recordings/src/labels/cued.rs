@@ -1,16 +1,17 @@
-//! Labels from muscle activity where cues say what was asked for, and when.
+//! Labels from muscle activity where cues say which gesture was asked for, and when.
 //!
 //! A hold is a gesture that is cued between two rests, or several that follow each other. For each, by the rule of
-//! [`activity`](super::activity) over the hold with the later half of the rest before it and the whole one after:
+//! `activity` over the hold with the later half of the rest before it and the whole one after:
 //!
-//! 1. The muscle follows if it is active for half of the cue or more, and from 0.5 s before the cue to 1.5 s after it on. Else
-//!    nothing of the hold is labelled, nor the 1.5 s after it.
-//! 2. Of a hold that is followed, active is the gesture and quiet before and after it relax; everything else is unknown, such
-//!    as a muscle that still works 1.5 s after the cue for rest.
-//! 3. Gesture to gesture no rest lies between, so activity does not tell when: the label changes as late after the cue as
-//!    the muscle has followed the hold.
+//! 1. The muscle follows if it is active for half of the cue or more, and becomes active between 0.5 s before the cue and
+//!    1.5 s after it. Else nothing of the hold is labelled, nor the 1.5 s after it.
+//! 2. In a hold that is followed, activity is the gesture, and quiet before and after it is relax. Everything else is
+//!    unknown, such as a muscle that is still active 1.5 s after the cue for rest.
+//! 3. From gesture to gesture the muscle stays active, which does not show the change: the label changes as late after
+//!    the cue as the muscle has followed the hold.
 //!
-//! Rests without a hold beside them are relax as cued. A gesture is any movement that is asked for, one of the intents or not.
+//! Rests without a hold beside them are relax as cued. A gesture is any movement that is asked for, an intent or
+//! another.
 
 use std::ops::Range;
 
@@ -24,45 +25,45 @@ use crate::statistics::median;
 
 /// Samples before a cue from which the muscle may follow it: 0.5 s.
 const EARLY: usize = 100;
-/// Samples after a cue until which it has to: 1.5 s.
+/// Samples after a cue until which the muscle must follow it: 1.5 s.
 const LATE: usize = 300;
 
-/// How a muscle followed a cue.
+/// Reaction of a muscle to a cue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Follow {
-    /// So many samples after it.
+    /// The muscle followed, this many samples after the cue.
     Followed(i32),
-    /// It hardly rose above rest.
+    /// The muscle hardly rose above rest.
     Weak,
-    /// It was active, but not when it was asked for, or not for long enough.
+    /// The muscle was active, but not when it was asked for, or not for long enough.
     Elsewhere,
 }
 
 /// A gesture, or several in a row, between rests.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Hold {
-    /// Samples for which it was cued.
+    /// Samples for which the hold was cued.
     pub samples: Range<usize>,
     /// The gestures, with the first sample of each.
     pub gestures: Vec<(usize, Motion)>,
-    /// Whether the muscle followed.
+    /// Reaction of the muscle.
     pub follow: Follow,
-    /// From where to where it was active because of the cue, if it followed.
+    /// Samples for which the muscle was active because of the cue, if it followed.
     pub active: Option<Range<usize>>,
-    /// How far the muscle rose above rest, natural logarithm of the amplitude, by gesture.
+    /// Rise of the muscle above rest for each gesture: natural logarithm of the ratio of amplitudes.
     pub contrasts: Vec<f64>,
 }
 
-/// What the muscle did, and what came of each hold.
+/// Motions that the muscle shows, and the result of each hold.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Followed {
-    /// One a sample.
+    /// Motion at each sample.
     pub motions: Vec<Motion>,
-    /// In order.
+    /// Holds in order of time.
     pub holds: Vec<Hold>,
 }
 
-/// What is done at samples that have cues, one a sample each; unknown where nothing was asked for.
+/// Motions that the muscle shows where there are cues, one per sample; unknown where nothing was asked for.
 pub fn follow(samples: &[Sample], cues: &[Motion]) -> Followed {
     let rest = |&cue: &Motion| match cue {
         Motion::RELAX => Motion::RELAX,
@@ -159,21 +160,21 @@ impl Segment {
         }
     }
 
-    /// Whether and when the muscle followed, and from where to where it was active because of it.
+    /// Reaction of the muscle, and the samples for which it was active because of the cue.
     fn followed(&self, activity: &[Activity]) -> (Follow, Option<Range<usize>>) {
         let is_active = |at: &usize| activity[at - self.from] == Activity::Active;
         let first = self.hold.start.saturating_sub(EARLY).max(self.from);
         let last = (self.hold.start + LATE).min(self.hold.end);
         let onset = (first..last).find(is_active);
         let inside = self.hold.clone().filter(is_active).count();
-        // Active from before the time that belongs to the cue on: it is not the cue that is followed.
+        // A muscle that is active before this time already does not follow the cue.
         let onset = onset.filter(|&at| at > first || first == self.from && self.from == 0);
         let (Some(onset), true) = (onset, 2 * inside >= self.hold.len()) else {
             return (Follow::Elsewhere, None);
         };
         let mut end = onset;
         for at in onset..self.to {
-            // What begins after the cue has ended is another movement.
+            // Activity that begins after the end of the cue is another movement.
             if is_active(&at) && (at < self.hold.end || at == end) {
                 end = at + 1;
             }
@@ -183,7 +184,7 @@ impl Segment {
         (Follow::Followed(late), Some(onset..end))
     }
 
-    /// The median of a cue's later half over that of the rest before it.
+    /// Median envelope of a cue's later half minus that of the rest before it.
     fn contrast(&self, envelope: &Envelope, cue: &Run<Motion>) -> f64 {
         const WIDTH: usize = 40;
         let level = |range: Range<usize>| {

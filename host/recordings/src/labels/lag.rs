@@ -23,14 +23,16 @@ use crate::statistics::median;
 const SMOOTHING: usize = 10;
 /// Samples before a label change that are searched for an early crossing: 0.5 s.
 const EARLIEST: usize = 100;
-/// Samples after it: 2 s, beyond the latest release (1.5 s, `ss-stm` M8).
+/// Samples after a label change that are searched for a late crossing: 2 s, beyond the latest release (1.5 s, `ss-stm`
+/// M8).
 const LATEST: usize = 400;
-/// Least difference of the levels (natural logarithm: a factor of 1.35); below it, noise decides
+/// Minimum difference of the levels (natural logarithm: a factor of 1.35); below it, noise decides
 /// where the crossing is.
 const LEAST_CONTRAST: f64 = 0.3;
 
 impl DataSet {
-    /// Nominal label lag in samples: [`estimate`] over the training people (`host/people.toml`) of the published recordings.
+    /// Nominal label lag in samples: [`estimate`] over the training people (`host/recordings/people.toml`) of the
+    /// published recordings.
     ///
     /// A run estimates it on its own training people; this is the fallback when none of them is there or has a
     /// transition. Sets of steady holds have no transition that could be late, and neither have the labels
@@ -60,12 +62,12 @@ impl DataSet {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LabelLag {
-    /// By each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
+    /// Each cue's own lag, where rests around it show when the muscle followed; elsewhere as `estimated`.
     #[default]
     EachCue,
-    /// By each data set's median lag, estimated on training people alone.
+    /// Each data set's median lag, estimated on training people alone.
     Estimated,
-    /// None, as in the paper.
+    /// No compensation, as in the paper.
     None,
 }
 
@@ -84,8 +86,8 @@ pub struct LagEstimate {
 
 /// Estimates the lag over recordings of one data set; pass training subjects only.
 ///
-/// None if no change between rest and a gesture has a crossing, and where the labels are muscle onsets
-/// themselves: they must not be moved by what noise leaves of them.
+/// The result is none if no change between rest and a gesture has a crossing, or if the labels are muscle onsets
+/// themselves, which must not be moved by noise.
 #[must_use]
 pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     let cued = |recording: &&&Recording| recording.timing != Timing::Muscle;
@@ -110,7 +112,7 @@ pub fn estimate(recordings: &[&Recording]) -> Option<LagEstimate> {
     })
 }
 
-/// Lag-compensated labels: each `lag_samples` later.
+/// Lag-compensated labels: each is moved `lag_samples` later.
 ///
 /// The first `lag_samples` had their label before the recording began: relax if the first label
 /// is relax (rest goes on), else none, because the start of that gesture is unknown.
@@ -127,7 +129,7 @@ pub(crate) fn compensated(labels: &[Option<Intent>], lag_samples: usize) -> Vec<
     compensated
 }
 
-/// A range of samples of a recording of `length` samples, `lag_samples` later.
+/// A range of samples of a recording of `length` samples, moved `lag_samples` later.
 #[must_use]
 pub(crate) fn compensated_range(
     range: &Range<usize>,

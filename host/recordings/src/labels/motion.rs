@@ -1,19 +1,19 @@
-//! What a person does, as the published sets name it: an intent, another movement, or unknown.
+//! Motion of a person, as the published sets name it: an intent, another movement, or unknown.
 
 use shared::intent::Intent;
 
 use crate::movement::{Movement, MovementKind};
 
-/// What is done at one sample.
+/// Motion at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Motion {
     /// One of the six intents, relax included.
     Intent(Intent),
     /// Movement that is none of the six intents.
     Other(MovementKind),
-    /// Movement of which nothing is known but that it is none of these.
+    /// Movement that is none of these, and of which nothing else is known.
     Unnamed,
-    /// Not known, or on neither side: a grasp near to a fist, an edge that cannot be placed.
+    /// Motion that is unknown or ambiguous: a grasp near to a fist, an edge that cannot be placed.
     Unknown,
 }
 
@@ -30,7 +30,7 @@ impl Motion {
     }
 }
 
-/// Cues as motions: no cue is unknown.
+/// Cues as motions: without a cue the motion is unknown.
 pub fn motions(cues: &[Option<Intent>]) -> Vec<Motion> {
     let cues = cues.iter();
     cues.map(|cue| cue.map_or(Motion::Unknown, Motion::Intent))
@@ -45,7 +45,7 @@ pub(crate) struct Truth {
 }
 
 impl FromIterator<Motion> for Truth {
-    /// One motion a sample.
+    /// Collects the motion of each sample.
     fn from_iter<I: IntoIterator<Item = Motion>>(motions: I) -> Self {
         let mut truth = Self::default();
         for (at, motion) in motions.into_iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use shared::intent::Intent;
 
-/// A longest run of one label: samples `start..end`.
+/// Longest possible run of one label: samples `start..end`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Run<L = Option<Intent>> {
     /// The label of every sample in it.
@@ -14,13 +14,13 @@ pub struct Run<L = Option<Intent>> {
 }
 
 impl<L> Run<L> {
-    /// Samples in it, at least 1.
+    /// Number of samples, at least 1.
     #[must_use]
     pub const fn samples(&self) -> usize {
         self.end - self.start
     }
 
-    /// The sample half-way.
+    /// Middle sample.
     #[must_use]
     pub const fn middle(&self) -> usize {
         usize::midpoint(self.start, self.end)

@@ -1,4 +1,4 @@
-//! How the labels of one data set are compensated for their lag: by what its recordings show, and on whom a constant was
+//! Lag compensation of one data set's labels: the way for each recording, and the people on whom a constant was
 //! estimated.
 
 use std::collections::BTreeMap;
@@ -14,51 +14,51 @@ use super::lag::{LabelLag, LagEstimate, estimate};
 use crate::recording::{DataSet, Recording, Timing};
 use crate::split::circles::Circles;
 
-/// Whose recordings a constant lag is from.
+/// People on whose recordings a constant lag was estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
     /// The training people of the published recordings: the set's [nominal lag](DataSet::label_lag).
     #[default]
     Published,
-    /// So many training people.
+    /// Number of training people.
     TrainingPeople(usize),
-    /// So many people at hand, of a set without training people: somebody's own recordings.
+    /// Number of people at hand, for a user's own set without training people.
     PeopleAtHand(usize),
 }
 
-/// How many recordings that show a movement are compensated in which way.
+/// Numbers of recordings with movement, by way of compensation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ways {
-    /// By each cue's own lag.
+    /// Recordings compensated by each cue's own lag.
     pub each_cue: usize,
-    /// By the constant.
+    /// Recordings compensated by the constant.
     pub constant: usize,
-    /// Not at all, because the labels are the muscle's.
+    /// Recordings that stay as they are, because their labels are the muscle's.
     pub muscle: usize,
 }
 
-/// How the labels of a data set are compensated for their lag.
+/// Lag compensation of a data set's labels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lag {
-    /// How, where the labels are cues with rest around them.
+    /// Compensation of labels that are cues with rest around them.
     pub compensation: Compensation,
-    /// Samples by which other cues are late, where those are compensated by each cue's own lag.
+    /// Lag of other cues, in samples, if those with rest are compensated by each cue's own lag; else 0.
     #[serde(default)]
     pub otherwise: usize,
-    /// Whose recordings the constant is from.
+    /// People on whose recordings the constant was estimated.
     #[serde(default)]
     pub basis: Basis,
     /// The measurement that gave the constant, if there is one.
     pub estimate: Option<LagEstimate>,
-    /// Recordings by way.
+    /// Numbers of recordings, by way of compensation.
     #[serde(default)]
     pub recordings: Ways,
 }
 
 impl Lag {
-    /// Compensation of a data set's labels. A constant is estimated on training people alone; where the set has none of
-    /// them here, it is the nominal one of a published set, and of other sets that of everybody at hand.
+    /// Lag compensation of a data set's labels. A constant is estimated on training people alone. Where there are none,
+    /// a published set has its nominal one, and another set that of everybody at hand.
     #[must_use]
     pub fn of(
         data_set: DataSet,
@@ -66,7 +66,7 @@ impl Lag {
         label_lag: LabelLag,
         is_training: &dyn Fn(&str) -> bool,
     ) -> Self {
-        // Without a movement there is nothing to be late.
+        // A recording without movement has nothing to compensate.
         let moving = recordings.iter().filter(|own| moves(own));
         let timed = |timing: Timing| moving.clone().filter(move |own| own.timing == timing);
         let rested = timed(Timing::RestAroundCues).count();
@@ -100,7 +100,7 @@ impl Lag {
         }
     }
 
-    /// How a recording of the set is compensated.
+    /// Compensation of one recording of the set.
     #[must_use]
     pub const fn of_recording(&self, recording: &Recording) -> Compensation {
         match (recording.timing, self.compensation) {
@@ -110,7 +110,7 @@ impl Lag {
         }
     }
 
-    /// Samples by which the labels are moved that are not moved cue by cue.
+    /// Constant lag in samples, of labels that are not moved cue by cue.
     #[must_use]
     pub const fn constant(&self) -> usize {
         match self.compensation {
@@ -120,13 +120,13 @@ impl Lag {
     }
 }
 
-/// Whether anything but rest is asked for or done.
+/// Whether a recording has labels other than rest, or other movement.
 fn moves(recording: &Recording) -> bool {
     let mut labels = recording.labels.iter().flatten();
     !recording.other_movement.is_empty() || labels.any(|&intent| intent != Intent::Relax)
 }
 
-/// Whose recordings a constant is from, and the measurement on them if it is not the nominal one.
+/// People on whose recordings a constant was estimated, and the measurement if it is not the nominal one.
 fn measured(
     data_set: DataSet,
     recordings: &[&Recording],
@@ -144,7 +144,7 @@ fn measured(
     if let Some(found) = estimate(&training) {
         return (Basis::TrainingPeople(people(&training)), Some(found));
     }
-    // Somebody's own recordings: nobody of them has a role.
+    // Nobody in a user's own recordings has a role.
     if training.is_empty()
         && Circles::of(data_set).is_none()
         && let Some(found) = estimate(recordings)
@@ -188,7 +188,7 @@ impl fmt::Display for Lag {
             .filter(|(recordings, _)| *recordings > 0)
             .collect();
         match (&used[..], self.compensation) {
-            // Nothing but rest, or written by a version that did not count.
+            // No recording with movement, or a file of a version that did not count.
             ([], Compensation::EachCue) => formatter.write_str(ways[0].1),
             ([], Compensation::Constant(_)) => formatter.write_str(&constant),
             ([(_, way)], _) => formatter.write_str(way),
@@ -206,7 +206,7 @@ fn counted(count: usize, one: &str, several: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { several })
 }
 
-/// How the labels of each data set are compensated for their lag; a constant is estimated on training people.
+/// Lag compensation of each data set's labels; a constant is estimated on training people.
 pub fn lags(
     recordings: &[&Recording],
     label_lag: LabelLag,
@@ -224,7 +224,7 @@ mod tests {
 
     use super::*;
 
-    /// Rest and closing in turn; the muscle follows each cue so many samples later.
+    /// Rest and closing in turn; the muscle follows each cue `late` samples later.
     fn recording(data_set: DataSet, person: &str, late: usize, timing: Timing) -> Recording {
         let class = |at: usize| Intent::from_class(2 * (at / 200 % 2));
         let sample = |at: usize| {
@@ -264,7 +264,7 @@ mod tests {
                 .ends_with("estimated on 1 training person"),
             "{found}"
         );
-        // None of them: the nominal lag of the published set.
+        // Without training people: the nominal lag of the published set.
         let nobody = lag(&recordings[1..], LabelLag::Estimated, &is_training);
         assert_eq!(nobody.constant(), DataSet::Roshambo.label_lag());
         assert_eq!((nobody.basis, nobody.estimate), (Basis::Published, None));
@@ -276,7 +276,7 @@ mod tests {
         let found = lag(&recordings, LabelLag::EachCue, &|_| false);
         assert_eq!(found.basis, Basis::PeopleAtHand(1));
         assert!(found.to_string().contains("1 person at hand"), "{found}");
-        // In a run, whoever is held out stays out of it.
+        // In a run, held-out people do not enter the estimate.
         let late = recording(DataSet::ReactEmg, "ben", 100, Timing::Cues);
         let both = [recordings[0].clone(), late];
         let run = lag(&both, LabelLag::EachCue, &|subject| {

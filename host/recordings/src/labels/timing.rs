@@ -1,12 +1,13 @@
-//! What labels mark in time: cues that the muscle follows late, or what the muscle does.
+//! Timing of labels: cues that the muscle follows late, or the muscle's own activity.
 //!
-//! The recordings decide, person by person; the name of their set does not:
+//! The recordings decide it, person by person, not the name of their set:
 //!
-//! 1. Labels that a reader or the recorder found in the muscle activity are the muscle's, and so are labels of which four of
-//!    five changes between rest and a gesture lie within 60 ms of the muscle's. People who follow cues do not: the middle four
-//!    fifths of one person's changes cover 0.3 s and more.
-//! 2. Else they are cues. A gesture, or several in a row, has rest around it if the labels say relax for 0.5 s before it and
-//!    after it, without a gap. Where three of four have, the muscle shows when each cue was followed.
+//! 1. Labels that a reader or the recorder found in the muscle activity are the muscle's.
+//! 2. A gesture, or several in a row, has rest around it if the labels say relax for 0.5 s before it and after it, without
+//!    a gap. Unless three of four have, the labels are cues without rest.
+//! 3. Else the labels are the muscle's if four of five changes between rest and a gesture lie within 60 ms of the muscle's.
+//!    People who follow cues differ more: the middle four fifths of one person's changes cover 0.3 s and more.
+//! 4. Else they are cues with rest around them, and the muscle shows when each was followed.
 //!
 //! Labels inside the activity (`myoup`, `uci-gestures`) and steady holds have no such rest.
 
@@ -18,14 +19,14 @@ use super::lag::lags_of;
 use super::runs::{Run, runs};
 use crate::recording::{Recording, Timing};
 
-/// Least samples of a rest before and after a gesture: 0.5 s.
+/// Minimum length in samples of a rest before and after a gesture: 0.5 s.
 const REST: usize = 100;
-/// Samples between a label's change and the muscle's below which the label is the muscle's: 60 ms.
+/// Largest distance of a label's change from the muscle's, in samples, at which the label is the muscle's: 60 ms.
 const ON_THE_MUSCLE: f64 = 12.0;
-/// Least changes by which labels are taken for the muscle's.
+/// Minimum number of changes for labels to be the muscle's.
 const FEWEST_CHANGES: usize = 4;
 
-/// Finds out what the labels mark, person by person. What is known to be the muscle's stays so.
+/// Sets the timing of recordings, person by person. Labels that are known to be the muscle's stay so.
 pub(crate) fn find(recordings: &mut [Recording]) {
     let mut people: BTreeMap<String, Vec<&mut Recording>> = BTreeMap::new();
     for recording in recordings {
@@ -42,7 +43,7 @@ pub(crate) fn find(recordings: &mut [Recording]) {
     }
 }
 
-/// What the labels of one person's recordings mark.
+/// Timing of the labels of one person's recordings.
 fn of_person(recordings: &[&mut Recording]) -> Timing {
     let (mut rested, mut gestures) = (0, 0);
     for recording in recordings {
@@ -93,7 +94,7 @@ mod tests {
     const O: Option<Intent> = Some(Intent::Open);
     const C: Option<Intent> = Some(Intent::Close);
 
-    /// Runs of labels; the muscle follows each change after another time, 60 to 130 samples, or at once.
+    /// Runs of labels; the muscle follows each change at once, or after 60 to 130 samples at random.
     fn recording(person: &str, sequence: &[(Option<Intent>, usize)], at_once: bool) -> Recording {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let (mut labels, mut samples, mut loud) = (Vec::new(), Vec::new(), false);
@@ -121,7 +122,7 @@ mod tests {
         recordings[0].timing
     }
 
-    /// Open and close in turn, between rests of so many samples.
+    /// Open and close in turn, between rests of `rest` samples.
     fn between_rests(rest: usize) -> Vec<(Option<Intent>, usize)> {
         let turn = [(R, rest), (O, 400), (R, rest), (C, 400)];
         [turn.repeat(4), vec![(R, rest)]].concat()

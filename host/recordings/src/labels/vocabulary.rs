@@ -30,14 +30,15 @@ impl Recording {
         self.labels_in(vocabulary).iter().any(Option::is_some)
     }
 
-    /// Whether models can be evaluated on it: it has labels of a vocabulary, or movement that is none of the six intents.
+    /// Whether models can be evaluated on the recording: it has labels of a vocabulary, or movement that is none of the
+    /// six intents.
     #[must_use]
     pub fn can_be_evaluated(&self, vocabulary: Vocabulary) -> bool {
         !self.other_movement.is_empty() || self.has_labels_in(vocabulary)
     }
 
-    /// Movement that is no intent of a vocabulary: other movement, and intents outside the vocabulary. In order,
-    /// as late as the labels.
+    /// Movement that is no intent of a vocabulary, in order and as late as the labels: other movement, and intents
+    /// outside the vocabulary.
     #[must_use]
     pub fn movement_outside(&self, vocabulary: Vocabulary) -> Vec<Movement> {
         let mut movements = self.other_movement.clone();

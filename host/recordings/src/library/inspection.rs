@@ -1,4 +1,4 @@
-//! Contents of a library by data set, and what was found in it: `myointent data inspect`.
+//! Contents of a library by data set, and its findings: `myointent data inspect`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -22,9 +22,9 @@ use crate::split::circles;
 pub struct SetInspection {
     /// The data set.
     pub data_set: DataSet,
-    /// People.
+    /// Number of people.
     pub subjects: usize,
-    /// Recordings.
+    /// Number of recordings.
     pub recordings: usize,
     /// Seconds of all recordings.
     pub seconds: f64,
@@ -38,9 +38,9 @@ pub struct SetInspection {
     pub transitions: usize,
     /// Largest share of one channel's samples in one recording at the ends of the range.
     pub worst_saturation: f64,
-    /// How late the muscle follows its labels, over all subjects; none without a transition to measure it at.
+    /// Lag of the muscle after the labels, over all subjects; none without a transition to measure it at.
     pub label_lag: Option<LagEstimate>,
-    /// How an evaluation compensates the labels for it.
+    /// Lag compensation of the labels in an evaluation.
     pub labels: Lag,
 }
 
@@ -49,7 +49,7 @@ pub struct SetInspection {
 pub struct Files {
     /// The data set whose reader took them, or why none did.
     pub what: String,
-    /// What they are recognised by; empty for those that are not read.
+    /// Properties that they are recognised by; empty for files that are not read.
     pub recognised_by: &'static str,
     /// Their number.
     pub files: usize,
@@ -57,20 +57,20 @@ pub struct Files {
     pub first: PathBuf,
 }
 
-/// Contents of a library, and what was found in it.
+/// Contents of a library, and its findings.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct Inspection {
-    /// By data set.
+    /// Contents by data set.
     pub sets: Vec<SetInspection>,
-    /// What was found in the recordings, the same together.
+    /// Findings in the recordings, grouped.
     pub findings: Vec<Group>,
-    /// Files that are damaged, unreadable or without meaning, and why; left out.
+    /// Messages on files that are left out: damaged, unreadable or without meaning.
     pub skipped: Vec<String>,
     /// Files by the reader that took them.
     pub taken: Vec<Files>,
     /// Files that no reader took, by reason.
     pub ignored: Vec<Files>,
-    /// Who was taken for whom, a sentence each.
+    /// Sentences on how people were named.
     pub people: Vec<String>,
 }
 
@@ -184,7 +184,7 @@ fn inspect(data_set: DataSet, recordings: &[&Recording]) -> SetInspection {
     }
 }
 
-/// What was found in the recordings of a library, and what their readers know, the same together: the worst first.
+/// Findings in the recordings of a library and known limits of their sets, grouped: the worst first.
 pub(crate) fn groups(library: &Library) -> Vec<Group> {
     let notes: Vec<(String, Finding)> = library
         .recordings

@@ -22,10 +22,10 @@ use super::readers::path::left_arm;
 use super::readers::why::Why;
 use super::recording::{DataSet, Recording};
 
-/// What to read.
+/// Options of [`load`].
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct LoadOptions {
-    /// Stop at the first damaged file, rather than leave damaged files out and list them.
+    /// Whether to stop at the first damaged file, rather than leave damaged files out and list them.
     pub strict: bool,
     /// Data sets to read, files of others are ignored; all if empty.
     pub data_sets: Vec<DataSet>,
@@ -37,18 +37,18 @@ impl LoadOptions {
     }
 }
 
-/// Everything found below one path.
+/// Recordings below one path, and what was found beside them.
 #[derive(Debug, Default)]
 pub struct Library {
     /// The recordings, ordered by path.
     pub recordings: Vec<Recording>,
-    /// Why each damaged or unreadable file was left out; empty with [`LoadOptions::strict`].
+    /// Errors of the damaged or unreadable files that were left out; empty with [`LoadOptions::strict`].
     pub skipped: Vec<LoadError>,
     /// Recordings left out because another holds the same samples.
     pub repeats: Vec<Repeat>,
-    /// Files that are no recordings (licences, notes, settings), of data sets not wanted, or of nobody's.
+    /// Files that are not read: no recordings (licences, notes, settings), or of no wanted data set.
     pub ignored: Vec<Ignored>,
-    /// Who was taken for whom in recordings that no publication gives a person, a sentence each.
+    /// Sentences on how people were named whom no publication names.
     pub people: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ pub struct Library {
 pub struct Ignored {
     /// The file.
     pub path: PathBuf,
-    /// Why it is not.
+    /// Reason why it is not read.
     pub why: Why,
 }
 
@@ -108,7 +108,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Library, LoadError> {
     people::by_folder(folder, &mut library.recordings);
     library.repeats = copies::leave_out(&mut library.recordings);
     library.examine(options.strict)?;
-    // Again: nobody is named after a copy.
+    // Named again without the copies, so that nobody is named after one.
     library.people = people::by_folder(folder, &mut library.recordings);
     library.follow_wearers();
     timing::find(&mut library.recordings);
@@ -125,7 +125,7 @@ impl Library {
         subjects
     }
 
-    /// All that was found in the recordings, with their names, in path order.
+    /// Findings in the recordings with their names, in path order; then those of the copies left out, with their paths.
     pub fn findings(&self) -> impl Iterator<Item = (String, &Finding)> {
         let recordings = self.recordings.iter();
         let found = recordings.flat_map(|recording| {
@@ -158,8 +158,8 @@ impl Library {
         Ok(())
     }
 
-    /// Normalization follows a wearer from one recording to the next, in path order. Many are of a few seconds: by
-    /// themselves they would show it nothing. A person's two arms are two wearers.
+    /// Carries the normalization of a wearer from one recording to the next, in path order: many recordings last only a
+    /// few seconds. A person's two arms are two wearers.
     fn follow_wearers(&mut self) {
         let mut wearers: HashMap<(String, bool), Normalizer> = HashMap::new();
         for recording in &mut self.recordings {
@@ -204,10 +204,10 @@ fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), Load
         .sort_by_file_name()
     {
         match entry {
-            // Devices and pipes too: they are refused by name when they are to be read.
+            // Devices and pipes are listed too: reading refuses them by name.
             Ok(entry) if !entry.file_type().is_dir() => files.push(Ok(entry.into_path())),
             Ok(_) => {}
-            // A link to nowhere, a circle of links, a folder that must not be read.
+            // A dangling link, a circle of links, or an unreadable folder.
             Err(error) => files.push(Err(LoadError::Io {
                 path: error.path().unwrap_or(path).to_owned(),
                 source: error.into(),

@@ -1,8 +1,8 @@
-//! Who is who in a user's own recordings: the folder is the person.
+//! Names of the people in a user's own recordings: the folder is the person.
 //!
-//! All of the path below the folder that was asked for names the person, without what all paths begin with. Folders
-//! that are named like a session belong to the folder above them, and so does what lies below a folder with recordings.
-//! Files that lie in the folder that was asked for are of the person of its name. Every choice is told.
+//! The path below the requested folder names the person, without what all paths begin with. Folders that are named like
+//! a session belong to the folder above them, and so does everything below a folder with recordings. Files directly in
+//! the requested folder belong to a person of its name. Every choice is reported.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -12,10 +12,10 @@ use super::session::{Session, session};
 use crate::readers::path::{is_number, stem};
 use crate::recording::{DataSet, Recording};
 
-/// Names in one sentence.
+/// Maximum number of names in one sentence.
 const SHOWN: usize = 6;
 
-/// Names the people of the user's own recordings in or below a folder, and says how.
+/// Names the people of the user's own recordings in or below a folder; returns sentences on the choices.
 pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String> {
     let own: Vec<usize> = (0..recordings.len())
         .filter(|&at| is_own(recordings[at].data_set))
@@ -57,7 +57,7 @@ pub(super) fn by_folder(base: &Path, recordings: &mut [Recording]) -> Vec<String
     told(&people, &places, prefixes)
 }
 
-/// Recordings that no publication gives a person.
+/// Whether no publication names the people of a set's recordings.
 const fn is_own(set: DataSet) -> bool {
     matches!(set, DataSet::ReactEmg | DataSet::Synthetic)
 }
@@ -66,17 +66,17 @@ fn above(path: &Path) -> &Path {
     path.parent().unwrap_or(path)
 }
 
-/// A name as text; what is no Unicode is escaped, so that two names never become one.
+/// A name as text. One that is no Unicode is escaped, so that two names never become one.
 fn text(name: &OsStr) -> String {
     name.to_str()
         .map_or_else(|| format!("{name:?}"), str::to_owned)
 }
 
-/// Folders of a recording below the one that was asked for.
+/// Folders of a recording below the requested one.
 struct Place {
-    /// Those that name the person.
+    /// Folders that name the person.
     person: Vec<String>,
-    /// Sessions among them.
+    /// Folders that name a session.
     sessions: Vec<String>,
 }
 
@@ -95,7 +95,7 @@ impl Place {
         while let Some(name) = self.person.last() {
             let leaves = match session(name) {
                 Some(Session::Time | Session::Part | Session::Container) => true,
-                // Numbers below a folder; the first ones are people.
+                // Numbers below a folder are sessions; at the top they are people.
                 Some(Session::Number) => self.person.len() > 1,
                 None => false,
             };
@@ -137,7 +137,7 @@ fn without_shared(places: &mut [Place]) -> PathBuf {
     shared
 }
 
-/// A folder with recordings in it is one person's, with all that is below.
+/// Assigns everything below a folder with recordings to that folder's person.
 fn join_below(places: &mut [Place]) {
     let direct: BTreeSet<Vec<String>> = places
         .iter()
@@ -153,7 +153,7 @@ fn join_below(places: &mut [Place]) {
     }
 }
 
-/// Name of the person of the folder that was asked for.
+/// Name of the person of the requested folder.
 fn name_of(base: &Path, taken: &BTreeSet<String>) -> String {
     let names = base.ancestors().filter_map(Path::file_name).map(text);
     let is_person = |name: &String| !matches!(session(name), Some(Session::Time | Session::Part));
@@ -165,7 +165,7 @@ fn name_of(base: &Path, taken: &BTreeSet<String>) -> String {
     name
 }
 
-/// Whether the names of the files in the folder that was asked for tell several people apart: `s3_grasp_1.csv`.
+/// Whether the names of the files in the requested folder tell several people apart: `s3_grasp_1.csv`.
 fn prefixes<'r>(places: &[Place], recordings: impl Iterator<Item = &'r Recording>) -> bool {
     let loose = places.iter().zip(recordings);
     let loose = loose.filter(|(place, _)| place.person.is_empty() && place.sessions.is_empty());
@@ -173,14 +173,14 @@ fn prefixes<'r>(places: &[Place], recordings: impl Iterator<Item = &'r Recording
     found.iter().all(Option::is_some) && found.iter().collect::<BTreeSet<_>>().len() > 1
 }
 
-/// `s3` of `s3_grasp_1.csv`.
+/// Prefix that names a person: `s3` of `s3_grasp_1.csv`.
 fn prefix(path: &Path) -> Option<&str> {
     let (first, _) = stem(path)?.split_once('_')?;
     let numbered = first.strip_prefix(['s', 'S']).is_some_and(is_number);
     numbered.then_some(first)
 }
 
-/// What was chosen, a sentence each.
+/// Sentences on the choices.
 fn told(people: &BTreeSet<&str>, places: &[Place], prefixes: bool) -> Vec<String> {
     let by = if prefixes { "file name" } else { "folder" };
     let mut told = vec![format!(

@@ -1,19 +1,19 @@
 //! Names of folders that are sessions of a person, not people.
 
-/// How a folder's name says that it is a session.
+/// Kind of session that a folder's name shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Session {
-    /// A date, a weekday, a numbered session: wherever it stands in a path.
+    /// Date, weekday or numbered session, anywhere in a path.
     Time,
-    /// A part of a session: below a person's folder.
+    /// Part of a session, below a person's folder.
     Part,
-    /// What is called by its content: below a person's folder.
+    /// Folder named after its content, below a person's folder.
     Container,
-    /// Numbers alone: sessions below a folder, people else.
+    /// Number alone: a session below a folder, else a person.
     Number,
 }
 
-/// Words that say when.
+/// Words for the time of a session.
 const TIMES: [&str; 19] = [
     "session",
     "sessions",
@@ -35,7 +35,7 @@ const TIMES: [&str; 19] = [
     "evening",
     "night",
 ];
-/// Words that say which part.
+/// Words for a part of a session.
 const PARTS: [&str; 20] = [
     "trial",
     "trials",
@@ -58,7 +58,7 @@ const PARTS: [&str; 20] = [
     "hand",
     "arm",
 ];
-/// Words that say what is inside.
+/// Words for the content of a folder.
 const CONTAINERS: [&str; 12] = [
     "data",
     "raw",
@@ -74,7 +74,7 @@ const CONTAINERS: [&str; 12] = [
     "new",
 ];
 
-/// How a folder's name says that it is a session; none if it may be a person's.
+/// Kind of session that a folder's name shows; none if it may be a person's.
 pub(super) fn session(name: &str) -> Option<Session> {
     if name.starts_with('.') {
         return Some(Session::Container);

@@ -15,15 +15,15 @@ const FILLED_IN: &str = "bridged";
 /// Columns of times and of devices, as rows are read.
 #[derive(Default)]
 pub(crate) struct Beside {
-    /// One by its name, or all that may be one where columns have no names.
+    /// The clock by its name, or all candidates where columns have no names.
     clocks: Vec<(usize, Clock)>,
     devices: Option<(usize, Devices)>,
-    /// Repeats are filled-in samples, and said to be.
+    /// Whether a column marks filled-in samples, which explain repeats.
     filled_in: bool,
 }
 
 impl Beside {
-    /// Finds them among the columns that are neither channel nor label.
+    /// Finds clocks and devices among the columns that are neither channel nor label.
     pub fn find(columns: &Columns) -> Self {
         let taken = |at: &usize| columns.channels.contains(at) || columns.label == Some(*at);
         let others: Vec<usize> = (0..columns.count).filter(|at| !taken(at)).collect();
@@ -45,7 +45,7 @@ impl Beside {
         }
     }
 
-    /// Takes the fields of a row.
+    /// Adds the fields of a row.
     pub fn push(&mut self, separator: Separator, fields: &[&str]) {
         for (at, clock) in &mut self.clocks {
             clock.push(&separator.number(fields[*at]));
@@ -55,7 +55,7 @@ impl Beside {
         }
     }
 
-    /// What they say of samples, one a row.
+    /// Judges samples, one per row, by these columns.
     ///
     /// # Errors
     /// When the rows are those of several armbands, or not at 200 Hz.
@@ -63,7 +63,7 @@ impl Beside {
         if let Some((_, devices)) = &self.devices {
             devices.judge()?;
         }
-        // Times before numbers of rows.
+        // Times take precedence over row numbers.
         let clocks = || self.clocks.iter().map(|(_, clock)| clock);
         let times = clocks().find(|clock| !clock.counts());
         let clock = times.or_else(|| clocks().next());

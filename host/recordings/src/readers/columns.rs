@@ -1,7 +1,8 @@
-//! Columns of a table of the user's own: by the names in its header, or eight alone.
+//! Columns of a user's own table: by the names in its header, or eight columns alone.
 //!
-//! Channels are eight numbered columns of one name (`emg_0` to `emg_7`, `EMG1` to `EMG8`); a label is in a column that is
-//! called so. Without a header a table needs eight columns, beside others at its ends that rise from row to row as times do.
+//! Channels are eight numbered columns of one name (`emg_0` to `emg_7`, `EMG1` to `EMG8`); a label is in a column that
+//! is called so. Without a header a table needs eight columns, beside others at its ends that rise from row to row as
+//! times do.
 
 use std::collections::BTreeMap;
 
@@ -32,10 +33,10 @@ const LABELS: [&str; 14] = [
 /// Words in the name of numbered columns that hold muscle activity.
 const CHANNEL_NAMES: [&str; 6] = ["emg", "ch", "channel", "chan", "electrode", "sensor"];
 
-/// Where the columns of a table are.
+/// Positions of the columns of a table.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Columns {
-    /// What separates the values of a row.
+    /// Separator of the values of a row.
     pub separator: Separator,
     /// Names, empty without a header.
     pub names: Vec<String>,
@@ -49,14 +50,14 @@ pub(crate) struct Columns {
     pub first_line: usize,
 }
 
-/// Why a text is no table that is read.
+/// Reason why a text is no table that is read.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Unlike {
-    /// What was found and what was expected.
+    /// Fault: what was found and what was expected.
     pub fault: Fault,
     /// Line of the fault.
     pub line: usize,
-    /// Whether it was meant as a recording, by its columns.
+    /// Whether its columns show that it was meant as a recording.
     pub is_meant: bool,
 }
 
@@ -91,7 +92,7 @@ impl Columns {
         }
     }
 
-    /// Column of this name, as it is written.
+    /// Position of the column of exactly this name.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|own| own == name)
     }
@@ -147,7 +148,7 @@ impl Columns {
         })
     }
 
-    /// Columns without names.
+    /// Columns of a table without names.
     fn bare(text: &str, line: usize) -> Result<Self, Unlike> {
         let Some(shape) = Shape::of(text) else {
             return Err(Unlike {
@@ -191,7 +192,7 @@ fn is_preface(row: &str) -> bool {
     table::is_note(row) && !names_channels
 }
 
-/// Whether a row is one of names.
+/// Whether a row consists of names.
 fn is_header(separator: Separator, fields: &[&str]) -> bool {
     let is_number = |field: &&&str| separator.number(field).parse::<f64>().is_ok();
     let numbers = fields.iter().filter(is_number).count();
@@ -221,7 +222,7 @@ struct Group {
     name: String,
     /// Column by number.
     columns: BTreeMap<usize, usize>,
-    /// Whether a number is there twice.
+    /// Whether a number occurs twice.
     is_doubled: bool,
 }
 
@@ -276,7 +277,7 @@ impl Group {
     }
 }
 
-/// The columns of the eight channels, or what there is instead.
+/// Columns of the eight channels, or a description of what there is instead.
 fn channels(groups: &[Group]) -> Result<[usize; CHANNELS], String> {
     let is_series = |group: &&Group| group.columns.len() >= CHANNELS / 2;
     let (muscle, others): (Vec<&Group>, Vec<&Group>) = groups

@@ -1,4 +1,4 @@
-//! What can be wrong with a file of recordings, and where.
+//! Errors of reading recordings, and the place of a fault.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ impl fmt::Display for Place {
 pub struct Damage {
     pub place: Place,
     pub fault: Fault,
-    /// The published copy has it too.
+    /// Whether the published copy has it too.
     pub as_published: bool,
 }
 
@@ -58,12 +58,12 @@ impl Damage {
         Self::at(Place::File, fault)
     }
 
-    /// The file has no meaning.
+    /// Damage of a file without meaning.
     pub const fn refused(finding: Finding) -> Self {
         Self::of_file(Fault::Refused { finding })
     }
 
-    /// The error, now that the file is known.
+    /// Error of this damage in a known file.
     pub fn in_file(self, path: &Path) -> LoadError {
         LoadError::Damaged {
             path: path.to_owned(),
@@ -94,7 +94,7 @@ pub enum LoadError {
     NoRecordings {
         /// File or folder that was searched.
         path: PathBuf,
-        /// What there is instead, in words.
+        /// Description of the files that there are instead.
         found: String,
     },
     /// A damaged file.
@@ -106,11 +106,11 @@ pub enum LoadError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Where in it.
+        /// Place in the file.
         place: Place,
-        /// What is wrong there.
+        /// Fault at that place.
         fault: Fault,
-        /// The published copy has the same damage: downloading it again does not help.
+        /// Whether the published copy has the same damage, so that downloading it again does not help.
         as_published: bool,
     },
 }

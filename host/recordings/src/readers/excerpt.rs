@@ -1,4 +1,4 @@
-//! Foreign text in messages: bounded, and without what a terminal would obey.
+//! Foreign text in messages: bounded, and without control characters for a terminal.
 
 /// Characters of a text that a message quotes.
 const QUOTED: usize = 60;
@@ -12,7 +12,7 @@ pub fn printable(text: &str) -> String {
     text.chars().flat_map(escaped).collect()
 }
 
-/// The first characters of a text, printable; with how many it has if that is not all.
+/// The first characters of a text, printable; with its length if there are more.
 pub(crate) fn excerpt(text: &str) -> String {
     match text.char_indices().nth(QUOTED) {
         None => printable(text),

@@ -1,11 +1,11 @@
-//! What can be wrong with a file of recordings, in words: what was expected, what was found, what to do.
+//! Faults of a file of recordings, in words: what was expected, what was found, what to do.
 
 use super::excerpt::excerpt;
 use super::separator::Separator;
 use crate::finding::Finding;
 use execution::file_kind::FileKind;
 
-/// What is wrong with a file.
+/// Fault of a file.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Fault {
     /// A row with another number of fields.
@@ -42,12 +42,12 @@ pub enum Fault {
         /// The label found.
         found: String,
     },
-    /// A placement of the armband that there is none of.
+    /// A placement of the armband that does not exist.
     #[error("expected a turn of 0..=7 and mirrored 0 or 1, found {turn} and {mirrored}")]
     Placement {
-        /// Places that it is turned by.
+        /// Places by which it is turned.
         turn: f64,
-        /// Whether it is on the other arm.
+        /// Value that is 1 if it is on the other arm.
         mirrored: f64,
     },
     /// An array of another shape or element type.
@@ -72,9 +72,9 @@ pub enum Fault {
     /// Labels and samples of different number.
     #[error("expected one label per sample, found {labels} labels for {samples} samples")]
     LabelCount {
-        /// Samples.
+        /// Number of samples.
         samples: usize,
-        /// Labels.
+        /// Number of labels.
         labels: usize,
     },
     /// The other file of a pair is not there.
@@ -85,15 +85,15 @@ pub enum Fault {
     Path {
         /// The data set.
         set: &'static str,
-        /// A path of it.
+        /// Example of a path of the set.
         example: &'static str,
     },
     /// A file of another kind.
     #[error("expected {expected}, found {found}")]
     Kind {
-        /// What would do.
+        /// Kinds that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// Kind of the file.
         found: FileKind,
     },
     /// Bytes that are no UTF-8.
@@ -108,9 +108,9 @@ pub enum Fault {
     Channels {
         /// The header.
         header: String,
-        /// What separates its names.
+        /// Separator of its names.
         separator: Separator,
-        /// What there is instead.
+        /// Description of the columns that there are instead.
         found: String,
     },
     /// Rows of another number of columns than eight, without a header.
@@ -121,7 +121,7 @@ pub enum Fault {
     Headerless {
         /// Columns of most rows.
         columns: usize,
-        /// What separates them.
+        /// Separator of the columns.
         separator: Separator,
     },
     /// Text without rows of numbers.
@@ -129,21 +129,21 @@ pub enum Fault {
         "expected rows of numbers separated by commas, semicolons, tabs or spaces, eight channels each, found other text"
     )]
     NoTable,
-    /// A csv without the column that is looked for.
+    /// A csv without a column of labels.
     #[error(
         "expected a header with one of the columns {expected}, found \"{}\"",
         excerpt(found)
     )]
     Column {
-        /// Names that would do.
+        /// Names that are accepted.
         expected: String,
         /// The first line.
         found: String,
     },
-    /// Nothing in the file.
+    /// A file without rows.
     #[error("expected one row per sample, found none")]
     Empty,
-    /// Not the JSON that the set publishes.
+    /// JSON of another structure than the set publishes.
     #[error("expected the set's JSON: {}", excerpt(_0))]
     Json(String),
     /// Bytes that are no MATLAB file that is read here.
@@ -166,15 +166,15 @@ pub enum Fault {
     /// Samples without meaning.
     #[error("{finding}; {}", finding.advice())]
     Refused {
-        /// What was found, with what to do.
+        /// Finding, with advice.
         finding: Finding,
     },
     /// Times that last too long.
     #[error("expected a recording of at most {most} s, found one of {seconds:.0} s")]
     Duration {
-        /// Longest recording.
+        /// Longest recording that is accepted, in seconds.
         most: f64,
-        /// From the first row to this one.
+        /// Seconds from the first row to this one.
         seconds: f64,
     },
     /// Times that go back or leave a gap.

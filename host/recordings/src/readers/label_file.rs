@@ -1,4 +1,4 @@
-//! One label per sample from a file: what `myointent score` compares.
+//! Labels from a file, one per sample, for `myointent score`.
 //!
 //! npy: one axis of class numbers or names, or (n, 9) in ReactEMG's layout. Text: one label per
 //! line, or csv with a header that names the column. A label is a class number, a name
@@ -15,10 +15,10 @@ use super::table;
 use execution::bounded_read;
 use execution::file_kind::FileKind;
 
-/// What the labels of a file are read as.
+/// Role of a file's labels.
 ///
-/// A csv may have columns for both. Neither is ever read as the other: a prediction scored against itself is
-/// always right.
+/// A csv may have columns for both. Neither is ever read as the other: a prediction scored against itself is always
+/// right.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Purpose {
     /// True labels.
@@ -42,8 +42,7 @@ impl Purpose {
 /// Reads the labels of a file.
 ///
 /// # Errors
-/// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first label that is
-/// none.
+/// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first invalid label.
 pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
     let bytes =
         bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
@@ -55,7 +54,7 @@ pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadEr
     parse(bytes, purpose).map_err(|damage| damage.in_file(path))
 }
 
-/// The same of its bytes.
+/// Parses the bytes of a file of labels.
 pub fn parse(bytes: &[u8], purpose: Purpose) -> Result<Vec<Option<Intent>>, Damage> {
     if FileKind::of(bytes) == FileKind::Npy {
         return not_empty(array(bytes)?);

@@ -4,7 +4,7 @@ use shared::intent::Intent;
 
 use super::error::Fault;
 
-/// A class number of the six, or -1 for none.
+/// Label of a class number, 0 to 5, or -1 for none.
 pub(crate) fn from_number(value: f64) -> Result<Option<Intent>, Fault> {
     let fault = || Fault::Label {
         expected: "-1, 0, 1, 2, 3, 4, 5",
@@ -20,7 +20,7 @@ pub(crate) fn from_number(value: f64) -> Result<Option<Intent>, Fault> {
         .ok_or_else(fault)
 }
 
-/// An intent's name, a class number, or for none `none`, -1 or an empty field.
+/// Label of an intent's name, of a class number, or for none of `none`, -1 or an empty field.
 pub(crate) fn from_text(text: &str) -> Result<Option<Intent>, Fault> {
     if text.is_empty() || text == "none" {
         return Ok(None);

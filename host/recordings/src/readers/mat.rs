@@ -1,7 +1,7 @@
 //! Numeric matrices of MATLAB 5 files (`.mat`, saved with `-v6` or `-v7`).
 //!
-//! Parsed by hand for the same reasons as npy; what is no real numeric matrix (text, cells, structures, objects)
-//! is passed over. Source: MathWorks, *MAT-File Format*, level 5.
+//! The format is parsed by hand for the same reasons as npy; anything but real numeric matrices (text, cells,
+//! structures, objects) is skipped. Source: MathWorks, *MAT-File Format*, level 5.
 
 use std::io::Read as _;
 
@@ -50,7 +50,7 @@ impl Matrix {
 /// The real numeric matrices of two axes in the bytes of a file, in their order.
 ///
 /// # Errors
-/// With the byte of the fault; without an allocation beyond the bound of a file.
+/// Damage with the byte of the fault. No allocation exceeds the bound of a file.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Matrix>, Damage> {
     let bad = |byte: usize, what: &str| Damage::at_byte(byte as u64, Fault::Mat(what.to_owned()));
     match bytes.get(124..HEAD) {
@@ -109,19 +109,19 @@ struct Element<'b> {
     data: &'b [u8],
 }
 
-/// Elements one after another.
+/// Reader of elements one after another.
 struct Elements<'b> {
     bytes: &'b [u8],
     at: usize,
 }
 
 impl<'b> Elements<'b> {
-    /// Where the next element starts, if there is one.
+    /// Position of the next element, if there is one.
     fn more(&self) -> Option<usize> {
         (self.at < self.bytes.len()).then_some(self.at)
     }
 
-    /// None at the end, or where the element is cut.
+    /// The next element; none at the end, or where the element is cut.
     fn next(&mut self) -> Option<Element<'b>> {
         let word = |at: usize| {
             let bytes = self.bytes.get(at..at.checked_add(4)?)?;

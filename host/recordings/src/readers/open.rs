@@ -1,4 +1,4 @@
-//! One file: which format it has, and the recordings in it.
+//! Recognition of one file's format, and the recordings in it.
 
 mod rows;
 
@@ -20,7 +20,7 @@ pub enum Found {
     Recordings(Vec<Recording>),
     /// Part of a recording whose samples are in another file.
     Part,
-    /// No recording that is read.
+    /// No recording that is read, and why.
     Nothing(Why),
 }
 
@@ -29,7 +29,7 @@ pub enum Found {
 pub struct Request<W> {
     /// Data sets that are wanted.
     pub wants: W,
-    /// It is the only file asked for: eight channels will do.
+    /// Whether it is the only file asked for: then any eight channels are read.
     pub alone: bool,
 }
 
@@ -56,7 +56,8 @@ fn extension(path: &Path) -> Option<&str> {
     extension.filter(|e| matches!(*e, "npy" | "csv" | "txt" | "dat" | "json" | "mat"))
 }
 
-/// Reads one file from its bytes if it is a recording of a data set that is wanted; files beside it are read from where `path` is.
+/// Reads one file from its bytes if it is a recording of a data set that is wanted; files beside it are read from the
+/// folder of `path`.
 pub fn of_bytes(
     path: &Path,
     bytes: &[u8],
@@ -98,7 +99,7 @@ pub fn of_bytes(
     }
 }
 
-/// What a recording may be.
+/// Files that are accepted, in words.
 const KINDS: &str = "a recording (csv, npy, mat, dat or json)";
 
 impl<W: Fn(DataSet) -> bool> Request<W> {
@@ -111,7 +112,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
             return Ok(Found::Nothing(Why::NotWanted));
         }
         let recordings = read()?;
-        // What is left of a damaged file may be a valid one, of no samples.
+        // What is left of a damaged file may be a valid file without samples.
         let empty = recordings.iter().find(|found| found.samples.is_empty());
         match empty {
             None => Ok(Found::Recordings(recordings)),
@@ -127,7 +128,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         self.several(data_set, || Ok(vec![read()?]))
     }
 
-    /// A file that is no recording: passed over, unless it is the one that was asked for.
+    /// Passes over a file that is no recording; refuses it if it is the one that was asked for.
     fn nothing(&self, path: &Path, found: FileKind) -> Result<Found, LoadError> {
         if self.alone {
             let fault = Fault::Kind {
@@ -140,7 +141,7 @@ impl<W: Fn(DataSet) -> bool> Request<W> {
         }
     }
 
-    /// Eight channels of no known set.
+    /// Reads eight channels of no known set if the file was asked for by its name; else passes over it.
     fn unknown(
         &self,
         read: impl FnOnce() -> Result<Vec<Recording>, LoadError>,

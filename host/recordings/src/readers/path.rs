@@ -55,8 +55,8 @@ const ARMS: [(bool, &[&str]); 2] = [
     ),
 ];
 
-/// Whether a file is named after the left arm: the name nearest to it that names an arm decides, of its own and those of
-/// four folders above.
+/// Whether a file is named after the left arm: the name nearest to it that names an arm decides, of its own and those
+/// of four folders above.
 pub(crate) fn left_arm(path: &Path) -> bool {
     let names = path.ancestors().take(5).filter_map(Path::file_name);
     let arm = |name: &std::ffi::OsStr| {

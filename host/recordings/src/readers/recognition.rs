@@ -1,9 +1,9 @@
-//! What the reader of each data set recognises its files by, in words.
+//! Properties that the reader of each data set recognises its files by, in words.
 
 use crate::recording::DataSet;
 
 impl DataSet {
-    /// What a file is recognised by as one of the set.
+    /// Properties that a file is recognised by as one of the set.
     #[must_use]
     pub const fn recognised_by(self) -> &'static str {
         match self {

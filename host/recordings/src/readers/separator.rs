@@ -1,4 +1,4 @@
-//! What separates the values of a row of text.
+//! Separator of the values of a row of text.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -19,7 +19,7 @@ pub enum Separator {
 }
 
 impl Separator {
-    /// Those that are no spaces, which names and decimals may hold: the first goes before the next.
+    /// Separators other than spaces, which names and decimals may hold, in order of precedence.
     const MARKS: [Self; 3] = [Self::Tab, Self::Semicolon, Self::Comma];
 
     /// The separator of a row: the mark that gives it eight fields, else most; spaces if it has none.
@@ -41,7 +41,7 @@ impl Separator {
         }
     }
 
-    /// A field as the text of a number: a decimal comma, where it separates nothing, becomes a point.
+    /// A field as the text of a number. A decimal comma becomes a point, where commas do not separate.
     pub fn number(self, field: &str) -> Cow<'_, str> {
         if self == Self::Comma || !field.contains(',') {
             Cow::Borrowed(field)

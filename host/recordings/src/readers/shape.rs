@@ -1,4 +1,4 @@
-//! Rows of numbers without a header: how many columns, and which of them are no muscle activity.
+//! Rows of numbers without a header: the number of columns, and those that are no muscle activity.
 
 use shared::units::CHANNELS;
 
@@ -10,10 +10,10 @@ const FIRST: usize = 20;
 /// Rows over which a column of times or row numbers must rise: muscle activity never does so long.
 const RISING: usize = 100;
 
-/// What the first rows of a table without a header have in common.
+/// Common properties of the first rows of a table without a header.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Shape {
-    /// What separates the values.
+    /// Separator of the values.
     pub separator: Separator,
     /// Numbers in most rows.
     pub columns: usize,
@@ -76,7 +76,7 @@ impl Shape {
     }
 }
 
-/// A row of numbers.
+/// Separator and values of a row of numbers; none if a field is no number.
 fn numbers(row: &str) -> Option<(Separator, Vec<f64>)> {
     let separator = Separator::of(row);
     let fields = separator.fields(row);

@@ -84,7 +84,8 @@ pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault
     Ok(sample)
 }
 
-/// Samples of a file as they are read: their scale is judged by all of them, before the first that is no count.
+/// Samples of a file as they are read. Their scale is judged by all of them, before the first that is no count is
+/// reported.
 #[derive(Default)]
 pub(crate) struct Samples {
     judge: Judge,
@@ -93,7 +94,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Takes a row's counts; `first_field` is where they start, `at` makes a fault that of its place.
+    /// Adds a row's counts; `first_field` is where they start, and `at` adds the place to a fault.
     pub fn push(&mut self, counts: &[f64], first_field: usize, at: impl FnOnce(Fault) -> Damage) {
         self.judge.push(counts);
         match sample(counts, first_field) {
@@ -104,10 +105,10 @@ impl Samples {
         }
     }
 
-    /// The samples.
+    /// Returns the samples.
     ///
     /// # Errors
-    /// Their scale if they are no counts; the first that is none; or that there are none.
+    /// A scale other than counts; else the first value that is no count; else that there are no samples.
     pub fn finish(self) -> Result<Vec<Sample>, Damage> {
         self.judge.finish().map_err(Damage::refused)?;
         match self.fault {

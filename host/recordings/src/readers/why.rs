@@ -6,15 +6,15 @@ use std::fmt;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Why {
-    /// By its ending: licences, notes, settings.
+    /// The ending is not that of recordings: licences, notes, settings.
     Ending,
     /// The content is in none of the layouts.
     Layout,
     /// Eight channels, but of no known set, and labels or person are unknown.
     UnknownSet,
-    /// Of a data set that is not wanted.
+    /// The data set is not wanted.
     NotWanted,
-    /// Another copy of what is read: untrimmed, or a copy of another person's file.
+    /// It is another copy of what is read: untrimmed, or a copy of another person's file.
     Copy,
 }
 

@@ -1,7 +1,7 @@
-//! Unpacks archives of anybody's: nothing leaves the folder, and nothing grows without bound.
+//! Unpacking of untrusted archives: nothing leaves the folder, and nothing grows without bound.
 //!
-//! Kinds are told by content. Links, devices and the like are left out and counted; a name that leads out of the folder
-//! refuses the whole archive, since whoever made it did not mean well.
+//! Kinds are recognised by content. Links, devices and the like are left out and counted. A name that leads out of the
+//! folder refuses the whole archive, which must be hostile.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek as _, SeekFrom};
@@ -12,17 +12,18 @@ use flate2::read::GzDecoder;
 use super::error::ArchiveError;
 use execution::file_kind::FileKind;
 
-/// What an archive may hold.
+/// Bounds of an archive's content.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    /// Files and folders.
+    /// Maximum number of files and folders.
     pub entries: u64,
-    /// Bytes of all files.
+    /// Maximum size of all files together, in bytes.
     pub bytes: u64,
 }
 
 impl Bounds {
-    /// Of an archive of some bytes: no text is compressed to less than a hundredth, a bomb to much less.
+    /// Bounds for an archive of this many bytes: text is never compressed to less than a hundredth, a bomb is to much
+    /// less.
     pub(super) fn of(archive: u64) -> Self {
         const RATIO: u64 = 100;
         const SMALL: u64 = 64 << 20;
@@ -34,12 +35,12 @@ impl Bounds {
     }
 }
 
-/// What came of an archive.
+/// Result of unpacking an archive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unpacked {
     /// Files written.
     pub files: u64,
-    /// Their bytes.
+    /// Bytes of these files.
     pub bytes: u64,
     /// Links and other entries that are no files, left out.
     pub left_out: u64,
@@ -156,7 +157,7 @@ impl Target<'_> {
                 tar::EntryType::Regular | tar::EntryType::Continuous => {
                     self.write(&name, &mut entry)?;
                 }
-                // What git writes before the files: the revision.
+                // Git writes the revision before the files.
                 tar::EntryType::XGlobalHeader => {}
                 _ => self.done.left_out += 1,
             }
@@ -195,7 +196,7 @@ impl Target<'_> {
                 refused(&path, source)
             }
         })?;
-        // Counted as they come, whatever the archive says of their number.
+        // Bytes are counted as they come, whatever number the archive states.
         let left = self.bounds.bytes - self.done.bytes;
         let copied = io::copy(&mut content.take(left + 1), &mut file);
         let copied = copied.map_err(|source| self.damaged(source))?;
@@ -227,7 +228,7 @@ fn refused(path: &Path, source: io::Error) -> ArchiveError {
 
 /// The path of an entry below the folder.
 fn inside(name: &str) -> Result<PathBuf, ArchiveError> {
-    /// Folders in folders.
+    /// Maximum depth of folders.
     const DEPTH: usize = 32;
     let escapes = || ArchiveError::Escapes {
         name: name.to_owned(),

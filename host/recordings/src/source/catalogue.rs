@@ -1,18 +1,18 @@
-//! Where each data set is published, and under which licence, as far as that is known (docs/recordings.md, docs/licences.md).
+//! Addresses and licences of the published data sets, as far as known (docs/recordings.md, docs/licences.md).
 
 use crate::DataSet;
 
-/// How a data set is obtained.
+/// Address from which a data set is obtained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Address {
     /// A record of Zenodo, by its number: it states its files, their checksums and its licence.
     Zenodo(u32),
-    /// A repository of GitHub (`owner/name`), as an archive of its default branch, which is made on demand: it has no checksum
-    /// and cannot be resumed.
+    /// A repository of GitHub (`owner/name`), as an archive of its default branch, which is made on demand: it has no
+    /// checksum and cannot be resumed.
     GitHub(&'static str),
     /// An archive, by its path on UCI's server.
     Uci(&'static str),
-    /// Nothing that a program can download; what to do instead.
+    /// No download for a program; what to do instead.
     ByHand(&'static str),
 }
 
@@ -21,15 +21,15 @@ pub enum Address {
 pub struct Source {
     /// The set.
     pub data_set: DataSet,
-    /// Page that a person reads.
+    /// Page for people.
     pub page: &'static str,
-    /// What a program downloads.
+    /// Address for programs.
     pub address: Address,
     /// Licence, and where that is stated.
     pub licence: &'static str,
 }
 
-/// What is said of sets whose licence nobody states.
+/// Licence of sets for which nobody states one.
 const NONE_STATED: &str = "none stated in the copy that was read: without a licence there is no permission to redistribute; read the page before use";
 
 /// Every published set, in the order of [`DataSet::ALL`].

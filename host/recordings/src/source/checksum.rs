@@ -11,9 +11,9 @@ use sha2::{Digest, Sha256};
 /// A checksum of a file, in lower-case hexadecimal digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Checksum {
-    /// As Zenodo publishes it: against damage, not against malice.
+    /// MD5, which Zenodo publishes: it shows damage, not malice.
     Md5(String),
-    /// As it is printed of what was downloaded.
+    /// SHA-256, which is printed for every download.
     Sha256(String),
 }
 

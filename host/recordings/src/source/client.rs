@@ -1,4 +1,4 @@
-//! The client of HTTP.
+//! HTTP client.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use super::error::FetchError;
 /// Longest wait for a connection, and for the first line of an answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A client for an address; nothing that begins with TLS goes on without.
+/// Client for an address; an `https` address is never left for one without TLS.
 pub(super) fn agent(url: &str) -> Agent {
     let config = Agent::config_builder()
         .http_status_as_error(false)
@@ -26,12 +26,12 @@ pub(super) fn agent(url: &str) -> Agent {
     config.build().new_agent()
 }
 
-/// Whether an address is of this machine.
+/// Whether an address is on this machine.
 fn is_here(url: &str) -> bool {
     url.starts_with("http://127.0.0.1:") || url.starts_with("http://localhost:")
 }
 
-/// What a request that got no answer means.
+/// Error of a request that got no answer.
 pub(super) fn request_error(url: &str, error: &ureq::Error) -> FetchError {
     let host = url.split('/').nth(2).unwrap_or(url);
     FetchError::NoNetwork {

@@ -14,7 +14,7 @@ pub enum FetchError {
     NoNetwork {
         /// The server.
         host: String,
-        /// What the system said.
+        /// Reason that the system gave.
         reason: String,
     },
     /// The server has no such file.
@@ -24,7 +24,7 @@ pub enum FetchError {
     NotFound {
         /// Address.
         url: String,
-        /// Status of HTTP.
+        /// HTTP status.
         status: u16,
         /// Page of the data set.
         page: String,
@@ -34,7 +34,7 @@ pub enum FetchError {
     Status {
         /// Address.
         url: String,
-        /// Status of HTTP.
+        /// HTTP status.
         status: u16,
     },
     /// The connection broke again and again.
@@ -48,10 +48,10 @@ pub enum FetchError {
         received: u64,
         /// The whole length, in words, if it is known.
         of: String,
-        /// What broke.
+        /// Reason of the last break.
         reason: String,
     },
-    /// More than was announced, or than any data set has.
+    /// The server sends more than it announced, or than any data set has.
     #[error("{url}: sends more than {most} bytes; nothing of it is kept")]
     TooLong {
         /// Address.
@@ -66,9 +66,9 @@ pub enum FetchError {
     Checksum {
         /// File.
         file: String,
-        /// Published.
+        /// Published checksum.
         expected: Checksum,
-        /// Computed.
+        /// Computed checksum.
         found: Checksum,
     },
     /// The record of Zenodo is not what its interface promises.
@@ -76,25 +76,25 @@ pub enum FetchError {
     Record {
         /// Address.
         url: String,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// The archive cannot be unpacked.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
-    /// The archive is of something else.
+    /// The archive holds other files.
     #[error(
         "expected recordings of {data_set} ({expected}), found {found}: is it the right archive? Nothing of it is kept"
     )]
     OtherContent {
         /// The data set that was asked for.
         data_set: &'static str,
-        /// What its files are recognised by.
+        /// Properties that its files are recognised by.
         expected: &'static str,
-        /// What there is instead.
+        /// Description of what there is instead.
         found: String,
     },
-    /// There is something already.
+    /// The folder of the data set exists.
     #[error("{path} exists: remove it, or choose another folder with --to", path = path.display())]
     Exists {
         /// Folder of the data set.
@@ -105,7 +105,7 @@ pub enum FetchError {
     Io {
         /// File or folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         source: io::Error,
     },
 }
@@ -123,15 +123,15 @@ impl FetchError {
 /// Why an archive is not unpacked. Nothing of it is left.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
-    /// Neither kind of archive.
+    /// The file is neither kind of archive.
     #[error("{archive}: expected a zip, tar or tar.gz archive, found {found}", archive = archive.display())]
     Kind {
         /// The file.
         archive: PathBuf,
-        /// What it is.
+        /// Kind of the file.
         found: FileKind,
     },
-    /// A name that leads out of the folder, or that no file system takes.
+    /// A name leads out of the folder, or is one that no file system takes.
     #[error(
         "the archive has a file named {name:?}, which leads out of its folder: nothing of it is unpacked"
     )]
@@ -139,26 +139,26 @@ pub enum ArchiveError {
         /// The name.
         name: String,
     },
-    /// Two files of one name.
+    /// Two files have one name.
     #[error("the archive has {name:?} twice: nothing of it is unpacked")]
     Twice {
         /// The name.
         name: String,
     },
-    /// More than any data set has, or than such an archive can honestly hold.
+    /// The archive holds more than any data set has, or than such an archive can honestly hold.
     #[error("the archive holds more than {most} {what}: nothing of it is unpacked")]
     TooLarge {
         /// Bound.
         most: u64,
-        /// Of what.
+        /// Unit of the bound.
         what: &'static str,
     },
-    /// It is damaged, encrypted, or of a kind of compression that is not known.
+    /// The archive is damaged, encrypted, or of an unknown kind of compression.
     #[error("{archive}: {source}", archive = archive.display())]
     Damaged {
         /// The file.
         archive: PathBuf,
-        /// What the library says.
+        /// Error of the library.
         source: io::Error,
     },
     /// The file system refuses.
@@ -166,7 +166,7 @@ pub enum ArchiveError {
     Io {
         /// File or folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         source: io::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! Published data sets: where they are, their download, and putting an archive in place.
+//! Published data sets: their addresses, download and unpacking.
 
 mod archive;
 mod catalogue;
@@ -23,18 +23,18 @@ use super::recording::DataSet;
 use execution::bounded_read::regular;
 use execution::progress;
 
-/// A file that has come whole.
+/// A file that was received completely.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Received {
     /// The file.
     pub path: PathBuf,
     /// Whether a published checksum was compared.
     pub verified: bool,
-    /// SHA-256 of what came.
+    /// SHA-256 of the file.
     pub sha256: Checksum,
 }
 
-/// Downloads the files of a plan into a folder; what is there in part is continued.
+/// Downloads the files of a plan into a folder; files that are there in part are continued.
 ///
 /// # Errors
 /// When a file cannot be had whole, or is not the published one.
@@ -67,11 +67,12 @@ fn one(of: &Download, source: &Source, folder: &Path) -> Result<Received, FetchE
     })
 }
 
-/// Puts archives, and files that are none, into a new folder: unpacked beside it first, and renamed when whole and with a
-/// recording of the data set.
+/// Unpacks archives, and copies other files, into a new folder. They are put beside it first, and renamed when complete
+/// and with a recording of the data set.
 ///
 /// # Errors
-/// When the folder is there already, a file cannot be unpacked, or none is a recording of the set; nothing is left then.
+/// When the folder is there already, a file cannot be unpacked, or none is a recording of the set; nothing is left
+/// then.
 pub fn put_in_place(
     files: &[PathBuf],
     folder: &Path,
@@ -93,7 +94,7 @@ pub fn put_in_place(
     });
     if renamed.is_err() {
         let _ = fs::remove_dir_all(&beside);
-        // As it was; a folder that somebody has put something into meanwhile stays.
+        // Restores the state before; a folder with other content by now stays.
         let _ = above.map(fs::remove_dir);
     }
     renamed

@@ -1,4 +1,4 @@
-//! What is to be downloaded for a data set.
+//! Downloads of a data set.
 
 use std::io::Read as _;
 
@@ -9,10 +9,10 @@ use super::checksum::Checksum;
 use super::client::{agent, request_error};
 use super::error::FetchError;
 
-/// Most bytes of a record of Zenodo.
+/// Maximum size of a Zenodo record, in bytes.
 const RECORD: u64 = 4 << 20;
 
-/// The servers; those of a test are its own.
+/// Addresses of the servers; a test has its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Servers {
     /// Zenodo.
@@ -46,19 +46,19 @@ pub struct Download {
     pub checksum: Option<Checksum>,
 }
 
-/// What is to be downloaded, under which licence.
+/// Downloads of a data set, and their licence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// The licence that the publisher states where the files are; none without one.
+    /// Licence that the publisher states with the files, if there is one.
     pub stated_licence: Option<String>,
     /// The files; empty for what is obtained by hand.
     pub downloads: Vec<Download>,
 }
 
-/// Asks the publisher, where it states what there is, and says what to download.
+/// Plans the downloads of a data set. Zenodo is asked for its record.
 ///
 /// # Errors
-/// When Zenodo cannot be reached, or its record is not one.
+/// When Zenodo cannot be reached, or its record is invalid.
 pub fn plan(source: &Source, servers: &Servers) -> Result<Plan, FetchError> {
     let alone = |url: String, file: String| Plan {
         stated_licence: None,

@@ -7,14 +7,15 @@ use std::sync::{Arc, Mutex};
 use super::*;
 use crate::{LoadOptions, load};
 
-/// A server that answers each request as it is told to; one connection a request.
+/// A server with given answers; one connection a request.
 struct Server {
     address: String,
     requests: Arc<Mutex<Vec<String>>>,
 }
 
 impl Server {
-    /// `answer` gets the head of a request and its number, from 0 on, and gives all bytes before the connection is closed.
+    /// Starts a server. `answer` gets the head of a request and its number, from 0 on, and gives all bytes before the
+    /// connection is closed.
     fn start(answer: impl Fn(&str, usize) -> Vec<u8> + Send + 'static) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = format!("http://{}", listener.local_addr().unwrap());
@@ -76,13 +77,13 @@ fn answer(status: &str, headers: &str, body: &[u8]) -> Vec<u8> {
     [head.as_bytes(), body].concat()
 }
 
-/// 200 with the whole content, of which only the first bytes may be sent.
+/// Answer 200 with the whole content, of which only the first `sent` bytes may be sent.
 fn whole(content: &[u8], sent: usize) -> Vec<u8> {
     let headers = format!("content-length: {}\r\netag: \"one\"\r\n", content.len());
     answer("200 OK", &headers, &content[..sent])
 }
 
-/// 206 with what a request asks for, of which only so many bytes may be sent.
+/// Answer 206 with what a request asks for, of which only the first `sent` bytes may be sent.
 fn rest(content: &[u8], request: &str, sent: usize) -> Vec<u8> {
     let from = request.split("range: bytes=").nth(1).unwrap();
     let from: usize = from.split('-').next().unwrap().parse().unwrap();

@@ -1,7 +1,7 @@
 //! One file over HTTP: resumed after a break, and bounded.
 //!
-//! What has come is kept as `FILE.partial`, and beside it what the server said of the file, so that a later command
-//! continues where this one stopped, unless the file has changed meanwhile.
+//! Received bytes are kept as `FILE.partial`, with what the server said of the file beside it. A later command
+//! continues where this one stopped, unless the file has changed.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read as _, Write as _};
@@ -16,38 +16,38 @@ use super::client::{agent, request_error};
 use super::error::FetchError;
 use super::plan::Download;
 
-/// Most bytes of one file.
+/// Maximum size of one file, in bytes.
 const MOST: u64 = 32 << 30;
-/// How often a connection that gives nothing is tried again before the command ends.
+/// Consecutive attempts without new bytes after which the command ends.
 const TRIES: usize = 4;
-/// Pause before it is, times the number of tries.
+/// Pause before the next attempt, times the number of these attempts.
 const PAUSE: Duration = Duration::from_millis(if cfg!(test) { 5 } else { 500 });
 
-/// What an answer's status promises of its body.
+/// Content of an answer, by its status.
 enum Answer {
     /// The file from its beginning.
     Whole(Response<ureq::Body>),
-    /// The rest of it.
+    /// The rest of the file.
     Rest(Response<ureq::Body>),
     /// There is no rest: what was kept is no part of the file.
     Nothing,
 }
 
-/// What is known of a file that has come in part.
+/// Notes on a file that was received in part.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Known {
     url: String,
-    /// `ETag` or `Last-Modified`: the file is the same as long as it is.
+    /// `ETag` or `Last-Modified`: the file is unchanged as long as this is.
     version: Option<String>,
-    /// Whole length.
+    /// Length of the whole file in bytes.
     total: Option<u64>,
 }
 
-/// A file on its way.
+/// Download of one file.
 pub(super) struct Transfer<'a> {
     of: &'a Download,
     page: &'a str,
-    /// Where it ends up.
+    /// Path of the complete file.
     whole: PathBuf,
     partial: PathBuf,
     notes: PathBuf,
@@ -75,8 +75,8 @@ impl<'a> Transfer<'a> {
     /// Downloads the file, or the rest of it, and returns its path.
     ///
     /// # Errors
-    /// When the server cannot be reached, has no such file, sends too much, or breaks off again and again; what has come
-    /// is kept.
+    /// When the server cannot be reached, has no such file, sends too much, or breaks off again and again; what has
+    /// come is kept.
     pub(super) fn run(&self) -> Result<PathBuf, FetchError> {
         if self.whole.exists() {
             return Ok(self.whole.clone());
@@ -87,7 +87,7 @@ impl<'a> Transfer<'a> {
             match self.attempt() {
                 Ok(()) => break,
                 Err(error @ (FetchError::Broken { .. } | FetchError::Status { .. })) => {
-                    // What brings something may go on as long as it does.
+                    // An attempt that brings new bytes starts the count anew.
                     fruitless = if self.received() > before {
                         1
                     } else {
@@ -107,12 +107,12 @@ impl<'a> Transfer<'a> {
         Ok(self.whole.clone())
     }
 
-    /// Bytes that are kept.
+    /// Number of bytes that are kept.
     fn received(&self) -> u64 {
         fs::metadata(&self.partial).map_or(0, |metadata| metadata.len())
     }
 
-    /// What is known of the kept bytes; none if they are of another address.
+    /// Notes on the kept bytes; none if they are of another address.
     fn known(&self) -> Option<Known> {
         let text = fs::read_to_string(&self.notes).ok()?;
         let known: Known = serde_json::from_str(&text).ok()?;
@@ -153,7 +153,7 @@ impl<'a> Transfer<'a> {
         })?;
         match response.status().as_u16() {
             200 => Ok(Answer::Whole(response)),
-            // What continues elsewhere than asked for is not used.
+            // A range other than the one asked for is not used.
             206 if kept > 0 && starts_at(&response) == Some(kept) => Ok(Answer::Rest(response)),
             206 | 416 => Ok(Answer::Nothing),
             status @ (404 | 410) => Err(FetchError::NotFound {
@@ -176,7 +176,7 @@ impl<'a> Transfer<'a> {
         let known = Known {
             url: self.of.url.clone(),
             version: header(&response, "etag")
-                // A weak one promises no equal bytes.
+                // A weak tag promises no equal bytes.
                 .filter(|own| !own.starts_with("W/"))
                 .or_else(|| header(&response, "last-modified")),
             total,
@@ -254,7 +254,7 @@ fn header(response: &Response<ureq::Body>, name: &str) -> Option<String> {
     Some(value.to_str().ok()?.to_owned())
 }
 
-/// Whether the server was there, and broke off.
+/// Whether the connection broke off after the server was reached.
 const fn is_break(error: &ureq::Error) -> bool {
     matches!(error, ureq::Error::Protocol(_))
 }

@@ -16,7 +16,7 @@ use crate::labels::runs::runs;
 
 /// Samples of a crop of a steady hold: 0.6 to 3 s.
 pub(super) const HOLD: Range<usize> = 120..601;
-/// How often rest comes between two steady gestures.
+/// Chance of rest between two steady gestures.
 const REST_BETWEEN: f64 = 0.6;
 
 /// Recordings of one steady label, by label; none is movement outside the vocabulary.

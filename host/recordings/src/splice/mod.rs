@@ -1,4 +1,4 @@
-//! Breaks order and rhythm: the same holds and transitions, in random order and of random length.
+//! Splicing breaks order and rhythm: the same holds and transitions, in random order and of random length.
 //!
 //! `roshambo` always cues rock, paper, scissor, two seconds each and one of rest: a window of 3 s
 //! learns to predict the next gesture from the order. Spliced, only the muscle activity predicts it.
@@ -30,7 +30,7 @@ use super::seed;
 pub struct SpliceOptions {
     /// Samples of every spliced recording.
     pub samples: usize,
-    /// Spliced recordings of every subject.
+    /// Number of spliced recordings of every subject.
     pub count: usize,
     /// Whether movement outside the vocabulary is a class: it is marked, and steady holds of it are used.
     pub other: bool,
@@ -38,8 +38,8 @@ pub struct SpliceOptions {
     pub seed: u64,
 }
 
-/// Splices every subject's labelled recordings; pass recordings of one data set with lag-compensated labels, whose [`Recording::other_movement`] is
-/// all movement outside the vocabulary.
+/// Splices every subject's labelled recordings. Pass recordings of one data set with lag-compensated labels, whose
+/// [`Recording::other_movement`] is all movement outside the vocabulary.
 ///
 /// Returns `count` recordings, `spliced-0` and on, for each subject with at least one usable
 /// transition or two different steady holds, in alphabetical order of subjects. Their path is

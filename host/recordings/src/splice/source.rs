@@ -1,4 +1,4 @@
-//! What is cut from, and what the cuts are joined to.
+//! Sources of the cuts, and the cuts joined so far.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::recording::Recording;
 /// A recording with the labels that the pieces carry.
 pub(super) struct Source<'a> {
     samples: &'a [Sample],
-    /// None in movement outside the vocabulary, so that it is spliced like a gesture and not like rest.
+    /// Labels; none in movement outside the vocabulary, so that it is spliced like a gesture and not like rest.
     pub labels: Vec<Option<Intent>>,
     /// Movement outside the vocabulary, in order; empty if it is no class.
     other: Vec<Movement>,
@@ -32,7 +32,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether all of it is movement outside the vocabulary that is a class.
+    /// Whether the whole source is movement outside the vocabulary that is a class.
     pub fn is_other_movement(&self) -> bool {
         let covered: usize = self.other.iter().map(|m| m.samples.len()).sum();
         covered > 0 && covered >= self.labels.len()

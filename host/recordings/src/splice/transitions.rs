@@ -19,7 +19,7 @@ use crate::labels::runs::{Run, runs};
 
 /// Chance that a steady hold of the current label comes before the next transition.
 const STEADY: f64 = 0.3;
-/// Samples of a crop of it: 1 to 5 s.
+/// Samples of a crop of such a hold: 1 to 5 s.
 const STEADY_FOR: Range<usize> = 200..1000;
 
 /// One transition and the places where it may be cut.
@@ -75,7 +75,7 @@ pub(super) fn walk(
     let mut joined = Joined::default();
     let mut label = pieces.choose(random)?.from;
     while joined.samples.len() < samples {
-        // Longer than any cued run: in daily use rest lasts.
+        // A hold may be longer than any cued run, as rest in daily use is.
         if let Some(steady) = holds.get(&label)
             && random.random_bool(STEADY)
         {

@@ -1,4 +1,4 @@
-//! Who gets which role: lists first, then the committed circles, then a draw.
+//! Assignment of people to roles: by lists, else by `host/recordings/people.toml`, else by a draw.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,28 +10,29 @@ use super::{Split, folds};
 use crate::recording::{DataSet, Recording};
 use crate::seed;
 
-/// How roles are assigned.
+/// Settings of an assignment of roles.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Assignment<'a> {
     /// Seed of every draw. A data set's draw does not depend on the others.
     pub seed: u64,
     /// Subjects and whole data sets to hold out.
     pub held_out: &'a [String],
-    /// Share of a set's subjects to hold out where neither list nor circles say who.
+    /// Share of a set's subjects to hold out where neither list nor `host/recordings/people.toml` names any.
     pub held_out_share: f64,
     /// Subjects and whole data sets to validate with.
     pub validation: &'a [String],
-    /// Share of a set's subjects to validate with where neither list nor circles say who.
+    /// Share of a set's subjects to validate with where neither list nor `host/recordings/people.toml` names any.
     pub validation_share: f64,
-    /// Whether the committed circles of development assign roles too: not in a cross-validation, whose folds are listed.
+    /// Whether `host/recordings/people.toml` assigns development people too: not in a cross-validation, whose folds are
+    /// listed.
     pub circles: bool,
 }
 
 /// Assigns the subjects of the recordings to their roles.
 ///
-/// In each data set the listed subjects are held out and validated with. A set without a listed subject takes those of
-/// the committed [`Circles`]; one that these do not name draws its share, at least one subject, from three subjects on.
-/// Test people have no role but that of test, unless they are listed as held out.
+/// Each data set holds out and validates with its listed subjects. A set without a listed subject takes those of
+/// `host/recordings/people.toml` ([`Circles`]). A set that this does not name draws its share, at least one subject, from three
+/// subjects on. Test people have no other role, unless they are listed as held out.
 ///
 /// # Errors
 /// See [`SplitError`].
@@ -68,7 +69,7 @@ pub fn assign<'r>(
             order.truncate(count);
             order
         };
-        // Whoever is listed to validate is not drawn to be held out.
+        // People listed for validation are not drawn to be held out.
         let reserved = take(&mut rest, |subject| listed_in.contains(subject));
         let held_out = choose(
             &mut rest,
@@ -106,7 +107,8 @@ pub fn assign<'r>(
     Ok(split)
 }
 
-/// Takes the subjects of one role out of `rest`: those listed, else those of the circle, else those drawn.
+/// Takes the subjects of one role out of `rest`: those listed, else those of `host/recordings/people.toml`, else those
+/// drawn.
 fn choose<'s>(
     rest: &mut Vec<&'s str>,
     listed: &BTreeSet<&str>,

@@ -1,4 +1,4 @@
-//! The three circles of people: training, development, test. Named once, in `host/people.toml`, for every preset.
+//! Training, development and test people: named once, in `host/recordings/people.toml`, for every preset.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -11,13 +11,13 @@ use crate::recording::DataSet;
 #[derive(Clone, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Circles {
-    /// Development: choose the checkpoint and the aggregation mode.
+    /// Development people who choose the checkpoint and the aggregation mode.
     #[serde(default)]
     pub checkpoint: Vec<String>,
-    /// Development: settings are chosen by their scores.
+    /// Development people by whose scores settings are chosen.
     #[serde(default)]
     pub settings: Vec<String>,
-    /// Looked at once a release.
+    /// Test people, evaluated once a release.
     #[serde(default)]
     pub test: Vec<String>,
 }
@@ -27,20 +27,20 @@ static COMMITTED: LazyLock<BTreeMap<String, Circles>> = LazyLock::new(|| {
 });
 
 impl Circles {
-    /// The committed circles of a data set; none for sets that the file does not name.
+    /// Development and test people of a data set; none for sets that the file does not name.
     #[must_use]
     pub fn of(data_set: DataSet) -> Option<&'static Self> {
         COMMITTED.get(data_set.name())
     }
 
-    /// The committed circles of all data sets, by the sets' names.
+    /// Development and test people of all data sets, by the sets' names.
     #[must_use]
     pub fn all() -> &'static BTreeMap<String, Self> {
         &COMMITTED
     }
 }
 
-/// Whether a subject (`data-set/subject`) belongs to the test circle.
+/// Whether a subject (`data-set/subject`) is a test person.
 #[must_use]
 pub fn is_test(subject: &str) -> bool {
     let (set, _) = subject.split_once('/').unwrap_or_default();
@@ -49,7 +49,7 @@ pub fn is_test(subject: &str) -> bool {
         .is_some_and(|circles| in_circle(&circles.test, subject))
 }
 
-/// Whether a subject (`data-set/subject`) is a training person: of a set that the file names, and in none of its lists.
+/// Whether a subject (`data-set/subject`) is a training person: in none of the lists of a set that the file names.
 #[must_use]
 pub fn is_training(subject: &str) -> bool {
     let (set, _) = subject.split_once('/').unwrap_or_default();
@@ -59,7 +59,7 @@ pub fn is_training(subject: &str) -> bool {
     })
 }
 
-/// Whether a subject (`data-set/subject`) is one of a circle's people.
+/// Whether a list names a subject (`data-set/subject`).
 pub(super) fn in_circle(circle: &[String], subject: &str) -> bool {
     let person = subject
         .split_once('/')

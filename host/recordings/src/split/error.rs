@@ -8,9 +8,9 @@ pub enum SplitError {
         "{list} names {name:?}, which is no subject and no data set of these recordings; nearest: {nearest}"
     )]
     Unknown {
-        /// The list.
+        /// Name of the list.
         list: &'static str,
-        /// The name.
+        /// The unknown name.
         name: String,
         /// Known names that resemble it most.
         nearest: String,
@@ -18,9 +18,9 @@ pub enum SplitError {
     /// One subject in two lists.
     #[error("{0} is listed in data.held_out and in data.validation: take it from one list")]
     TwoRoles(String),
-    /// A test person who shall choose the checkpoint.
+    /// A test person listed for validation.
     #[error(
-        "{0} is a test person (host/people.toml) and cannot validate: name another in data.validation"
+        "{0} is a test person (host/recordings/people.toml) and cannot validate: name another in data.validation"
     )]
     TestPerson(String),
     /// No subject left to train on.

@@ -12,9 +12,9 @@ use crate::seed;
 /// A cross-validation protocol: every subject is held out in one of its folds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Protocol {
-    /// One subject of each data set a fold, in as many folds as the largest set has subjects.
+    /// One subject of each data set per fold, in as many folds as the largest set has subjects.
     LeaveOneSubjectOut,
-    /// A group of subjects a fold, in this number of folds: where training once per subject costs too much.
+    /// A group of subjects per fold, in this number of folds: for models that cost too much to train once per subject.
     LeaveGroupsOut(usize),
 }
 

@@ -1,4 +1,4 @@
-//! Split of subjects into roles. Whole people, never files.
+//! Split of people into roles. A person's recordings are never divided.
 //!
 //! Recordings of one person resemble each other far more than those of two people; a split by file
 //! would measure recognition of a person.
@@ -12,29 +12,29 @@ pub use self::assignment::{Assignment, assign, expand};
 pub use self::error::SplitError;
 use super::recording::Recording;
 
-/// What a subject is used for.
+/// Role of a subject.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Role {
-    /// Weights are trained on it.
+    /// Subject whom weights are trained on.
     Training,
-    /// Its loss selects the checkpoint.
+    /// Subject whose loss selects the checkpoint.
     Validation,
-    /// Evaluated, never trained or validated on.
+    /// Subject who is evaluated, never trained or validated on.
     HeldOut,
-    /// Evaluated once a release, never trained or validated on.
+    /// Subject who is evaluated once a release, never trained or validated on.
     Test,
 }
 
 /// Subjects by role, each list in alphabetical order; no subject is in two.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Split {
-    /// Trained on.
+    /// Subjects whom weights are trained on.
     pub training: Vec<String>,
-    /// Select the checkpoint.
+    /// Subjects who select the checkpoint.
     pub validation: Vec<String>,
-    /// Evaluated.
+    /// Subjects who are evaluated.
     pub held_out: Vec<String>,
-    /// Evaluated once a release.
+    /// Subjects who are evaluated once a release.
     #[serde(default)]
     pub test: Vec<String>,
 }

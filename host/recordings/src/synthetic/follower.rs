@@ -1,4 +1,4 @@
-//! A simulated person who is asked for one thing after another, as it comes.
+//! A simulated person who follows cues that come one after another.
 
 use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
@@ -8,13 +8,13 @@ use super::SynthOptions;
 use super::wearer::{Muscle, Wearer};
 use crate::seed::generator;
 
-/// A person who does what is asked for, a reaction time later.
+/// A person who follows cues, a reaction time later.
 pub struct Follower {
     wearer: Wearer,
     muscle: Muscle,
     random: ChaCha8Rng,
     intent: Intent,
-    /// What was asked for last, and samples until the muscle begins with it.
+    /// The last cue; `wait` is the number of samples until the muscle follows it.
     asked: Intent,
     wait: usize,
 }
@@ -43,7 +43,7 @@ impl Follower {
         }
     }
 
-    /// The next sample, while this is asked for.
+    /// Next sample, while `asked` is cued.
     pub fn sample(&mut self, asked: Intent) -> Sample {
         if asked != self.asked {
             self.asked = asked;
@@ -58,7 +58,7 @@ impl Follower {
             .sample(&self.wearer, self.intent, &mut self.random)
     }
 
-    /// What the muscle does now.
+    /// Intent that the muscle follows now.
     #[must_use]
     pub const fn intent(&self) -> Intent {
         self.intent

@@ -28,9 +28,9 @@ use execution::run_folder::{RunError, write_whole};
 /// Number, length and content of synthetic recordings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SynthOptions {
-    /// People, `s1` and on.
+    /// Number of people, `s1` and on.
     pub subjects: usize,
-    /// Recordings of each.
+    /// Number of recordings of each.
     pub recordings: usize,
     /// Seconds of each recording.
     pub seconds: usize,
@@ -70,7 +70,7 @@ pub fn generate(options: &SynthOptions) -> Vec<Recording> {
 /// A further column `synthetic_muscle` holds the intent that the muscle follows at each sample.
 ///
 /// # Errors
-/// With the path that could not be written.
+/// [`RunError`] with the path that could not be written.
 pub fn write(options: &SynthOptions, folder: &Path) -> Result<Vec<PathBuf>, RunError> {
     simulate(options)
         .map(|(recording, muscle)| {

@@ -14,7 +14,7 @@ const REST: f64 = 2.0;
 pub(super) const BIAS: f64 = -1.0;
 /// Weight of the previous innovation: neighbouring samples then correlate at -0.25.
 const COLOUR: f64 = -0.268;
-/// How much of an electrode's signal its neighbours on either side see.
+/// Share of an electrode's signal that its neighbours on either side receive.
 const CROSSTALK: f64 = 0.2;
 /// Ramps of the muscle, in samples: rising 60 to 160 ms, falling 100 to 260 ms.
 const RISE: Range<usize> = 12..33;
@@ -28,7 +28,7 @@ fn normal(random: &mut impl Rng) -> f64 {
 pub(super) struct Wearer {
     /// Amplitude in counts by intent and electrode.
     patterns: [[f64; CHANNELS]; Intent::ALL.len()],
-    /// From the cue to the start of the ramp, in samples.
+    /// Time from the cue to the start of the ramp, in samples.
     delay: f64,
 }
 
@@ -71,7 +71,7 @@ impl Wearer {
         (self.delay + 10.0 * normal(random)).clamp(0.0, 180.0) as usize
     }
 
-    /// The cues, every change later by this person's delay and some chance.
+    /// Intents of the muscle: the cues, every change later by this person's delay and some chance.
     fn follow(&self, cues: &[Intent], random: &mut impl Rng) -> Vec<Intent> {
         let mut muscle = cues.to_vec();
         for change in (1..cues.len()).filter(|&at| cues[at] != cues[at - 1]) {
@@ -84,13 +84,13 @@ impl Wearer {
     }
 }
 
-/// What the muscle does, from sample to sample.
+/// State of the muscle from sample to sample.
 pub(super) struct Muscle {
     intent: Intent,
     /// Amplitudes now, and when the intent changed.
     level: [f64; CHANNELS],
     from: [f64; CHANNELS],
-    /// Samples since that change, and until the new amplitude is reached.
+    /// Samples since that change; `ramp` is the number until the new amplitude is reached.
     since: usize,
     ramp: usize,
     tremor: f64,

@@ -1,4 +1,4 @@
-//! Which baselines there are: their names and files.
+//! The paper's baselines: names and files.
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub(crate) enum Baseline {
 }
 
 impl Baseline {
-    /// All five, in the order of the tables.
+    /// All five baselines, in the order of the tables.
     pub(crate) const ALL: [Self; 5] = [Self::Lda, Self::Mlp, Self::Lstm, Self::EdTcn, Self::TraHgr];
 
     /// Name in tables.
@@ -63,8 +63,8 @@ impl Baseline {
         }
     }
 
-    /// Whether it has logits for past patches of its window too, which a look-ahead needs. The others
-    /// classify the newest sample only.
+    /// Whether the baseline has logits for past patches of its window, too, which a look-ahead needs. The others classify
+    /// only the newest sample.
     pub(crate) const fn looks_back(self) -> bool {
         matches!(self, Self::Lstm | Self::EdTcn)
     }

@@ -21,12 +21,12 @@ use training::run::context::RunContext;
 use training::run::evaluate::if_own;
 use training::weights::Weights as _;
 
-/// Windows that are predicted at once.
+/// Number of windows that are predicted at once.
 const BATCH: usize = 256;
 
-/// A model that predicts from features.
+/// Model that predicts from features.
 trait Predict: Send + Sync {
-    /// Logits `[windows][frames][classes]`, one input per window.
+    /// Computes logits `[windows][frames][classes]`, from one input per window.
     fn predict(&self, inputs: Vec<Vec<f32>>) -> Vec<f32>;
 }
 
@@ -36,7 +36,7 @@ impl Predict for Lda {
     }
 }
 
-/// A network and the device that holds its weights.
+/// Network and the device that holds its weights.
 struct NetworkOnDevice<N> {
     network: N,
     device: Device,
@@ -50,7 +50,7 @@ impl<N: Network + Send> Predict for NetworkOnDevice<N> {
     }
 }
 
-/// A trained baseline.
+/// Trained baseline.
 pub(crate) struct TrainedBaseline {
     features: FeatureExtraction,
     classes: usize,
@@ -60,10 +60,10 @@ pub(crate) struct TrainedBaseline {
 impl TrainedBaseline {
     /// Loads a baseline that was trained on these streams from a run folder.
     ///
-    /// The device is one without gradients.
+    /// `device` must be without gradients.
     ///
     /// # Errors
-    /// When its files are missing, damaged, of other streams or of another shape.
+    /// When the baseline's files are missing, damaged, of other streams or of another shape.
     pub(crate) fn load(
         baseline: Baseline,
         run: &RunFolder,
@@ -93,7 +93,7 @@ impl TrainedBaseline {
         })
     }
 
-    /// Logits at every whole patch of a stream, each from the window that ends with the patch.
+    /// Computes the logits at every whole patch of a stream, each from the window that ends with the patch.
     pub(crate) fn logits(&self, raw: &[Sample], emg: &[CleanSample]) -> Vec<LookBackLogits> {
         let layout = self.features.frame_layout();
         let stream = PaddedStream::new(raw, emg, &[]);
@@ -127,7 +127,7 @@ fn load<N: Network + Send + 'static>(
     }))
 }
 
-/// Every trained baseline of a run with its logits over the trials, in the order of the tables.
+/// Loads every trained baseline of a run, with its logits over the trials, in the order of the tables.
 ///
 /// # Errors
 /// When a baseline's files are damaged or the user interrupts.
@@ -145,10 +145,10 @@ pub(crate) fn candidates(
     Ok(candidates)
 }
 
-/// A trained baseline of a run with its logits over the trials.
+/// Loads a trained baseline of a run, with its logits over the trials.
 ///
 /// # Errors
-/// When it is missing, its files are damaged or another run's, or the user interrupts.
+/// When the baseline is missing, its files are damaged or another run's, or the user interrupts.
 pub(crate) fn candidate(
     context: &RunContext,
     baseline: Baseline,

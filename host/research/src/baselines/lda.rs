@@ -8,10 +8,10 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// A fitted classifier.
+/// Fitted classifier.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lda {
-    /// One per class; none for a class without training windows.
+    /// Discriminant of each class; none for a class without training windows.
     discriminants: Vec<Option<Discriminant>>,
 }
 
@@ -29,21 +29,21 @@ pub(crate) enum LdaError {
         "{windows} labelled windows of {classes} classes; two classes or more are needed: give more recordings"
     )]
     OneClass {
-        /// Labelled windows.
+        /// Number of labelled windows.
         windows: usize,
-        /// Classes among their labels.
+        /// Number of classes among their labels.
         classes: usize,
     },
     /// The covariance cannot be inverted.
     #[error("the features' covariance cannot be inverted: {reason}; check the features for NaN")]
     Singular {
-        /// The solver's message.
+        /// Message of the solver.
         reason: &'static str,
     },
 }
 
 impl Lda {
-    /// Fits to feature vectors with their classes, all below `classes`.
+    /// Fits a classifier to feature vectors with their classes, all below `classes`.
     ///
     /// # Errors
     /// When fewer than two classes occur, or features are not finite.
@@ -73,7 +73,7 @@ impl Lda {
             .reduce(|sum, term| sum + term)
             .unwrap_or_default();
         let decomposition = covariance.svd(true, true);
-        // Least squares rather than an inverse: a constant feature then gets no weight.
+        // Least squares instead of an inverse give a constant feature no weight.
         let negligible = f64::EPSILON * decomposition.singular_values.max();
         let discriminants = statistics
             .iter()

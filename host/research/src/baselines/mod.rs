@@ -1,11 +1,10 @@
 //! The paper's five baselines, trained and evaluated like the product's own models: same recordings,
 //! split, smoother and metrics. Input features, network and training settings are their own.
 //!
-//! One window becomes features ([`FeatureExtraction`]), features become logits (a
-//! [`Network`](networks::Network) or [`Lda`](lda::Lda)), and the logits of the window's frames
-//! ([`FrameLayout`](windows::FrameLayout)) become
-//! [`LookBackLogits`](shared::model::LookBackLogits). Dimensions are those of the reference's code,
-//! which differs from the paper's text in places.
+//! [`FeatureExtraction`] makes features of a window, a [`Network`](networks::Network) or [`Lda`](lda::Lda) makes logits of
+//! the features, and [`FrameLayout`](windows::FrameLayout) makes [`LookBackLogits`](shared::model::LookBackLogits) of the
+//! logits of the window's frames. Dimensions are those of the reference's code, which differs from the paper's text in
+//! places.
 //!
 //! [`FeatureExtraction`]: features::FeatureExtraction
 

@@ -1,4 +1,4 @@
-//! How the baselines are trained: the table `[baselines]` of a preset file.
+//! Training settings of the baselines: the table `[baselines]` of a preset file.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,13 @@ use thiserror::Error;
 use execution::bounded_read;
 use presets::{BUILT_IN, Preset, PresetError};
 
-/// Names and texts of the research presets: preset `cpu` with settings for the baselines; the paper's teacher at what two
-/// cores can do.
+/// Names and texts of the research presets: preset `cpu` with settings for the baselines, and the paper's teacher at a size
+/// for two cores.
 const OWN: [(&str, &str); 2] = [
     ("comparison", include_str!("../../presets/comparison.toml")),
     ("paper-size", include_str!("../../presets/paper-size.toml")),
 ];
-/// The table of a preset file that the product does not know.
+/// Name of the table in a preset file, which the product does not know.
 const TABLE: &str = "baselines";
 
 /// Training settings of all baselines; the defaults are the reference's.
@@ -23,9 +23,9 @@ const TABLE: &str = "baselines";
 pub(crate) struct BaselineSettings {
     /// Samples between the ends of consecutive training windows.
     pub(crate) stride: usize,
-    /// Passes over all training windows.
+    /// Number of passes over all training windows.
     pub(crate) epochs: usize,
-    /// Windows per optimizer step.
+    /// Number of windows per optimizer step.
     pub(crate) batch: usize,
     /// Constant learning rate.
     pub(crate) learning_rate: f64,
@@ -52,10 +52,10 @@ impl Default for BaselineSettings {
 /// Why a preset has no usable settings.
 #[derive(Debug, Error)]
 pub(crate) enum SettingsError {
-    /// Neither a built-in name nor a file.
+    /// The name is neither a built-in preset nor a file.
     #[error("preset {name}: no built-in preset of that name (there are {known}) and no such file")]
     Missing {
-        /// What was asked for.
+        /// Name as given.
         name: String,
         /// Built-in names.
         known: String,
@@ -65,44 +65,44 @@ pub(crate) enum SettingsError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is not TOML.
     #[error("preset {name}: {reason}")]
     Syntax {
-        /// Which preset.
+        /// Name of the preset.
         name: String,
-        /// The parser's message.
+        /// Message of the parser.
         reason: toml::de::Error,
     },
     /// The table `[baselines]` has an unknown key or a value of the wrong type.
     #[error("preset {name}: [baselines]: {reason}")]
     Table {
-        /// Which preset.
+        /// Name of the preset.
         name: String,
-        /// The parser's message.
+        /// Message of the parser.
         reason: toml::de::Error,
     },
     /// A number of the table is out of range.
     #[error("preset {name}: baselines.{key} is {found}, expected {expected}")]
     Value {
-        /// Which preset.
+        /// Name of the preset.
         name: String,
         /// The key.
         key: &'static str,
-        /// Its value.
+        /// Value in the file.
         found: usize,
-        /// The range.
+        /// Allowed range.
         expected: &'static str,
     },
-    /// The rest of the preset.
+    /// The rest of the preset is invalid.
     #[error(transparent)]
     Preset(#[from] PresetError),
 }
 
-/// A preset and its baseline settings: `comparison`, `paper-size`, a preset of the product, or a TOML file. Without a table
-/// `[baselines]` the settings are the reference's.
+/// Finds a preset and its baseline settings: `comparison`, `paper-size`, a preset of the product, or a TOML file. Without a
+/// table `[baselines]`, the settings are the reference's.
 ///
 /// # Errors
 /// When there is no such preset, a key is unknown or a number is out of range.

@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The run in the folder, or a new one.
+/// Opens the run in the folder, or begins a new one.
 fn context(arguments: &Arguments, preset: Preset) -> anyhow::Result<RunContext> {
     if !arguments.begin {
         return open_run(&arguments.run, arguments.backend);

@@ -1,5 +1,5 @@
-//! `myointent-research cross-validate`: presets, baselines and floors compared on everybody, for several seeds; or the paper's
-//! tables.
+//! `myointent-research cross-validate`: compares presets, baselines and floors on all people, for several seeds; or makes
+//! the paper's tables.
 
 mod contenders;
 mod output;
@@ -79,7 +79,7 @@ pub(super) struct Arguments {
         allow_hyphen_values = true
     )]
     entry_margins: Vec<Gate>,
-    /// Also evaluate the test people (host/people.toml), once for a release: by the student of every fold and seed, none of
+    /// Also evaluate the test people (host/recordings/people.toml), once for a release: by the student of every fold and seed, none of
     /// which has seen them. They stand in a table of their own. Nothing is trained again.
     #[arg(long)]
     test_people: bool,
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     {
         return Err(ConfigError::Fold { number, of }.into());
     }
-    // All data sets, whatever the presets train on: everybody is evaluated.
+    // All data sets, regardless of the presets' own: all people are evaluated.
     let mut readable = presets[0].clone();
     readable.data.data_sets.clear();
     let library = Arc::new(arguments.data.load(&readable)?);
@@ -133,7 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let contenders = contenders(&compared, arguments.only.as_deref())?;
     let mut out = std::io::stdout().lock();
     if arguments.list {
-        // The floors train nothing: the command that makes the tables does them.
+        // The floors train nothing: the command that makes the tables computes them.
         let jobs = selected(arguments, &contenders).filter(|(own, ..)| own.is_trained());
         for (contender, seed, fold) in jobs {
             writeln!(out, "{}", command(arguments, contender, seed, fold))?;
@@ -166,7 +166,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     for (contender, seed, fold) in selected(arguments, &contenders) {
         validation.run(&job(contender, seed, fold))?;
     }
-    // Other folds and seeds may have been run by other commands. A fold counts if all contenders have it.
+    // Other commands may have run other folds and seeds. A fold counts if all contenders have it.
     let mut results = vec![Vec::new(); contenders.len()];
     let (mut counted, mut left) = (0, 0);
     for &seed in &arguments.seeds {
@@ -215,7 +215,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The preset's own confidence gate, then those asked for.
+/// Confidence gates: the preset's own, then those asked for.
 fn gates(arguments: &Arguments) -> impl Iterator<Item = Option<Gate>> {
     let asked = arguments.entry_margins.iter().copied().map(Some);
     std::iter::once(None).chain(asked)
@@ -226,7 +226,7 @@ fn folds(arguments: &Arguments) -> impl Iterator<Item = u8> {
     (1..=arguments.folds).filter(move |&fold| only.is_none_or(|only| only == fold))
 }
 
-/// Contender, seed and fold of each job.
+/// Jobs, as contender, seed and fold.
 fn selected<'a>(
     arguments: &'a Arguments,
     contenders: &'a [Contender],
@@ -242,7 +242,7 @@ fn selected<'a>(
     })
 }
 
-/// The shell command of one job, to be run in the current folder.
+/// Shell command of one job, to be run in the current folder.
 fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: u8) -> String {
     let mut words = vec![program(), "cross-validate".to_owned()];
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);

@@ -41,7 +41,7 @@ pub(super) struct Arguments {
 /// When a model is damaged or the folder cannot be written.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let context = open_run(&arguments.run, arguments.backend)?;
-    // A run with baselines alone is evaluated too.
+    // A run may have baselines alone.
     let model = ModelFile::of_run(&context)?;
     let models = arguments
         .model

@@ -45,6 +45,7 @@ impl Cli {
     /// Runs the command, prints its error if it fails, and returns the exit code.
     #[must_use]
     pub fn run(self) -> ExitCode {
+        myointent::declare_revision();
         let advice = match &self.command {
             Command::Baselines(_) => "to continue, give the same command and --resume",
             Command::CrossValidate(_) | Command::Personalization(_) => {
@@ -72,7 +73,7 @@ impl Cli {
     }
 }
 
-/// 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.
+/// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.
 fn exit_code(error: &anyhow::Error) -> ExitCode {
     let missing = error
         .downcast_ref()

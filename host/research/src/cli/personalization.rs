@@ -1,4 +1,4 @@
-//! `myointent-research personalization`: what a person's own recordings gain, by their duration.
+//! `myointent-research personalization`: measures the gain of a person's own recordings, by their duration.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -77,7 +77,7 @@ enum Half {
     Second,
 }
 
-/// Measures everybody, prints and writes the tables.
+/// Measures all people, prints and writes the tables.
 ///
 /// # Errors
 /// When a model or the recordings are refused, a file cannot be written or the user interrupts.
@@ -131,7 +131,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The people to measure.
+/// Selects the people to measure.
 fn wanted(library: &Library, arguments: &Arguments) -> Vec<String> {
     let set = |subject: &str| subject.split_once('/').map_or("", |own| own.0).to_owned();
     let mut wanted = Vec::new();

@@ -4,7 +4,7 @@ use clap::ValueEnum as _;
 use myointent::cli::steps::DataArguments;
 use training::backend::BackendArguments;
 
-/// A command line of these words, each quoted where a shell needs it.
+/// Formats words as a command line, each quoted where a shell needs it.
 pub(super) fn line(words: &[String]) -> String {
     words
         .iter()
@@ -13,14 +13,14 @@ pub(super) fn line(words: &[String]) -> String {
         .join(" ")
 }
 
-/// The program's own name, as it was called.
+/// Name of the program, as it was called.
 pub(super) fn program() -> String {
     std::env::args()
         .next()
         .unwrap_or_else(|| "myointent-research".to_owned())
 }
 
-/// The words of the options that every job is given again: `--backend` and `--strict`, as far as they were given.
+/// Options that every job gets again: `--backend` and `--strict`, if they were given.
 pub(super) fn shared_options(data: &DataArguments, backend: BackendArguments) -> Vec<String> {
     let mut words = Vec::new();
     let value = backend
@@ -35,7 +35,7 @@ pub(super) fn shared_options(data: &DataArguments, backend: BackendArguments) ->
     words
 }
 
-/// A word, quoted for a shell where needed.
+/// Quotes a word where a shell needs it.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! What a cross-validation trains and evaluates.
+//! Contenders of a cross-validation.
 
 use clap::ValueEnum as _;
 
@@ -8,26 +8,26 @@ use presets::Preset;
 use super::teacher::PaperTeacher;
 use crate::baselines::Baseline;
 
-/// A preset's integer student, or what it is compared with.
+/// Contender: a preset's integer student, or a model to compare it with.
 #[derive(Clone, Debug)]
 pub(crate) struct Contender {
-    /// The preset; of a baseline and of a floor, that of the recordings, the people and the seed.
+    /// Preset; for a baseline or a floor, it gives the recordings, the people and the seed.
     pub(crate) preset: Preset,
     pub(crate) kind: Kind,
 }
 
-/// Kinds of models.
+/// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// The integer student of the preset.
+    /// Integer student of the preset.
     Student,
-    /// A teacher of the paper's tables.
+    /// Teacher of the paper's tables.
     Teacher(PaperTeacher),
-    /// A baseline.
+    /// Baseline.
     Baseline(Baseline),
-    /// The label relax, always.
+    /// Floor: the constant label relax.
     Constant,
-    /// Amplitude alone, fitted to the training people.
+    /// Floor: an energy detector, which uses only the amplitude, fitted to the training people.
     EnergyDetector,
 }
 
@@ -55,7 +55,7 @@ impl Contender {
         }
     }
 
-    /// Name of its folder.
+    /// Name of the contender's folder.
     pub(crate) fn folder(&self) -> String {
         match self.kind {
             Kind::Student => self.preset.name.clone(),
@@ -63,7 +63,7 @@ impl Contender {
         }
     }
 
-    /// The same with another seed.
+    /// Returns the contender with another seed.
     pub(crate) fn with_seed(&self, seed: u64) -> Self {
         Self {
             preset: Preset {
@@ -74,7 +74,7 @@ impl Contender {
         }
     }
 
-    /// Whether it is a trained model, whose logits allow a confidence gate. Those of a floor say no more than its label.
+    /// Whether it is a trained model, whose logits allow a confidence gate. A floor's logits only express its label.
     pub(crate) const fn is_trained(&self) -> bool {
         !matches!(self.kind, Kind::Constant | Kind::EnergyDetector)
     }

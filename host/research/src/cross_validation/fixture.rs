@@ -16,8 +16,8 @@ pub(crate) const fn origin(seed: u64, fold: u8) -> Origin {
     Origin { seed, fold }
 }
 
-/// The scores of one fold under every look-ahead: for each person balanced and raw accuracy, an offset for each transition
-/// that is followed, and the number of all transitions.
+/// Scores of one fold under every look-ahead, from each person's balanced and raw accuracy, offsets of followed
+/// transitions, and number of all transitions.
 pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<FoldScore> {
     let subjects: Vec<SubjectScore> = people
         .iter()
@@ -53,8 +53,8 @@ pub(crate) fn fold(model: &str, people: &[(&str, f64, &[i32], usize)]) -> Vec<Fo
         .collect()
 }
 
-/// The events of a person: every transition is the onset of a gesture, and labels are emitted 50 samples after their
-/// reference time; one false activation in half a minute of rest, three changes too many in a minute.
+/// Events of a person: every transition is the onset of a gesture, and labels are emitted 50 samples after their reference
+/// time. There is one false activation in half a minute of rest, and three changes too many in a minute.
 fn events(score: &SubjectScore) -> SubjectEvents {
     let latencies: Vec<i32> = score.offsets.iter().map(|offset| offset + 50).collect();
     let rate = |count, seconds| Rate { count, seconds };

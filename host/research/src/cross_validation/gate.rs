@@ -1,4 +1,4 @@
-//! A confidence gate that a contender is also evaluated with.
+//! Confidence gate that a contender is also evaluated with.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,19 +6,19 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use shared::units::MAX_ENTRY_MARGIN;
 
-/// A gate of all classes but relax.
+/// Gate of all classes but relax.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Gate {
     /// Margin over the other classes.
     pub(crate) entry: f32,
-    /// Margin over movement outside the vocabulary, for models that know it; none: the contender's own.
+    /// Margin over movement outside the vocabulary, for models that know it; none for the contender's own.
     pub(crate) other: Option<f32>,
 }
 
 impl FromStr for Gate {
     type Err = String;
 
-    /// `1` or `1/0.5`.
+    /// Parses `1` or `1/0.5`.
     fn from_str(text: &str) -> Result<Self, String> {
         let margin = |text: &str, least: f32| {
             let margin = text.parse().ok();

@@ -1,5 +1,5 @@
-//! One job: a contender with one seed, trained without the people of one fold and evaluated on them, and if asked for on the
-//! test people, who are in no fold.
+//! Job of a cross-validation: a contender with one seed, trained without the people of one fold and evaluated on them. On
+//! request it is also evaluated on the test people, who are in no fold.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,12 +30,12 @@ use super::teacher::TARGET;
 use crate::baselines::settings::BaselineSettings;
 use crate::job::{JobError, begun};
 
-/// Name of a job's scores in its run folder.
+/// Name of the file with a job's scores in its run folder.
 const SCORES: &str = "cross-validation.json";
 
-/// What all jobs have in common.
+/// Settings that all jobs share.
 pub(crate) struct CrossValidation<'a> {
-    /// Run folders are `NAME/seed-S/fold-K` in it.
+    /// Folder of all jobs; run folders are `NAME/seed-S/fold-K` in it.
     pub(crate) folder: &'a Path,
     /// Number of folds.
     pub(crate) folds: usize,
@@ -43,9 +43,9 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) test_people: bool,
     /// Whether everything is also evaluated without look-ahead.
     pub(crate) without_look_ahead: bool,
-    /// Confidence gates to evaluate with; none is the contender's own.
+    /// Confidence gates to evaluate with; none for the contender's own.
     pub(crate) gates: Vec<Option<Gate>>,
-    /// How baselines are trained.
+    /// Training settings of the baselines.
     pub(crate) baselines: &'a BaselineSettings,
     /// The recordings.
     pub(crate) library: Arc<Library>,
@@ -55,11 +55,11 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) strict: bool,
     /// Device with gradients.
     pub(crate) device: Device,
-    /// Set by Ctrl-C.
+    /// Interrupt, set by Ctrl-C.
     pub(crate) interrupt: &'a Interrupt,
 }
 
-/// A contender with its seed, and a fold from 1 on.
+/// Contender with its seed, and the number of a fold, from 1.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
     pub(crate) contender: Contender,
@@ -67,7 +67,7 @@ pub(crate) struct Job {
 }
 
 impl CrossValidation<'_> {
-    /// The scores of a job with every wanted confidence gate, if it has been done; none if not, or with other settings or
+    /// Loads the scores of a job with every wanted confidence gate; none if it was not run, or with other settings or
     /// recordings.
     ///
     /// # Errors
@@ -79,15 +79,15 @@ impl CrossValidation<'_> {
         Ok(self.kept(job, &folder, &self.config(job)?))
     }
 
-    /// The scores in a run folder, if they are those of a configuration, of every wanted confidence gate and of all wanted
-    /// people.
+    /// Loads the scores in a run folder; none unless they are of this configuration, with every wanted confidence gate and
+    /// all wanted people.
     fn kept(&self, job: &Job, folder: &RunFolder, config: &ResolvedConfig) -> Option<JobScores> {
         let kept = folder.load_stamped::<JobScores>(SCORES, self.made_from(job, config));
         let scores = kept.ok()?.content;
         scores.complete(self.gates(job), self.test_people, self.without_look_ahead)
     }
 
-    /// The confidence gates that a job is evaluated with.
+    /// Confidence gates that a job is evaluated with.
     fn gates(&self, job: &Job) -> &[Option<Gate>] {
         if job.contender.is_trained() {
             &self.gates
@@ -96,7 +96,7 @@ impl CrossValidation<'_> {
         }
     }
 
-    /// What the scores of a job depend on.
+    /// Fingerprint of all that the scores of a job depend on.
     fn made_from(&self, job: &Job, config: &ResolvedConfig) -> Fingerprint {
         match job.contender.kind {
             Kind::Student | Kind::Teacher(_) => config.fingerprint(),
@@ -109,13 +109,13 @@ impl CrossValidation<'_> {
         }
     }
 
-    /// Trains the job's models, or the rest of them, and evaluates what they give.
+    /// Trains the job's models, or those still missing, and evaluates them.
     ///
     /// # Errors
     /// When a step fails, the folder holds a run with other settings or the user interrupts.
     pub(crate) fn run(&self, job: &Job) -> Result<(), JobError> {
         let path = self.path(job);
-        // Made once: it fingerprints all recordings.
+        // Computed once: it fingerprints all recordings.
         let config = self.config(job)?;
         let existing = RunFolder::existing(&path).ok();
         if existing.is_some_and(|folder| self.kept(job, &folder, &config).is_some()) {
@@ -183,13 +183,13 @@ impl CrossValidation<'_> {
         Ok(config)
     }
 
-    /// Scores on the fold's people of all data sets, and on the test people if they are asked for.
+    /// Evaluates the fold's people of all data sets, and on request the test people.
     fn evaluate(&self, job: &Job, context: &RunContext) -> Result<JobScores, JobError> {
         let preset = &job.contender.preset;
         let people = fold_people(preset, &self.library, self.folds);
         let fold = people.into_iter().nth(job.fold - 1).unwrap_or_default();
         let split = &context.config.split;
-        // Everybody outside the fold, of sets that are not trained on.
+        // For sets that are not trained on: all people outside the fold.
         let is_training = |subject: &str| match split.role(subject) {
             Some(role) => role == Role::Training,
             None => !fold.iter().any(|own| own == subject) && !is_test(subject),
@@ -222,7 +222,7 @@ impl CrossValidation<'_> {
         })
     }
 
-    /// Scores of a job's model on some people, with every wanted confidence gate.
+    /// Scores a job's model on some people, with every wanted confidence gate.
     fn scores(
         &self,
         job: &Job,

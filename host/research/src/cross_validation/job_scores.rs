@@ -1,4 +1,4 @@
-//! The scores of one job, as its run folder keeps them.
+//! Scores of one job, as kept in its run folder.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,27 +6,26 @@ use evaluation::{LookAhead, Score};
 
 use super::gate::Gate;
 
-/// The scores of a job.
+/// Scores of a job.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct JobScores {
     /// Scores on the fold's people.
     pub(crate) development: Vec<FoldScore>,
-    /// Scores on the test people; none if nobody has looked at them.
+    /// Scores on the test people; none if these were not evaluated.
     pub(crate) test: Option<Vec<FoldScore>>,
 }
 
-/// A score over all people of a fold, or over all test people, who have all classes or fewer.
+/// Score over a group of people (with all classes or fewer), of a fold or of all test people.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FoldScore {
-    /// Confidence gate; none: the contender's own.
+    /// Confidence gate; none for the contender's own.
     pub(crate) gate: Option<Gate>,
     /// The score.
     pub(crate) score: Score,
 }
 
 impl JobScores {
-    /// The scores with these gates alone, and on the test people and without look-ahead if they are wanted; none if any are
-    /// missing.
+    /// Selects the scores with these gates, on the test people and without look-ahead as wanted; none if any are missing.
     pub(crate) fn complete(
         self,
         gates: &[Option<Gate>],

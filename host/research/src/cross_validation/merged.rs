@@ -1,4 +1,4 @@
-//! The scores of one contender under one aggregation mode and confidence gate, over all folds and seeds.
+//! Scores of one contender under one aggregation mode and confidence gate, over all folds and seeds.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,21 +16,21 @@ pub(crate) struct Origin {
     pub(crate) fold: u8,
 }
 
-/// People of a row: those of a data set, of all if none, with all classes or with fewer.
+/// People of a row: those of a data set (none for all), with all classes or with fewer.
 pub(crate) type Section<'a> = (Option<&'a str>, Group);
 
-/// A contender's scores under one aggregation mode and confidence gate: those of every fold and seed.
+/// Scores of a contender under one aggregation mode and confidence gate, of every fold and seed.
 pub(crate) struct Merged<'a> {
-    /// The contender.
+    /// Name of the contender.
     pub(crate) model: &'a str,
     pub(crate) look_ahead: LookAhead,
-    /// The gate; none: the contender's own.
+    /// Confidence gate; none for the contender's own.
     pub(crate) gate: Option<Gate>,
     scores: Vec<(Origin, &'a Score)>,
 }
 
 impl<'a> Merged<'a> {
-    /// The scores of a contender under one mode and gate among all scores of its jobs, each with its origin.
+    /// Selects the scores of a contender under one mode and gate from all scores of its jobs, each with its origin.
     pub(crate) fn new(
         model: &'a str,
         look_ahead: LookAhead,
@@ -62,7 +62,7 @@ impl<'a> Merged<'a> {
         self.scores.first().map_or(0, |(_, score)| score.classes)
     }
 
-    /// Whether the contender has not been evaluated so.
+    /// Whether the contender was not evaluated under this mode and gate.
     pub(crate) const fn is_empty(&self) -> bool {
         self.scores.is_empty()
     }
@@ -72,13 +72,13 @@ impl<'a> Merged<'a> {
         self.scores.iter().copied()
     }
 
-    /// The rows of a group of people.
+    /// Scores of a group of people.
     fn of_group(&self, group: Group) -> impl Iterator<Item = &'a Score> {
         let scores = self.scores.iter().map(|(_, score)| *score);
         scores.filter(move |score| score.people == group)
     }
 
-    /// The people of a section.
+    /// People of a section.
     pub(crate) fn people(&self, (data_set, group): Section<'_>) -> BTreeSet<&'a str> {
         let subjects = self
             .of_group(group)
@@ -89,7 +89,7 @@ impl<'a> Merged<'a> {
             .collect()
     }
 
-    /// The value of everybody of a section who has one: the mean over the jobs that evaluate this person.
+    /// Values of the people of a section, where they have one: each is the mean over the jobs that evaluate the person.
     pub(crate) fn values(
         &self,
         measure: Measure,
@@ -110,7 +110,7 @@ impl<'a> Merged<'a> {
             .collect()
     }
 
-    /// Quantiles of the latency over the gestures of everybody of a section, of all jobs.
+    /// Quantiles of the latency over all gestures of a section's people, of all jobs.
     pub(crate) fn latency(&self, (data_set, group): Section<'_>) -> Option<LatencySummary> {
         let (mut latencies, mut gestures) = (Vec::new(), 0);
         for events in self
@@ -125,8 +125,8 @@ impl<'a> Merged<'a> {
         latency::summary(&latencies, gestures)
     }
 
-    /// Offsets of the transitions that are followed, in samples, and the number of all transitions, of everybody of a section
-    /// and all jobs.
+    /// Offsets of the followed transitions, in samples, and the number of all transitions, of all people of a section and
+    /// all jobs.
     pub(crate) fn offsets(&self, (data_set, group): Section<'_>) -> (Vec<i32>, usize) {
         let subjects = self
             .of_group(group)
@@ -140,7 +140,7 @@ impl<'a> Merged<'a> {
         (offsets, transitions)
     }
 
-    /// Movements outside the vocabulary, of everybody and all seeds, by the name of their kind.
+    /// Movements outside the vocabulary, of all people and seeds, by the name of their kind.
     pub(crate) fn raised(&self) -> BTreeMap<&'a str, Raised> {
         let mut by_kind: BTreeMap<&str, Raised> = BTreeMap::new();
         let people = self
@@ -154,7 +154,7 @@ impl<'a> Merged<'a> {
         by_kind
     }
 
-    /// The data sets of the people, in alphabetical order.
+    /// Data sets of the people, in alphabetical order.
     pub(crate) fn data_sets(&self) -> Vec<&'a str> {
         let people = self
             .scores
@@ -201,10 +201,10 @@ mod tests {
         let balanced = |set| merged.values(Measure::BalancedAccuracy, (set, all));
         assert_eq!(balanced(None), [("x/a", 0.6), ("y/b", 0.9)]);
         assert_eq!(balanced(Some("y")), [("y/b", 0.9)]);
-        // A mean of the seeds' shares, not a share of all gestures.
+        // The mean of the seeds' shares, not the share of all gestures.
         let recognised = merged.values(Measure::Recognition, (None, all));
         assert_eq!(recognised, [("x/a", 0.75), ("y/b", 0.5)]);
-        // 10, 30, 30 samples of four gestures, 50 samples later; one is missed.
+        // Offsets of 10, 30, 30 samples of four gestures, 50 samples later; one is missed.
         let expected = latency::summary(&[60, 80, 80], 4);
         assert_eq!(merged.latency((Some("x"), all)), expected);
         assert!(expected.is_some());

@@ -1,12 +1,11 @@
-//! Presets, baselines and floors compared by cross-validation: every person but the test people is held out once for each seed.
+//! Comparison of presets, baselines and floors by cross-validation: each person but the test people is held out once a seed.
 //!
-//! A preset is trained on its own data sets, without the people of the fold, and its integer student is evaluated on the
-//! fold's people of all data sets, so that presets with different data sets are compared on the same people. Baselines
-//! are trained on the recordings and people of the first preset. A person's value is the mean over seeds; intervals and
-//! differences are over people. People whose recordings have all classes and people with fewer stand in rows of their own; so do
-//! the test people, if they are asked for.
+//! A preset is trained on its own data sets without the people of the fold. Its integer student is evaluated on the fold's
+//! people of all data sets, so that presets with different data sets are compared on the same people. Baselines are trained
+//! on the recordings and people of the first preset. A person's value is the mean over seeds; intervals and differences are
+//! over people. People whose recordings have all classes, people with fewer, and the test people have separate rows.
 //!
-//! The paper's tables ([`paper`]) are made of the same jobs: one preset's student beside teachers and all baselines.
+//! The paper's tables ([`paper`]) are made from the same jobs: one preset's student beside teachers and all baselines.
 
 mod contender;
 #[cfg(test)]

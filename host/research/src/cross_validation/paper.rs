@@ -1,4 +1,4 @@
-//! The paper's tables, in its form: mean (sample deviation) over people, without look-ahead and with 0.25 s.
+//! Tables in the paper's form: mean (sample deviation) over people, without look-ahead and with 0.25 s.
 
 use evaluation::metric::offset;
 use evaluation::report::Table;
@@ -15,7 +15,7 @@ const ACCURACIES: [Measure; 3] = [
     Measure::BalancedAccuracy,
     Measure::TransitionAccuracy,
 ];
-/// TA by the width of its buffer, in samples.
+/// Measures of TA, by the width of its buffer.
 const BUFFERS: [Measure; 3] = [
     Measure::TransitionAccuracyNarrow,
     Measure::TransitionAccuracyMiddle,
@@ -24,10 +24,10 @@ const BUFFERS: [Measure; 3] = [
 /// Look-aheads of the paper's tables.
 const LOOK_AHEADS: [LookAhead; 2] = [LookAhead::None, LookAhead::AllRows];
 
-/// A row: what it is called, and the model that it shows.
+/// Row of a table: its label, and the name of the model.
 type Row<'a> = (&'a str, &'a str);
 
-/// The tables; one whose models are missing is left out. `window` is that of the preset's teacher, in samples.
+/// Makes the tables whose models are available. `window` is the window of the preset's teacher, in samples.
 pub(crate) fn paper_tables(merged: &[Merged<'_>], window: usize) -> Vec<Table> {
     let page = Page { merged };
     let models = page.models();
@@ -79,7 +79,7 @@ impl<'a> Page<'_, 'a> {
         merged.find(|own| own.model == model && own.look_ahead == look_ahead)
     }
 
-    /// A row for every model but the variants of the teacher, in their order.
+    /// Rows for every model but the variants of the teacher, in their order.
     fn models(&self) -> Vec<Row<'a>> {
         let mut models: Vec<Row> = Vec::new();
         let is_variant = |model: &str| PaperTeacher::ALL[1..].iter().any(|own| own.name() == model);
@@ -92,7 +92,8 @@ impl<'a> Page<'_, 'a> {
         models
     }
 
-    /// A row for each model and group of people, `measures` at either look-ahead; of the people of a data set, if one is named.
+    /// Table with a row for each model and group of people, `measures` at either look-ahead; only of one data set, if it is
+    /// given.
     fn table(
         &self,
         caption: &str,
@@ -130,7 +131,7 @@ impl<'a> Page<'_, 'a> {
         table
     }
 
-    /// Offsets over the transitions that are followed, of all people together.
+    /// Table of the offsets of followed transitions, over all people together.
     fn offsets(&self, rows: &[Row<'_>]) -> Table {
         let caption = "Prediction offsets in ms, of the transitions that are followed, each label at its reference time: mean (sample \
             deviation) over transitions";
@@ -172,7 +173,7 @@ impl<'a> Page<'_, 'a> {
         table
     }
 
-    /// Every look-ahead and reading of it, of the models that look back.
+    /// Table of every look-ahead and aggregation mode, for the models that look back.
     fn look_aheads(&self, rows: &[Row<'_>]) -> Table {
         let caption = "Look-ahead, and which rows of the later windows are summed; latency from the muscle's onset to the emitted \
             label, median / 90 %, in ms";
@@ -209,7 +210,7 @@ impl<'a> Page<'_, 'a> {
     }
 }
 
-/// Mean (sample deviation) over the people of a section.
+/// Formats the mean (sample deviation) over the people of a section.
 fn share(
     own: Option<&Merged<'_>>,
     measure: Measure,
@@ -249,7 +250,7 @@ mod tests {
         assert_eq!(main.rows[0][2..5], share);
         assert_eq!(main.rows[0][5..8], share);
         assert_eq!(main.rows[0][8], "2 / 5");
-        // By hand: -100, 0, 50 and 100 ms.
+        // Computed by hand: -100, 0, 50 and 100 ms.
         assert_eq!(
             offsets.rows[0],
             [

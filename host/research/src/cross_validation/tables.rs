@@ -15,7 +15,7 @@ const SHARES: [Measure; 3] = [
     Measure::TransitionAccuracy,
     Measure::Recognition,
 ];
-/// Measures a minute.
+/// Measures given per minute.
 const RATES: [Measure; 3] = [
     Measure::FalseActivations,
     Measure::OtherActivations,
@@ -40,12 +40,12 @@ const DEVELOPMENT: &str = "Held-out people: mean over people [95 % interval] of 
 const TEST: &str = "Test people, for a release alone: mean over people [95 % interval] of each person's mean over the students \
     of all folds and seeds, none of which has seen them";
 
-/// Scores of the people held out, over all and by data set, a row for each contender and aggregation mode.
+/// Table of the scores of held-out people, over all and by data set: a row for each contender and aggregation mode.
 pub(crate) fn scores(merged: &[Merged<'_>]) -> Table {
     scores_table(DEVELOPMENT, merged)
 }
 
-/// Scores of the test people, in rows as those of [`scores`].
+/// Table of the scores of the test people, with the rows of [`scores`].
 pub(crate) fn test_scores(merged: &[Merged<'_>]) -> Table {
     scores_table(TEST, merged)
 }
@@ -101,8 +101,8 @@ fn scores_table(caption: &str, merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// Every row of [`scores`] against the first one with its aggregation mode, or without look-ahead against the first of all,
-/// paired over people.
+/// Table of differences, paired over people: every row of [`scores`] against the first one with its aggregation mode;
+/// without look-ahead, against the first of all.
 pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
     let caption = "Differences, paired over people; mean [95 % interval] over n people";
     let start = ["recordings", "classes", "difference"].into_iter();
@@ -129,8 +129,8 @@ pub(crate) fn differences(merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// Movements outside the vocabulary, a row for each kind: how many there are, and of each contender and aggregation mode the
-/// share that raises a label.
+/// Table of movements outside the vocabulary, a row for each kind: their number, and the share that raises a label, for
+/// each contender and aggregation mode.
 pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
     let caption = "Movements outside the vocabulary, of all people, whatever their classes, and seeds: share in which a gesture's \
         label begins";
@@ -153,7 +153,7 @@ pub(crate) fn movements(merged: &[Merged<'_>]) -> Table {
     table
 }
 
-/// All people and jobs, a row each, as CSV keeps them: those held out (`development`), then the test people (`test`).
+/// Table for CSV with a row for each person and job: those held out (`development`), then the test people (`test`).
 pub(crate) fn people(development: &[Merged<'_>], test: &[Merged<'_>]) -> Table {
     let measures = SHARES.into_iter().chain(RATES).chain([
         Measure::Raised,
@@ -203,7 +203,7 @@ pub(crate) fn people(development: &[Merged<'_>], test: &[Merged<'_>]) -> Table {
     table
 }
 
-/// Names of a section in tables.
+/// Names of a section in tables: data set and group.
 fn names((data_set, group): Section<'_>, of: &Merged<'_>) -> [String; 2] {
     [
         data_set.unwrap_or("all").to_owned(),
@@ -211,7 +211,7 @@ fn names((data_set, group): Section<'_>, of: &Merged<'_>) -> [String; 2] {
     ]
 }
 
-/// All people, then each data set: of those who have all classes, then of those with fewer.
+/// Sections of a table: all people, then each data set; first people who have all classes, then those with fewer.
 fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
     let mut sets: Vec<Option<&str>> = merged
         .iter()
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
     use crate::cross_validation::{FoldScore, Origin};
 
-    /// One recording of a person: 2 s of each class in turn.
+    /// Recording of a person: 2 s of each class in turn.
     fn trial(subject: &str, classes: &[usize]) -> Trial {
         let labels = classes
             .iter()
@@ -258,8 +258,8 @@ mod tests {
         }
     }
 
-    /// The scores of always saying relax, of one fold: two people with onsets, one with holds alone, one who never opens
-    /// the hand.
+    /// Scores of always saying relax, of one fold: two people with onsets, one with only holds, one who never opens the
+    /// hand.
     fn fold() -> Vec<FoldScore> {
         let mut trials = vec![
             trial("x/a", &[0, 1, 0, 2, 0]),

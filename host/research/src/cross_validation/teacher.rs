@@ -1,33 +1,33 @@
-//! The teachers of the paper's tables: that of a preset, with other windows, and with other recordings to learn from.
+//! Teachers of the paper's tables: the preset's own, with other windows, and trained on other recordings.
 
 use presets::Preset;
 use presets::config::ResolvedConfig;
 use recordings::{DataSet, Library};
 
-/// The data set that pre-training on all others is judged by.
+/// Data set on which pre-training on all others is evaluated.
 pub(crate) const TARGET: DataSet = DataSet::Roshambo;
 
-/// A teacher of the paper's tables.
+/// Teacher of the paper's tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PaperTeacher {
-    /// The preset's.
+    /// Teacher of the preset.
     Whole,
-    /// The preset's with a window of 100 samples.
+    /// Teacher of the preset with a window of 100 samples.
     Window100,
-    /// The preset's with a window of 300 samples.
+    /// Teacher of the preset with a window of 300 samples.
     Window300,
-    /// Trained on [`TARGET`] alone.
+    /// Teacher trained on [`TARGET`] alone.
     Scratch,
-    /// Trained on all other data sets.
+    /// Teacher trained on all other data sets.
     PreTrained,
-    /// [`PaperTeacher::PreTrained`] of the same fold, fine-tuned on [`TARGET`].
+    /// Teacher [`PaperTeacher::PreTrained`] of the same fold, fine-tuned on [`TARGET`].
     FineTuned,
-    /// [`PaperTeacher::PreTrained`] of the same fold, fine-tuned with LoRA.
+    /// Teacher [`PaperTeacher::PreTrained`] of the same fold, fine-tuned with LoRA.
     Lora,
 }
 
 impl PaperTeacher {
-    /// All, each behind the one that it starts from.
+    /// All teachers, each after the one that it starts from.
     pub(crate) const ALL: [Self; 7] = [
         Self::Whole,
         Self::Window100,
@@ -51,12 +51,12 @@ impl PaperTeacher {
         }
     }
 
-    /// Whether it is judged on the people of [`TARGET`] alone.
+    /// Whether it is evaluated only on the people of [`TARGET`].
     pub(crate) const fn is_on_target(self) -> bool {
         !matches!(self, Self::Whole | Self::Window100 | Self::Window300)
     }
 
-    /// The teacher that training starts from; none for random weights.
+    /// Teacher that training starts from; none for random weights.
     pub(crate) const fn start(self) -> Option<Self> {
         match self {
             Self::FineTuned | Self::Lora => Some(Self::PreTrained),
@@ -64,7 +64,7 @@ impl PaperTeacher {
         }
     }
 
-    /// The preset that it is trained by.
+    /// Preset that it is trained by.
     pub(crate) fn preset(self, base: &Preset) -> Preset {
         let mut preset = base.clone();
         match self {
@@ -88,11 +88,11 @@ impl PaperTeacher {
         preset
     }
 
-    /// The teachers whose recordings are at hand: without [`TARGET`], or with nothing else, there is no pre-training.
+    /// Teachers whose recordings are available: pre-training needs [`TARGET`] and another data set.
     pub(crate) fn possible(base: &Preset, library: &Library) -> Vec<Self> {
         let has_its_sets = |teacher: Self| {
             let preset = teacher.preset(base);
-            // A preset whose sets are not there takes all others.
+            // A preset without any of its sets takes all others.
             let labelled = ResolvedConfig::labelled(&preset, library).unwrap_or_default();
             let mut sets = labelled.iter().map(|recording| recording.data_set);
             !labelled.is_empty() && sets.all(|set| preset.data.data_sets.contains(&set))

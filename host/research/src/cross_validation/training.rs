@@ -17,7 +17,8 @@ use crate::baselines::training::train_all;
 use crate::job::JobError;
 
 impl CrossValidation<'_> {
-    /// Trains the job's models, or the rest of them; its logits over the trials, which are made after the training.
+    /// Trains the job's models, or those still missing. Returns the logits over the trials, which are made after the
+    /// training.
     pub(super) fn trained(
         &self,
         job: &Job,
@@ -44,7 +45,7 @@ impl CrossValidation<'_> {
                 train(context)?;
                 let trials = trials();
                 let mut candidate = teacher_candidate(context, teacher.name(), &trials)?;
-                // As the paper's: without a gate. It knows no movement outside the vocabulary.
+                // As in the paper, the teacher has no gate and knows no movement outside the vocabulary.
                 candidate.entry_margins = [0.0; MAX_CLASSES];
                 candidate.other_margin = None;
                 Ok((candidate, trials))
@@ -61,7 +62,7 @@ impl CrossValidation<'_> {
             Kind::EnergyDetector => {
                 let detector = energy_detector(&context.config, &self.library);
                 let trials = trials();
-                // Without a gesture to fit it to, nothing is active.
+                // Without a gesture to fit the detector to, its label is always relax.
                 let floor = detector
                     .map_or_else(|| constant(&trials), |detector| detector.candidate(&trials));
                 Ok((floor, trials))

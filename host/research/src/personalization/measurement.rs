@@ -1,4 +1,5 @@
-//! One person: the shipped model, and models tuned on the first seconds of the recordings, on the same part held back.
+//! Measurement of one person: the shipped model, and models tuned on the first seconds of the recordings, all on the same
+//! part held back.
 
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
@@ -24,60 +25,60 @@ pub(crate) const MEASURES: [Measure; 5] = [
     Measure::OtherActivations,
 ];
 
-/// Values of [`MEASURES`]; none where the recordings do not have what is counted.
+/// Values of [`MEASURES`]; none where the recordings lack what is counted.
 pub(crate) type Values = [Option<f64>; MEASURES.len()];
 
-/// How people are measured.
+/// Settings of the measurement.
 pub(crate) struct Measurement<'a> {
-    /// A file for each person.
+    /// Folder with a file for each person.
     pub(crate) folder: &'a RunFolder,
     pub(crate) library: &'a Library,
-    /// Seconds to tune on.
+    /// Amounts to tune on, in seconds.
     pub(crate) amounts: &'a [f64],
     pub(crate) settings: &'a TuningSettings,
-    /// Whether the command's own choice between the old and the new model is measured too.
+    /// Whether to measure also the choice of `personalize` between the old and the new model.
     pub(crate) with_rule: bool,
     pub(crate) device: Device,
     pub(crate) interrupt: &'a Interrupt,
 }
 
-/// What a person's recordings gave.
+/// Results of a person.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Measured {
-    /// The person.
+    /// Name of the person.
     pub(crate) subject: String,
-    /// Seconds that all models are judged on.
+    /// Seconds of the part that all models are judged on.
     pub(crate) judged_seconds: f64,
-    /// The model as it was.
+    /// Values of the original model.
     pub(crate) before: Values,
-    /// A row for each amount that the recordings have.
+    /// Results for each amount that the recordings have.
     pub(crate) amounts: Vec<Amount>,
 }
 
-/// A model tuned on the first seconds.
+/// Results of a model tuned on the first seconds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Amount {
-    /// Seconds asked for.
+    /// Amount asked for, in seconds.
     pub(crate) seconds: f64,
-    /// The model tuned on all of them.
+    /// Values of the model tuned on all of this amount.
     pub(crate) tuned: Values,
-    /// What `personalize` makes of them, if it was measured.
+    /// Outcome of `personalize` on this amount, if it was measured.
     pub(crate) ruled: Option<Outcome>,
 }
 
-/// What `personalize` makes of some recordings: it holds a third of them back.
+/// Outcome of `personalize`, which holds back a third of the recordings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Outcome {
-    /// They are too short.
+    /// The recordings are too short.
     Refused,
     /// The old model is kept.
     Kept,
-    /// The new model is written.
+    /// The new model is written, with these values.
     Written(Values),
 }
 
 impl Measurement<'_> {
-    /// Measures a person with a model, or reads what an earlier command measured; none if the recordings do not allow it.
+    /// Measures a person with a model, or loads an earlier measurement; none if the recordings do not allow it.
     ///
     /// # Errors
     /// When the model is refused, a file cannot be written or the user interrupts.
@@ -127,7 +128,7 @@ impl Measurement<'_> {
         let mut amounts = Vec::new();
         for &seconds in self.amounts {
             let part = pool.first(seconds);
-            // A little less is what a recording's last sample costs.
+            // A slightly shorter part counts as well.
             if part.seconds() < 0.95 * seconds {
                 continue;
             }
@@ -168,7 +169,7 @@ impl Measurement<'_> {
         })
     }
 
-    /// What a person's values depend on.
+    /// Fingerprint of all that a person's values depend on.
     fn made_from(&self, model: &[u8], whole: &Part<'_>) -> Fingerprint {
         let recordings: Vec<_> = whole
             .trials()

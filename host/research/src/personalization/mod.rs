@@ -1,4 +1,4 @@
-//! What tuning a model on a person's own recordings gains, by their duration: people whom the model has never seen.
+//! Gain of tuning a model on a person's own recordings, by their duration, for people whom the model has never seen.
 
 mod measurement;
 mod tables;

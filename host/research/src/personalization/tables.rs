@@ -5,7 +5,7 @@ use evaluation::{Difference, Measure};
 
 use super::measurement::{Amount, MEASURES, Measured, Outcome, Values};
 
-/// The gain of tuning on each amount, paired over people: by data set, and over all.
+/// Table of the gain of tuning on each amount, paired over people: by data set, and over all.
 pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "Tuned less shipped, both on the same part held back; mean [95 % interval] over n people; worse: share of people whose value fell";
     let names = MEASURES.iter().map(|measure| measure.name().to_owned());
@@ -27,7 +27,7 @@ pub(crate) fn curve(people: &[Measured], amounts: &[f64]) -> Table {
     table
 }
 
-/// The same for what `personalize` writes: the old model where it keeps or refuses.
+/// Table of the gain of `personalize`, in the same form: the old model counts where it keeps or refuses.
 pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
     let caption = "What personalize leaves less shipped, on a part that it has not seen; refused: too short to hold a third back; kept: the old model";
     let names = MEASURES.iter().map(|measure| measure.name().to_owned());
@@ -67,7 +67,7 @@ pub(crate) fn rule(people: &[Measured], amounts: &[f64]) -> Table {
     table
 }
 
-/// A row for each person and amount.
+/// Table with a row for each person and amount.
 pub(crate) fn people(people: &[Measured]) -> Table {
     let of = |what: &'static str| {
         let name = move |measure: &Measure| format!("{what} {}", measure.name());
@@ -106,7 +106,7 @@ pub(crate) fn people(people: &[Measured]) -> Table {
     table
 }
 
-/// Data sets of the people, then all.
+/// Data sets of the people, then all of them together.
 fn sets(people: &[Measured]) -> Vec<String> {
     let mut sets: Vec<String> = people
         .iter()
@@ -118,7 +118,7 @@ fn sets(people: &[Measured]) -> Vec<String> {
     sets
 }
 
-/// The people of a set who have this amount.
+/// People of a set who have this amount.
 fn rows<'m>(people: &'m [Measured], set: &str, seconds: f64) -> Vec<(&'m Measured, &'m Amount)> {
     let inside = |person: &&Measured| {
         set == "all"
@@ -135,7 +135,7 @@ fn rows<'m>(people: &'m [Measured], set: &str, seconds: f64) -> Vec<(&'m Measure
     .collect()
 }
 
-/// A row of differences, after less before, unless there is nobody.
+/// Appends a row of differences, after minus before, unless there are no people.
 fn push<'p>(table: &mut Table, start: [String; 2], pairs: &[(&'p str, Values, Values)]) {
     if pairs.is_empty() {
         return;

@@ -22,9 +22,9 @@ use crate::cli::arguments::mirrored;
 use crate::cli::read_model;
 use execution::progress;
 
-/// An alignment or a pairing takes 30 s at most.
+/// Longest time to wait for an alignment or a pairing, which takes at most 30 s.
 const PATIENCE: Duration = Duration::from_secs(35);
-/// Between two questions whether a pairing is over.
+/// Pause between two checks whether a pairing is over.
 const AGAIN: Duration = Duration::from_secs(1);
 
 /// Arguments of `board`.
@@ -114,7 +114,7 @@ enum Bind {
     State,
 }
 
-/// A margin in hundredths; none: the model file's.
+/// Margin in hundredths of a logit; none for the model file's.
 type Margin = Option<i16>;
 
 fn margin(text: &str) -> Result<Margin, String> {
@@ -129,7 +129,7 @@ fn margin(text: &str) -> Result<Margin, String> {
     Ok(Some((margin * 100.0).round() as i16))
 }
 
-/// Asks the board, and prints its answer.
+/// Sends the command to the board and prints its answer.
 ///
 /// # Errors
 /// When the board does not answer or refuses, or an alignment does not succeed.
@@ -147,7 +147,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Answer::Counts(counts) => Some(Counted(counts).to_string()),
             _ => None,
         })?,
-        // Above: it opens the port itself, again and again.
+        // Handled above: it opens the port itself, repeatedly.
         Request::Install { .. } => String::new(),
         Request::Align(align) => return run_align(&mut board, align),
         Request::Bind(bind) => return run_bind(&mut board, bind),
@@ -191,7 +191,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     board.ask(Command::Align(command), accepted)?;
     let mut out = std::io::stdout();
     if let AlignCommand::Set(wanted) = command {
-        // The answer does not say which one is set.
+        // The answer does not say which alignment is set.
         let found = in_force(board)?;
         if found != wanted {
             let (wanted, found) = (Placed(wanted), Placed(found));
@@ -215,7 +215,7 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     }
 }
 
-/// The alignment in force.
+/// Reads the alignment in force.
 fn in_force(board: &mut Board) -> Result<Alignment, BoardError> {
     let state = Command::Align(AlignCommand::State);
     board.ask(state, |answer| match answer {

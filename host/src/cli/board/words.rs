@@ -1,4 +1,4 @@
-//! What a board answers, in words.
+//! Text for a board's answers.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use shared::stream::alignment::Alignment;
 use shared::uart_line::alignment::AlignmentState;
 use shared::uart_line::answer::{Binding, Counts, Identity};
 
-/// Why an alignment did not succeed, and what to do.
+/// Explains why an alignment did not succeed, and what to do.
 pub(super) const fn why(state: AlignmentState) -> &'static str {
     match state {
         AlignmentState::PoorDistance => {
@@ -28,7 +28,7 @@ pub(super) const fn why(state: AlignmentState) -> &'static str {
     }
 }
 
-/// A line for each thing.
+/// Prints an identity: program, model and armband, one a line.
 pub(super) struct Identified<'a>(pub(super) &'a Identity<'a>);
 
 impl fmt::Display for Identified<'_> {
@@ -65,7 +65,7 @@ impl fmt::Display for Identified<'_> {
     }
 }
 
-/// What the numbers of [`Counts::numbers`] are.
+/// Labels for [`Counts::numbers`], in the same order.
 const COUNTS: [&str; 16] = [
     "connections",
     "connections that failed",

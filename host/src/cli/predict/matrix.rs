@@ -1,4 +1,4 @@
-//! The output: a table of numbers with named columns.
+//! Output of `predict`: a table of numbers with named columns.
 
 use std::path::Path;
 
@@ -6,17 +6,17 @@ use anyhow::bail;
 
 use recordings::npy;
 
-/// How a matrix is written.
+/// File format of a matrix.
 #[derive(Clone, Copy)]
 pub(in crate::cli) enum Format {
-    /// Without the names of the columns, f32.
+    /// Binary array (`.npy`), f32, without column names.
     Npy,
-    /// With the names of the columns in the first row.
+    /// CSV with the column names in the first row.
     Csv,
 }
 
 impl Format {
-    /// The format of a file's ending.
+    /// Format by the extension of a file.
     pub fn of(path: &Path) -> anyhow::Result<Self> {
         match path.extension().and_then(|extension| extension.to_str()) {
             Some("npy") => Ok(Self::Npy),
@@ -29,16 +29,16 @@ impl Format {
     }
 }
 
-/// Numbers row by row, with the names of their columns.
+/// Rows of numbers, with the names of their columns.
 pub struct Matrix {
-    /// At least one name, without commas.
+    /// Column names: at least one, without commas.
     pub columns: Vec<String>,
-    /// A multiple of the columns.
+    /// Values row by row; the length is a multiple of the number of columns.
     pub values: Vec<f32>,
 }
 
 impl Matrix {
-    /// The bytes of a file.
+    /// Encodes the matrix as a file.
     pub fn encode(&self, format: Format) -> Vec<u8> {
         let rows = self.values.chunks_exact(self.columns.len());
         match format {

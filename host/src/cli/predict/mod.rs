@@ -39,7 +39,8 @@ pub(super) enum Which {
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
+    after_help = "Example:\n  myointent predict --model models/three-class.intent --recording FILE.csv --out labels.csv",
+    after_long_help = "For a recording: one row a sample with `label`, the class number of the smoothed label at its reference\n\
     time (-1 before the first label and after the last one), and the logits of the sample's patch when it was the newest\n\
     (NaN for the last samples, where they are fewer than a patch of 10). The last samples have no label: it would need the\n\
     samples of the look-ahead after them. `score` does not count them.\n\
@@ -72,7 +73,9 @@ pub struct Arguments {
     /// One window of raw samples as npy, 600 x 8.
     #[arg(long, value_name = "FILE.npy")]
     window: Option<PathBuf>,
-    /// File to write: .npy (f32) or .csv. Earlier predictions of the same columns are replaced, no other file.
+    /// File to write: .npy (f32) or .csv.
+    ///
+    /// Earlier predictions of the same columns are replaced, no other file.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[cfg(feature = "train")]
@@ -99,7 +102,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(write_whole(&arguments.out, &bytes)?)
 }
 
-/// Logits of every patch, number of classes and how they are smoothed.
+/// Computes the logits of every patch; also returns the number of classes and the smoother's settings.
 fn logits(
     arguments: &Arguments,
     samples: &[Sample],
@@ -127,7 +130,7 @@ fn over_recording(arguments: &Arguments, samples: &[Sample]) -> anyhow::Result<M
     Ok(of_samples(&labels.reference, &rows, classes))
 }
 
-/// The smoothed label of every sample, and the logits of its patch; no number where the recording ends within the patch.
+/// Table of the smoothed label of every sample and the logits of its patch; NaN where the recording ends within the patch.
 fn of_samples(labels: &[Option<Intent>], rows: &[LookBackLogits], classes: usize) -> Matrix {
     let mut values = Vec::with_capacity(labels.len() * (classes + 1));
     for (sample, label) in labels.iter().enumerate() {
@@ -168,7 +171,7 @@ pub(super) fn names(classes: usize, prefix: String) -> impl Iterator<Item = Stri
         .map(move |intent| format!("{prefix}{}", intent.name()))
 }
 
-/// Raw samples of a window: integers or floats, values -128..=127.
+/// Reads the raw samples of a window: integers or floats from -128 to 127.
 fn window(path: &Path) -> anyhow::Result<Vec<Sample>> {
     let array = npy::read(path)?;
     let (&[WINDOW, CHANNELS], Values::Numbers(values)) = (&array.shape[..], &array.values) else {

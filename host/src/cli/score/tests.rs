@@ -1,4 +1,4 @@
-//! Numbers of `score`, among them against a version that was written from docs/metrics.md alone.
+//! Numbers of `score`, checked also against an implementation written from docs/metrics.md alone.
 
 mod naive;
 
@@ -69,7 +69,7 @@ fn a_delay_is_part_of_the_latency_alone() {
     assert_eq!(delayed(&labels[..3], 51), [None; 3]);
 }
 
-/// Labels as the lines of a file.
+/// Formats labels as the lines of a file.
 fn lines(labels: &[Option<Intent>]) -> String {
     let name = |label: &Option<Intent>| label.map_or("none", Intent::name);
     labels
@@ -78,7 +78,7 @@ fn lines(labels: &[Option<Intent>]) -> String {
         .collect()
 }
 
-/// Runs of random labels, at most so long; none now and then.
+/// Random runs of labels, each at most `longest` samples; some are unlabelled.
 fn random_labels(random: &mut ChaCha8Rng, samples: usize, longest: usize) -> Vec<Option<Intent>> {
     let mut labels = Vec::new();
     while labels.len() < samples {
@@ -90,7 +90,7 @@ fn random_labels(random: &mut ChaCha8Rng, samples: usize, longest: usize) -> Vec
     labels
 }
 
-/// The truth some samples later or earlier, with mistakes and gaps.
+/// Copies the truth with a random shift, mistakes and gaps.
 fn follower(random: &mut ChaCha8Rng, truth: &[Option<Intent>]) -> Vec<Option<Intent>> {
     let late = random.random_range(-60..120_i32);
     let at = |sample: usize| {

@@ -17,9 +17,10 @@ pub struct Arguments {
     /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Weight of the soft targets in the loss, instead of the preset's (cpu 0.8, quickstart and paper 0.5); 0 trains on
-    /// the labels alone. Changes the run's configuration: results and model file of the student before are no longer
-    /// this run's.
+    /// Weight of the soft targets in the loss, instead of the preset's (cpu 0.8, quickstart and paper 0.5); 0 trains on the
+    /// labels alone.
+    ///
+    /// Changes the run's configuration: results and model file of the student before are no longer this run's.
     #[arg(long, value_name = "0..1", value_parser = share)]
     teacher_share: Option<f64>,
     /// Train a second student on the labels alone, for comparison with the distilled one.
@@ -54,7 +55,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if arguments.resume {
             context.config.must_equal(&config, &context.folder)?;
         } else {
-            // Another student, and so other results; the teacher stays the same.
+            // Another student gives other results; the teacher stays the same.
             config.save(&context.folder)?;
             context.config = config;
         }

@@ -25,7 +25,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         _ => bail!("several models need --data DIR: a run folder is evaluated with one"),
     };
     let context = open_run(&arguments.run, arguments.backend)?;
-    // A run with a teacher alone is evaluated too.
+    // A run may have a teacher alone.
     let model = match model {
         Some(path) => Some(ModelFile::read(&context, path)?),
         None => ModelFile::of_run(&context)?,

@@ -21,7 +21,9 @@ pub struct Arguments {
     /// Run folder of `myointent train`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// File to write; there must be none of this name. `teacher.safetensors` in the run folder if not given.
+    /// File to write; there must be none of this name.
+    ///
+    /// `teacher.safetensors` in the run folder if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]

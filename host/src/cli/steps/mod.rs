@@ -1,4 +1,4 @@
-//! Commands that need a training library: the steps of a run, and all of them at once.
+//! Commands that need the training feature: the steps of a run, and all of them at once.
 
 pub(super) mod distill;
 pub(super) mod evaluate;
@@ -28,8 +28,10 @@ use super::arguments::{log_found, refused};
 /// Which recordings to read.
 #[derive(Clone, Debug, Args)]
 pub struct DataArguments {
-    /// Folder of recordings, of one data set or of several. If not given: the folder that the variable
-    /// MYOINTENT_DATA names, or else ./data, or else ../shared/data; without any of them, synthetic recordings.
+    /// Folder of recordings, of one data set or of several.
+    ///
+    /// If not given: the folder that the variable MYOINTENT_DATA names, or else ./data, or else ../shared/data; without any
+    /// of them, synthetic recordings.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Refuse damaged files instead of leaving them out.
@@ -37,9 +39,9 @@ pub struct DataArguments {
     pub strict: bool,
 }
 
-/// Names a folder of recordings; empty is as good as not set.
+/// Environment variable with the folder of recordings; empty counts as unset.
 const VARIABLE: &str = "MYOINTENT_DATA";
-/// Folders that are searched for recordings if none is named.
+/// Folders that are searched if none is named.
 const DEFAULT_FOLDERS: [&str; 2] = ["data", "../shared/data"];
 
 impl DataArguments {
@@ -66,7 +68,7 @@ impl DataArguments {
     }
 }
 
-/// The run in a folder, to write into it, with the recordings that it was started with.
+/// Opens the run in a folder for writing, with the recordings that it was started with.
 ///
 /// # Errors
 /// When the folder holds no run or is in use, or the recordings cannot be read or are others.
@@ -80,15 +82,15 @@ pub fn open_run(path: &Path, backend: BackendArguments) -> anyhow::Result<RunCon
     })
 }
 
-/// The run in a folder, which nobody else writes into from now on.
+/// Locks the run in a folder against other writers.
 fn lock_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig)> {
     let folder = find_run(path)?.0.locked()?;
-    // Again: it may have been another one before.
+    // Read again under the lock: the run may have been replaced.
     let config = ResolvedConfig::load(&folder)?;
     Ok((folder, config))
 }
 
-/// The folder and the configuration of an earlier run, to read.
+/// Finds the folder and the configuration of an earlier run, for reading.
 ///
 /// # Errors
 /// When the folder holds no run.
@@ -99,10 +101,10 @@ pub(crate) fn find_run(path: &Path) -> anyhow::Result<(RunFolder, ResolvedConfig
     })
 }
 
-/// The run that an interrupted command is to go on with.
+/// Opens the run that an interrupted command is to continue.
 ///
-/// Options that decide the outcome are those of the run, unless the command repeats them: then they have to give the
-/// same configuration.
+/// Options that decide the outcome are those of the run. If the command repeats them, they must give the same
+/// configuration.
 ///
 /// # Errors
 /// When the folder holds no run or is in use, the recordings cannot be read or are others, or `repeated` is another
@@ -132,8 +134,8 @@ pub(crate) fn resume_run(
     })
 }
 
-/// Recordings below a path, of the preset's data sets, or of all if none of these is found; synthetic
-/// ones without a path.
+/// Loads the recordings below a path: of the preset's data sets, or of all sets if none of these is found. Without a path,
+/// generates synthetic ones.
 ///
 /// # Errors
 /// When nothing can be read, or a file is damaged and `strict`.

@@ -16,7 +16,7 @@ use training::teacher::model::TeacherInput;
 
 use crate::cli::predict::{Arguments, Matrix, Which, names};
 
-/// Logits of every patch, number of classes and how they are smoothed.
+/// Computes the logits of every patch; also returns the number of classes and the smoother's settings.
 ///
 /// # Errors
 /// When the folder holds no such checkpoint.
@@ -41,7 +41,7 @@ pub(in crate::cli) fn logits(
     Ok((rows, classes, Settings::PAPER_IN_PATCHES))
 }
 
-/// The teacher's logits of all samples of a window, MASK last.
+/// Computes the teacher's logits of all samples of a window, MASK last.
 ///
 /// # Errors
 /// When the folder holds no teacher.
@@ -56,7 +56,7 @@ pub(in crate::cli) fn over_window_of_teacher(
     let shape = config.preset.teacher.window_shape();
     let emg = input(samples, config.preset.preprocessing());
     let mut values = Vec::with_capacity(shape.window * CHANNELS);
-    // A model of a shorter window sees the newest samples of this one.
+    // A model with a shorter window takes the newest samples of this one.
     Variation::NONE.write(&emg[WINDOW - shape.window..], &mut values);
     let output = model.forward(TeacherInput::for_inference(values, shape, classes, &device));
     let columns = names(classes, String::new())

@@ -16,7 +16,9 @@ pub struct Arguments {
     /// Run folder of `myointent distill`.
     #[arg(long, value_name = "DIR", default_value = "runs/latest")]
     run: PathBuf,
-    /// Model file to write; there must be none of this name. `student.intent` in the run folder if not given.
+    /// Model file to write; there must be none of this name.
+    ///
+    /// `student.intent` in the run folder if not given.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]

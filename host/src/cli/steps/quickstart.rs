@@ -38,11 +38,14 @@ pub struct Arguments {
     /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
     #[arg(long)]
     seed: Option<u64>,
-    /// Continue an interrupted quickstart of this run folder. Options that decide the outcome may be left out; if given,
-    /// they must be those that the run began with.
+    /// Continue an interrupted quickstart of this run folder.
+    ///
+    /// Options that decide the outcome may be left out; if given, they must be those that the run began with.
     #[arg(long)]
     resume: bool,
-    /// Begin anew in a run folder that holds a run, in its place. Without it, such a folder is refused.
+    /// Begin anew in a run folder that holds a run, in its place.
+    ///
+    /// Without it, such a folder is refused.
     #[arg(long, conflicts_with = "resume")]
     overwrite: bool,
     /// Train the teacher even if the preset's student does not learn from it.
@@ -75,7 +78,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     quantize(&context, &model)?;
     let file = ModelFile::of_run(&context)?;
     let (results, evaluation) = evaluate(&context, file.as_ref(), &no_more)?;
-    // Again, now with the scores in the header.
+    // Written again, now with the scores in the header.
     quantize(&context, &model)?;
     let page = context.folder.file(REPORT);
     run_report::write(
@@ -97,7 +100,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Where the recordings come from, and how many files were left out.
+/// Describes where the recordings come from, and how many files were left out.
 fn recordings_used(context: &RunContext) -> String {
     let recordings = match &context.config.data {
         Some(path) => path.display().to_string(),
@@ -109,7 +112,7 @@ fn recordings_used(context: &RunContext) -> String {
     }
 }
 
-/// The end of the output, at most 20 lines: scores of the model file, and where everything is.
+/// Formats the end of the output, at most 20 lines: scores of the model file, and the paths of the results.
 fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -> String {
     let (model, page) = (model.display(), page.display());
     format!(
@@ -125,7 +128,7 @@ fn last_screen(results: &Results, recordings: &str, model: &Path, page: &Path) -
     )
 }
 
-/// Subjects, grouped: `roshambo 03, 06; ss-stm sub3`.
+/// Formats subjects by data set: `roshambo 03, 06; ss-stm sub3`.
 fn by_data_set(subjects: &[String]) -> String {
     let mut sets: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for subject in subjects {

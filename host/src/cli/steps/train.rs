@@ -22,7 +22,8 @@ use training::run::train;
 /// Arguments of `train`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  myointent train --preset cpu --data recordings --run runs/mine\n  \
+    after_help = "Examples:\n  myointent train --preset cpu --data recordings --run runs/mine\n  myointent train --run runs/mine --resume",
+    after_long_help = "Examples:\n  myointent train --preset cpu --data recordings --run runs/mine\n  \
     myointent train --run runs/mine --resume\n  myointent presets cpu > mine.toml   # edit, then --preset mine.toml\n  \
     myointent train --preset cpu --data recordings --protocol loso --fold 1 --run runs/loso/fold-1\n  \
     myointent train --preset mine.toml --data mine --from runs/loso/fold-1 --run runs/tuned"
@@ -36,27 +37,34 @@ pub struct Arguments {
     run: PathBuf,
     /// Fine-tune the teacher of this run, or a checkpoint of the reference (.pth, .safetensors), with the
     /// preset's fine-tuning settings.
-    #[arg(long, value_name = "RUN|FILE")]
+    #[arg(hide_short_help = true, long, value_name = "RUN|FILE")]
     from: Option<PathBuf>,
     /// Train low-rank adapters alone (LoRA); needs --from.
-    #[arg(long, requires = "from")]
+    #[arg(hide_short_help = true, long, requires = "from")]
     lora: bool,
-    /// Cross-validation: `loso` holds out one subject of each data set, `4-fold` (or any number) a
-    /// fourth of them; needs --fold. Without it, the preset's lists and shares and host/people.toml decide.
-    #[arg(long, requires = "fold")]
+    /// Cross-validation: `loso` holds out one subject of each data set, `4-fold` (or any number) a fourth of them; needs
+    /// --fold.
+    ///
+    /// Without it, the preset's lists and shares and host/recordings/people.toml decide.
+    #[arg(hide_short_help = true, long, requires = "fold")]
     protocol: Option<Protocol>,
-    /// Fold of the cross-validation, from 1 on; needs --protocol. Folds are independent.
-    #[arg(long, requires = "protocol")]
+    /// Fold of the cross-validation, from 1 on; needs --protocol.
+    ///
+    /// Folds are independent.
+    #[arg(hide_short_help = true, long, requires = "protocol")]
     fold: Option<usize>,
     /// Seed of all random numbers, instead of the preset's, which is 42 in the built-in presets.
     #[arg(long)]
     seed: Option<u64>,
-    /// Continue after the last checkpoint of this run folder. Options that decide the outcome may be left out; if
-    /// given, they must be those that the run began with.
+    /// Continue after the last checkpoint of this run folder.
+    ///
+    /// Options that decide the outcome may be left out; if given, they must be those that the run began with.
     #[arg(long)]
     resume: bool,
-    /// Begin anew in a run folder that holds a run, in its place. Without it, such a folder is refused.
-    #[arg(long, conflicts_with = "resume")]
+    /// Begin anew in a run folder that holds a run, in its place.
+    ///
+    /// Without it, such a folder is refused.
+    #[arg(hide_short_help = true, long, conflicts_with = "resume")]
     overwrite: bool,
     #[command(flatten)]
     data: DataArguments,
@@ -96,7 +104,7 @@ fn repeated(arguments: &Arguments) -> bool {
         || arguments.data.strict
 }
 
-/// The configuration that the options give, and the recordings.
+/// Resolves the configuration that the options give, and loads the recordings.
 fn resolve(arguments: &Arguments) -> anyhow::Result<(ResolvedConfig, Library)> {
     let mut preset = Preset::find(arguments.preset.as_deref().unwrap_or("cpu"))?;
     preset.seed = arguments.seed.unwrap_or(preset.seed);

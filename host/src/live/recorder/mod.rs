@@ -1,5 +1,5 @@
-//! A recording session beside a stream: a thread that takes samples from the hub, leads through a protocol and writes a
-//! journal. Neither source nor viewers ever wait for it, or for its disk.
+//! Recorder of a session: a thread that takes samples from the hub, leads through a protocol and writes a journal. Neither
+//! source nor viewers wait for it or its disk.
 
 mod told;
 #[cfg_attr(not(feature = "train"), path = "untrained.rs")]
@@ -24,97 +24,96 @@ use crate::record::journal::{Entry, Journal};
 use crate::record::protocol::Protocol;
 use crate::record::session::{Action, Held, Input, Session, View};
 
-/// How long it waits for samples before it looks for wishes: less than a person notices.
+/// Longest wait for samples between two checks for wishes: too short to notice.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// What is recorded, of whom, and where to.
+/// Settings of a recording session.
 #[derive(Clone, Debug)]
 pub struct RecordOptions {
-    /// The folder that has a folder for each person.
+    /// Folder with a folder for each person.
     pub folder: PathBuf,
-    /// Whose muscles.
+    /// Name of the person.
     pub person: String,
-    /// What is asked for.
+    /// Protocol of the session.
     pub protocol: Protocol,
-    /// The model file that is tuned afterwards, as a command names it.
+    /// Path of the model file to tune afterwards, for the commands that are shown.
     pub model: PathBuf,
-    /// What tuning computes on.
+    /// Device for tuning.
     #[cfg(feature = "train")]
     pub device: Device,
-    /// How many times faster a demo or a recording plays, to try a protocol out.
+    /// Speed-up of a demo or a replay, to try a protocol out.
     pub speed: u32,
-    /// Begin by itself when samples come, and end with the session: nobody looks at the cues.
+    /// Whether the session begins by itself and its end ends the program; nobody looks at the cues.
     pub unattended: bool,
 }
 
-/// What a viewer wants of a session.
+/// Request of a viewer to the recorder.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Wish {
-    /// Of the session in progress.
+    /// Action on the session in progress.
     Action(Action),
-    /// Nobody looks at the cues any more.
+    /// The leader has left the page.
     LeaderLeft,
-    /// Another session.
+    /// Begin another session.
     Again,
     /// Tune the model on all of the person's recordings.
     Tune,
-    /// Put the tuned model on the board.
+    /// Install the tuned model on the board.
     Install,
 }
 
-/// What a recorder works with.
+/// Settings and channels of a recorder.
 #[derive(Debug)]
 pub(super) struct Recorder {
     pub(super) options: RecordOptions,
-    /// What `source` is, for the journal, and whether it is of nobody.
+    /// Description of the source for the journal, and whether it is synthetic.
     pub(super) source: (String, bool),
-    /// The serial port of the board that the tuned model is for.
+    /// Serial port of the board that the tuned model is for; none without a board.
     pub(super) port: Option<PathBuf>,
-    /// What the source is asked through.
+    /// Channel for requests to the source.
     pub(super) requests: SyncSender<Request>,
-    /// The option of the same source, for another command.
+    /// Command-line option of the source, for the commands that are shown.
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) option: String,
-    /// The model file's bytes.
+    /// Bytes of the model file.
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) model: Vec<u8>,
     pub(super) hub: std::sync::Arc<Hub>,
-    /// What a simulated person is asked for.
+    /// Current request to a simulated person.
     pub(super) asked: Asked,
 }
 
-/// While it runs.
+/// State of a running recorder.
 struct Running {
     recorder: Recorder,
     session: Session,
     journal: Option<Journal>,
     told: Option<View>,
-    /// How the armband sits, as the board is aligned.
+    /// Placement of the armband, as the board is aligned.
     placement: Alignment,
     trouble: String,
-    /// What has happened to the journal, until the person goes on.
+    /// Warning about the journal, shown until the person continues.
     notice: String,
-    /// What was not kept of earlier sessions.
+    /// Earlier sessions without recordings.
     unkept: Vec<Unkept>,
     tuning: Option<Receiver<Heard>>,
-    /// The model file that was tuned last.
+    /// Bytes of the newest tuned model file.
     tuned: Option<Vec<u8>>,
 }
 
-/// What was not kept of a session.
+/// Session without recordings.
 #[derive(Debug)]
 struct Unkept {
-    /// The journal of which no recordings could be made; none if it is not whole.
+    /// Journal to try again; none if its writing failed.
     journal: Option<PathBuf>,
-    /// What viewers were told.
+    /// Message that viewers got.
     told: String,
 }
 
 impl Recorder {
-    /// Leads through sessions until it is stopped, or an unattended one is over; then ends and keeps the one in progress.
-    ///
+    /// Leads through sessions until it is stopped or an unattended session is over; then ends and keeps the one in progress.
     /// # Errors
-    /// When an unattended session cannot be written, or recordings of a session could not be made until the end.
+    /// When an unattended session cannot be written, or a journal could not be made into recordings.
     pub(super) fn run(
         self,
         events: &Receiver<Event>,
@@ -137,7 +136,7 @@ impl Recorder {
         let mut led = Ok(());
         loop {
             running.tell();
-            // Asked before the events are read: what was published before a stop is still taken.
+            // Read before the events: what was published before a stop is still taken.
             let stopped = stop.requested();
             for wish in wishes.try_iter() {
                 running.wish(wish);
@@ -195,7 +194,7 @@ impl Running {
         }
     }
 
-    /// From the next sample on the armband sits so.
+    /// Sets the placement of the armband from the next sample on.
     fn place(&mut self, placement: Alignment) {
         if self.placement != placement {
             self.placement = placement;
@@ -215,7 +214,7 @@ impl Running {
         let count = emg.len() as u32;
         self.session.handle(now, Input::Samples { first, count });
         self.write_down();
-        // The samples with which a session ends are its last; those with which it is held belong to another stream.
+        // Samples that end a session belong to it; samples that hold it belong to another stream.
         let kept = self.session.is_running() || before && self.session.is_over();
         if let Some(journal) = &mut self.journal
             && kept
@@ -257,7 +256,7 @@ impl Running {
         }
     }
 
-    /// Of an unattended session: begins it when samples come, and goes on after a wait; whether it is over.
+    /// Begins an unattended session when samples come, and continues it after a hold. Returns whether it is over.
     fn lead(&mut self) -> anyhow::Result<bool> {
         let is_over = self.session.is_over() && self.journal.is_none();
         if !is_over && !self.session.is_running() && self.session.has_stream() {
@@ -267,7 +266,7 @@ impl Running {
         Ok(is_over)
     }
 
-    /// Tells viewers what has changed.
+    /// Tells viewers about changes.
     pub(super) fn tell(&mut self) {
         let view = self.session.view();
         if self.told.as_ref() != Some(&view) {
@@ -282,7 +281,7 @@ impl Running {
         self.tell_tuning();
     }
 
-    /// Asks the board's thread for it; that one tells what comes of it.
+    /// Asks the board's thread to install the tuned model; that thread reports the result.
     fn install(&self) {
         let (Some(tuned), Some(_)) = (&self.tuned, &self.recorder.port) else {
             return;
@@ -298,7 +297,7 @@ impl Running {
 }
 
 impl Recorder {
-    /// The person's folder.
+    /// Path of the person's folder.
     fn folder(&self) -> PathBuf {
         self.options.folder.join(&self.options.person)
     }

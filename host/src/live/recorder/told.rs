@@ -1,4 +1,4 @@
-//! What was kept, and commands, in words.
+//! Text for viewers: the result of a session, and commands.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::live::outcome::Kept;
 use crate::record;
 use crate::record::told::Told;
 
-/// What was kept, with the commands that come next.
+/// Describes what was kept, with the next commands.
 pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
     let name = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default();
@@ -35,7 +35,7 @@ pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
     }
 }
 
-/// The command that brings a model onto a board.
+/// Command that installs a model on a board.
 pub(super) fn install(recorder: &Recorder, file: &Path) -> String {
     let port = recorder
         .port
@@ -48,7 +48,7 @@ pub(super) fn install(recorder: &Recorder, file: &Path) -> String {
     )
 }
 
-/// A path as a shell takes it.
+/// Quotes a path for a shell.
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-+:\\".contains(letter);
@@ -59,7 +59,7 @@ fn quoted(path: &Path) -> String {
     }
 }
 
-/// A name that no file has.
+/// Finds a free name for a model file.
 pub(super) fn free(folder: &Path, person: &str) -> PathBuf {
     let mut number = 1_u32;
     let mut path = folder.join(format!("{person}.intent"));

@@ -1,4 +1,4 @@
-//! The model tuned on the person's recordings, as `myointent personalize` does it, on a thread of its own.
+//! Tuning of the model on the person's recordings, as `myointent personalize` does it, on a thread of its own.
 
 use std::path::Path;
 use std::sync::mpsc;
@@ -13,7 +13,7 @@ use execution::run_folder::write_whole;
 use recordings::{LoadOptions, load};
 use training::run::personalize::{Personalized, TuningSettings, personalize};
 
-/// Measures that are shown; all of them decide.
+/// Measures that are shown; the decision uses all of them.
 const SHOWN: [(Measure, &str); 4] = [
     (Measure::BalancedAccuracy, "balanced accuracy"),
     (Measure::TransitionAccuracy, "transition accuracy"),
@@ -21,20 +21,20 @@ const SHOWN: [(Measure, &str); 4] = [
     (Measure::FalseActivations, "false activations a minute"),
 ];
 
-/// What viewers are told, and the model file, if it is kept.
+/// Message for viewers, and the model file if it is kept.
 type Outcome = (Tuning, Option<Vec<u8>>);
 
-/// A tuning on its thread.
+/// Message from the tuning thread.
 #[derive(Debug)]
 pub(super) enum Heard {
-    /// So many steps are taken.
+    /// Number of steps done.
     Steps(usize),
-    /// It is over.
+    /// Result.
     Ended(Outcome),
 }
 
 impl Running {
-    /// Begins; what comes of it is told later.
+    /// Starts the tuning thread.
     pub(super) fn tune(&mut self) {
         let folder = self.recorder.folder();
         let model = self.recorder.model.clone();
@@ -52,7 +52,7 @@ impl Running {
             ),
         ];
         let work = move || {
-            // A recorder that has ended wants no answer.
+            // The recorder may have ended.
             let report = |steps| drop(sender.send(Heard::Steps(steps)));
             let ended = match tuned(&model, &folder, &device, report) {
                 Ok(done) => told(done, &out, next, installs),
@@ -71,7 +71,7 @@ impl Running {
         self.recorder.hub.publish(&Event::Tuning(state));
     }
 
-    /// Tells viewers how far it is, and what came of it.
+    /// Tells viewers the progress and the result.
     pub(super) fn tell_tuning(&mut self) {
         while let Some(heard) = self
             .tuning
@@ -91,7 +91,7 @@ impl Running {
     }
 }
 
-/// After so many steps.
+/// State after this many steps.
 fn running(steps: usize) -> Tuning {
     let of = TuningSettings::default().steps;
     let text = if steps == of {

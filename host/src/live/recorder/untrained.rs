@@ -1,16 +1,16 @@
-//! The tune step of a program that was built without training: it says what is missing.
+//! Tune step of a program built without training: it tells viewers so.
 
 use super::Running;
 use crate::cli::WITHOUT_TRAINING;
 use crate::live::event::Event;
 use crate::live::outcome::Tuning;
 
-/// Messages of a tuning: none.
+/// Message from the tuning thread; there is none.
 #[derive(Debug)]
 pub(super) enum Heard {}
 
 impl Running {
-    /// Tells viewers what is missing.
+    /// Tells viewers that the program was built without training.
     pub(super) fn tune(&mut self) {
         self.tuned = None;
         self.recorder.hub.publish(&Event::Tuning(Tuning {

@@ -1,4 +1,4 @@
-//! What a session says and hears, into its journal; and recordings of that at its end.
+//! Writing of a session to its journal, and to recordings at its end.
 
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -16,7 +16,7 @@ use execution::progress;
 use execution::run_folder::utc;
 
 impl Running {
-    /// A new journal; false if there is none, which viewers are told.
+    /// Creates a journal. Returns false on failure, which viewers are told.
     pub(super) fn create(&mut self) -> bool {
         if self.session.is_over() {
             return false;
@@ -68,7 +68,7 @@ impl Running {
         }
     }
 
-    /// What the session says, into the journal and to the demo.
+    /// Writes the session's outputs to the journal, and passes cues to the demo.
     pub(super) fn write_down(&mut self) {
         while let Some(output) = self.session.poll() {
             if let Output::Cue { cue, .. } = output {
@@ -116,7 +116,7 @@ impl Running {
                 let trouble = format!(
                     "{error}; what was recorded is kept while this program runs, and writing is tried again"
                 );
-                // An error that names only how often it was tried is no other trouble.
+                // While waiting, the error only says that it will be tried again: the first one stays.
                 if self.trouble.is_empty() {
                     self.fail(trouble);
                 }
@@ -125,7 +125,7 @@ impl Running {
         }
     }
 
-    /// The journal is written again.
+    /// Clears the error: the journal is written again.
     fn is_well(&mut self) {
         if !self.trouble.is_empty() {
             self.trouble.clear();
@@ -133,14 +133,14 @@ impl Running {
         }
     }
 
-    /// Tells viewers and the terminal what has happened, until the person goes on.
+    /// Sets a notice for viewers and logs it; it stays until the person continues.
     fn note(&mut self, text: String) {
         progress::log(&format!("warning: {text}"));
         self.notice = text;
         self.told = None;
     }
 
-    /// Tells viewers and the terminal what goes wrong, until it does not.
+    /// Sets an error for viewers and logs it; it stays until writing succeeds.
     fn fail(&mut self, text: String) {
         progress::log(&format!("warning: {text}"));
         self.trouble = text;
@@ -154,7 +154,7 @@ impl Running {
         let Some(journal) = self.journal.take() else {
             return;
         };
-        // Before what was kept: it takes a moment.
+        // Told before the journal is closed, which takes a moment.
         self.tell();
         match journal.close() {
             Ok(path) => self.keep(path),
@@ -172,7 +172,7 @@ impl Running {
         }
     }
 
-    /// Makes recordings of a journal that is whole.
+    /// Makes recordings of a complete journal.
     fn keep(&mut self, path: PathBuf) {
         match keep(&path) {
             Ok(kept) => {
@@ -193,10 +193,10 @@ impl Running {
         }
     }
 
-    /// Makes recordings of the journals of which none could be made before: the disk may have room now.
+    /// Tries again to make recordings of journals for which it failed: the disk may have room now.
     ///
     /// # Errors
-    /// With what is not kept, and where the journals are.
+    /// When a session is not kept; the message names the journals.
     pub(super) fn keep_the_rest(&mut self) -> anyhow::Result<()> {
         let mut left = Vec::new();
         for unkept in self.unkept.drain(..) {
@@ -210,6 +210,6 @@ impl Running {
     }
 }
 
-/// What to do about a journal that is left.
+/// Advice about a journal that is left.
 const NEXT_START: &str =
     "The next start of `myointent record` for this person makes recordings of the journal";

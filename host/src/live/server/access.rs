@@ -1,8 +1,8 @@
-//! Who may look: this machine alone, or who knows the token.
+//! Access to the page: from this machine alone, or with the token.
 //!
-//! A page of somebody else in the same browser is kept out twice. Its websocket has a foreign `Origin`. And if its name is
-//! made to resolve to this machine (DNS rebinding), it asks for that name: only addresses and `localhost` are answered. Nobody
-//! can make those resolve to another machine. The port does not matter: a tunnel has one of its own.
+//! Other sites open in the same browser are kept out in two ways. Their websocket has a foreign `Origin`. If their name
+//! resolves to this machine (DNS rebinding), the `Host` has that name: only addresses and `localhost`, which nobody can
+//! redirect, are answered. The port is not compared: a tunnel has its own.
 
 use std::fmt::Write as _;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -12,26 +12,26 @@ use subtle::ConstantTimeEq as _;
 
 use crate::live::is_local;
 
-/// Which requests are answered.
+/// Rule for the requests that are answered.
 #[derive(Debug)]
 pub(crate) struct Access {
     address: SocketAddr,
-    /// First part of every path; none on this machine alone.
+    /// Token, the first part of every path; none for a page on this machine alone.
     token: Option<String>,
 }
 
 /// Why a request is not answered.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum Denied {
-    /// A name that anybody may give to this machine, or an address of another one.
+    /// Foreign name, or an address of another machine.
     #[error(
         "expected localhost or an address such as 127.0.0.1 or [::1], found \"{0}\": open the page under one of these, with any port\n"
     )]
     Host(String),
-    /// A page of somebody else.
+    /// Page of another origin.
     #[error("a page of another origin may not look in\n")]
     Origin,
-    /// The token is missing or another one.
+    /// Missing or wrong token.
     #[error("expected the whole address that `myointent live` printed, with its token\n")]
     Token,
 }
@@ -50,10 +50,10 @@ impl Denied {
     }
 }
 
-/// Characters of a refused name that are said again.
+/// Greatest number of characters of a refused name in the answer.
 const MAX_NAME: usize = 64;
 
-/// A name that cannot be made to mean another machine, and a port.
+/// Host that cannot be redirected to another machine, and port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Authority {
     name: Name,
@@ -67,7 +67,7 @@ enum Name {
 }
 
 impl Authority {
-    /// Reads a `Host`, or an origin without its scheme (RFC 3986, 3.2); none for any other name.
+    /// Parses a `Host`, or an origin without its scheme (RFC 3986, 3.2); none for any other name.
     fn parse(text: &str) -> Option<Self> {
         let (name, port) = match text.strip_prefix('[') {
             Some(rest) => {
@@ -77,7 +77,7 @@ impl Authority {
             }
             None => {
                 let (name, port) = text.split_at(text.find(':').unwrap_or(text.len()));
-                // The root of all names may be written.
+                // A fully qualified name may end with a dot.
                 let name = name.strip_suffix('.').unwrap_or(name);
                 let address = || name.parse().map(|address: Ipv4Addr| address.into());
                 let name = if name.eq_ignore_ascii_case("localhost") {
@@ -92,7 +92,7 @@ impl Authority {
             Some(digits) if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
                 digits.parse().ok()?
             }
-            // The default of HTTP.
+            // Default port of HTTP.
             None if port.is_empty() => 80,
             _ => return None,
         };
@@ -100,17 +100,17 @@ impl Authority {
     }
 }
 
-/// A request that is answered.
+/// Request that is answered.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Allowed<'p> {
-    /// The path without the token and the slashes around.
+    /// Path without the token and the slashes around.
     pub(super) path: &'p str,
-    /// As the browser knows this server.
+    /// Name of this server in the browser.
     pub(super) host: String,
 }
 
 impl Access {
-    /// Of a server on an address; makes a token unless that is of this machine alone.
+    /// Rule for a server on an address; draws a token unless the address is of this machine alone.
     pub(crate) fn new(address: SocketAddr) -> Self {
         let token = (!is_local(address.ip())).then(|| {
             let random: [u8; 16] = rand::random();
@@ -122,7 +122,7 @@ impl Access {
         Self { address, token }
     }
 
-    /// What to open in a browser.
+    /// URL to open in a browser.
     pub(crate) fn url(&self) -> String {
         let Self { address, token } = self;
         match token {
@@ -131,10 +131,10 @@ impl Access {
         }
     }
 
-    /// Checks where a request comes from, and what it asks for.
+    /// Checks the origin, the host and the token of a request.
     ///
     /// # Errors
-    /// The first of the reasons that it has.
+    /// [`Denied`], by the first check that fails.
     pub(super) fn check<'p>(
         &self,
         path: &'p str,
@@ -159,7 +159,7 @@ impl Access {
             None => path,
             Some(token) => {
                 let (found, path) = path.split_once('/').ok_or(Denied::Token)?;
-                // Of texts of another length, the length is no secret.
+                // The length of a token is no secret.
                 let same: bool = found.as_bytes().ct_eq(token.as_bytes()).into();
                 if !same {
                     return Err(Denied::Token);
@@ -173,7 +173,7 @@ impl Access {
         })
     }
 
-    /// Whether this server may be asked for by this name.
+    /// Whether this server may be reached by this name.
     const fn is_own(&self, name: Name) -> bool {
         match name {
             Name::Localhost => true,

@@ -1,4 +1,4 @@
-//! The files of the page, part of the program.
+//! Files of the page, compiled into the program.
 
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName, REFERRER_POLICY,
@@ -10,7 +10,7 @@ use axum::response::{IntoResponse as _, Response};
 const CROSS_ORIGIN_RESOURCE_POLICY: HeaderName =
     HeaderName::from_static("cross-origin-resource-policy");
 
-/// Path, type and text of each.
+/// Path, MIME type and text of each file.
 const FILES: [(&str, &str, &str); 17] = [
     ("", HTML, include_str!("../page/index.html")),
     (
@@ -39,7 +39,7 @@ const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-/// One of the files, for a browser that knows this server as `host`.
+/// Answers with a file, for a browser that knows this server as `host`.
 pub(super) fn answer(path: &str, host: &str) -> Response {
     let Some((_, kind, text)) = FILES.iter().find(|(name, ..)| *name == path) else {
         return (StatusCode::NOT_FOUND, "no such file\n").into_response();
@@ -48,10 +48,10 @@ pub(super) fn answer(path: &str, host: &str) -> Response {
     let headers = response.headers_mut();
     let fixed = [
         (CONTENT_TYPE, *kind),
-        // The page of another version of the program.
+        // A cached page could be of another version of the program.
         (CACHE_CONTROL, "no-store"),
         (X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        // The address may have a token.
+        // The address may contain a token.
         (REFERRER_POLICY, "no-referrer"),
         (CROSS_ORIGIN_RESOURCE_POLICY, "same-origin"),
     ];
@@ -64,7 +64,7 @@ pub(super) fn answer(path: &str, host: &str) -> Response {
     response
 }
 
-/// Nothing from elsewhere, nothing inline, in nobody's frame. Not every browser takes the websocket for `'self'`.
+/// Content security policy: own files only, nothing inline, no frames. Some browsers exclude the websocket from `'self'`.
 fn policy(host: &str) -> String {
     format!(
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
@@ -96,7 +96,7 @@ mod tests {
         }
     }
 
-    /// The custom properties of the light scheme, and of the dark one, which replaces them: the colours written as `#rrggbb`.
+    /// Reads the custom properties `#rrggbb` of the light scheme and of the dark one, which overrides them.
     fn schemes() -> [BTreeMap<&'static str, [f64; 3]>; 2] {
         let (_, _, text) = FILES.iter().find(|(name, ..)| *name == "live.css").unwrap();
         let blocks: Vec<_> = text.split(":root {").skip(1).collect();
@@ -121,7 +121,7 @@ mod tests {
         [light, both]
     }
 
-    /// The contrast of two colours, 1 to 21 (WCAG 2.2, contrast ratio).
+    /// Contrast of two colours, 1 to 21 (WCAG 2.2, contrast ratio).
     fn contrast(one: [f64; 3], other: [f64; 3]) -> f64 {
         let luminance = |colour: [f64; 3]| {
             let [red, green, blue] = colour.map(|value| {
@@ -142,7 +142,7 @@ mod tests {
         assert!((contrast([0.0; 3], [1.0; 3]) - 21.0).abs() < 1e-9);
         let classes = Vocabulary::Six.intents().iter().map(|intent| intent.name());
         let classes: Vec<_> = classes.collect();
-        // Whatever a rule gives to text, and what the classes are written in.
+        // All colours that rules give to text, and those of the classes.
         let mut texts: BTreeSet<&str> = classes.iter().copied().collect();
         for (_, kind, text) in FILES {
             if kind == CSS {
@@ -151,7 +151,7 @@ mod tests {
                 texts.extend(colours.map(|colour| colour.trim_end_matches(')')));
             }
         }
-        // Of the session's task: a class, as the page says; and the colour of a line in the legend, which is no text.
+        // Excluded: the class of the session's task, and the colour of a line in the legend, which is no text.
         texts.retain(|text| !["now", "on-class", "other"].contains(text));
         assert!(
             texts.contains("quiet") && texts.contains("bad"),

@@ -1,6 +1,6 @@
-//! How many connections there are, of one address and in all, and how long one stays that is not a viewer's.
+//! Limits on connections: their number, in all and of one address, and the time of one that is not a viewer's.
 //!
-//! A connection needs no token before its first request, so anybody who reaches the port can open some. None of them may use
+//! A connection needs no token before its first request, so anybody who reaches the port can open some. These must not use
 //! up the program's descriptors or keep a viewer out for long.
 
 use std::collections::HashMap;
@@ -18,14 +18,14 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::{Sleep, sleep};
 
-/// Connections at a time: below 1024, the usual limit of descriptors.
+/// Greatest number of connections: below 1024, the usual limit of descriptors.
 const MOST: usize = 256;
-/// Of them, those of one address: 16 viewers with the files of their pages need fewer.
+/// Greatest number of connections of one address: 16 viewers with the files of their pages need fewer.
 const MOST_OF_ADDRESS: usize = 64;
-/// A connection that has not become a viewer's by then is closed, whatever it sends.
+/// Time after which a connection that is not a viewer's is closed, whatever it sends.
 const REQUESTS: Duration = Duration::from_secs(30);
 
-/// A listener that closes at once what is too many.
+/// Listener that closes excess connections at once.
 #[derive(Debug)]
 pub(super) struct Bounded {
     inner: TcpListener,
@@ -63,17 +63,17 @@ impl Listener for Bounded {
     }
 }
 
-/// How many connections each network has open.
+/// Number of open connections of each network.
 #[derive(Clone, Debug, Default)]
 struct Open(Arc<Mutex<HashMap<IpAddr, usize>>>);
 
 impl Open {
     fn lock(&self) -> MutexGuard<'_, HashMap<IpAddr, usize>> {
-        // Nothing is left half-changed by a panic.
+        // A panic leaves nothing half-changed.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A place for a connection from this address; none if there are too many.
+    /// Reserves a place for a connection from this address; none if there are too many.
     fn place(&self, address: IpAddr) -> Option<Place> {
         let network = network(address);
         let mut open = self.lock();
@@ -89,7 +89,7 @@ impl Open {
     }
 }
 
-/// Whose connections are counted together: an IPv4 address, or the 64 bits of an IPv6 network, of which one machine has all.
+/// Network whose connections are counted together: an IPv4 address, or a /64 of IPv6, which one machine may own.
 fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => {
@@ -99,7 +99,7 @@ fn network(address: IpAddr) -> IpAddr {
     }
 }
 
-/// One connection's place, until it is dropped.
+/// Place of one connection, freed on drop.
 #[derive(Debug)]
 struct Place {
     network: IpAddr,
@@ -118,12 +118,12 @@ impl Drop for Place {
     }
 }
 
-/// Whether a connection is a viewer's, which has no end.
+/// Whether a connection is a viewer's, which has no time limit.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept(Arc<AtomicBool>);
 
 impl Kept {
-    /// Keeps the connection.
+    /// Removes the connection's time limit.
     pub(super) fn keep(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -135,7 +135,7 @@ impl Connected<IncomingStream<'_, Bounded>> for Kept {
     }
 }
 
-/// A connection that fails at its end.
+/// Connection that fails when its time is over.
 #[derive(Debug)]
 pub(super) struct Connection {
     stream: TcpStream,
@@ -145,7 +145,7 @@ pub(super) struct Connection {
 }
 
 impl Connection {
-    /// The stream before the connection's end; an error from then on, which wakes whoever waits.
+    /// Stream before the time is over; an error after it, which wakes a waiting reader.
     fn stream(&mut self, context: &mut Context<'_>) -> io::Result<Pin<&mut TcpStream>> {
         let is_kept = self.kept.0.load(Ordering::Relaxed);
         if !is_kept && self.end.as_mut().poll(context).is_ready() {
@@ -209,7 +209,7 @@ mod tests {
         let mut places: Vec<_> = (0..MOST_OF_ADDRESS)
             .map(|_| open.place(ip("127.0.0.1")).unwrap())
             .collect();
-        // The same one, written as IPv6.
+        // One address, also written as IPv6.
         for same in ["127.0.0.1", "::ffff:127.0.0.1"] {
             assert!(open.place(ip(same)).is_none(), "{same}");
         }

@@ -1,4 +1,4 @@
-//! The page over HTTP, and a websocket for each viewer: one thread, whatever the number of viewers.
+//! Server of the page over HTTP, with a websocket for each viewer; one thread for all viewers.
 
 pub(crate) mod access;
 mod assets;
@@ -31,14 +31,14 @@ use super::lead::Lead;
 use super::recorder::Wish;
 use super::source::Request;
 
-/// Viewers at a time.
+/// Greatest number of viewers.
 const MOST_VIEWERS: usize = 16;
-/// Bytes of a message of a viewer: a mark with its text.
+/// Greatest length of a viewer's message in bytes: a mark with its text.
 const MAX_REQUEST_BYTES: usize = 1024;
-/// How long viewers have to take the last message.
+/// Time that viewers have to take the last message.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// What every request is answered from.
+/// Shared state of all requests.
 #[derive(Debug)]
 struct Served {
     hub: Arc<Hub>,
@@ -52,7 +52,7 @@ struct Served {
     stop: watch::Receiver<bool>,
 }
 
-/// The server's thread.
+/// Thread of the server.
 #[derive(Debug)]
 pub(crate) struct Server {
     thread: JoinHandle<()>,
@@ -114,15 +114,15 @@ impl Server {
         Ok(Self { thread, stop })
     }
 
-    /// Ends it, with the messages that were published before.
+    /// Ends the server after the messages published before.
     pub(crate) fn stop(self) {
         let _ = self.stop.send(true);
-        // A panic of the server is no reason for another one: it was printed.
+        // A panic of the server was printed already.
         let _ = self.thread.join();
     }
 }
 
-/// Every request: is it allowed, and what is asked for?
+/// Checks a request and answers it.
 async fn answer(
     State(served): State<Arc<Served>>,
     ConnectInfo(connection): ConnectInfo<Kept>,

@@ -1,31 +1,31 @@
-//! How often one viewer may ask for something, so that no one takes the time and the messages of the others.
+//! Rate limit of one viewer's requests, so that none takes the time and the messages of the others.
 
 use std::time::{Duration, Instant};
 
-/// Requests at once: a page asks for the time four times, and a person is quick.
+/// Burst of requests: a page asks for the time four times, and a person may be quick.
 const AT_ONCE: u32 = 20;
-/// Between two requests of one that goes on asking: 10 a second.
+/// Time in which one more request is allowed: 10 a second.
 const EACH: Duration = Duration::from_millis(100);
-/// Between two answers that it was too often.
+/// Pause between two answers to excess requests.
 const TOLD: Duration = Duration::from_secs(1);
 
-/// What a viewer may still ask for.
+/// Requests that a viewer has left.
 #[derive(Debug)]
 pub(super) struct Rate {
     left: u32,
-    /// When `left` was counted.
+    /// Time at which `left` was counted.
     at: Instant,
-    /// When the viewer was told last that it asks too often.
+    /// Time of the last refusal that the viewer was told.
     told: Option<Instant>,
 }
 
-/// Whether a request is heard.
+/// Decision about a request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Heard {
     Yes,
-    /// Too often, and the viewer is to be told so.
+    /// Excess request; the viewer is to be told.
     Refused,
-    /// Too often, and it was told so just now.
+    /// Excess request; the viewer was told just now.
     Ignored,
 }
 
@@ -38,7 +38,7 @@ impl Rate {
         }
     }
 
-    /// A request comes.
+    /// Decides about a request.
     pub(super) fn ask(&mut self, now: Instant) -> Heard {
         let passed = now.saturating_duration_since(self.at).as_millis() / EACH.as_millis();
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(yes, 19 + 99);
         assert_eq!(refused, 10);
         assert_eq!(ignored, 9_999 - yes - refused);
-        // After a pause no more than at first.
+        // A pause allows no more than the burst.
         assert_eq!(count(60_000, 60_050)[0], 20);
     }
 }

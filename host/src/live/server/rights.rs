@@ -1,22 +1,22 @@
-//! What a viewer may ask for, by what the program does: one table for all of it. docs/live.md has the same one.
+//! Rights of viewers, by the mode of the program: one table, repeated in docs/live.md.
 
 use crate::live::source::Source;
 
-/// What the program does for its viewers.
+/// Mode of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Mode {
-    /// `live` of a board or an armband.
+    /// `live` with a board or an armband.
     Live,
-    /// `live` of a recording or of the demo.
+    /// `live` with a recording or the demo.
     Replay,
-    /// `record` of anything but a board.
+    /// `record` with any source but a board.
     Record,
-    /// `record` of a board.
+    /// `record` with a board.
     RecordBoard,
 }
 
 impl Mode {
-    /// Of a source, with a recording session or without.
+    /// Mode for a source, with or without a recording session.
     pub(crate) const fn of(source: &Source, records: bool) -> Self {
         match (source, records) {
             (Source::Port(_), true) => Self::RecordBoard,
@@ -27,14 +27,14 @@ impl Mode {
     }
 }
 
-/// Who may ask for something.
+/// Permission to send a request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Right {
     /// Every viewer.
     All,
-    /// The viewer who leads the session; who asks first does.
+    /// The viewer who leads the session; the first to ask does.
     Leader,
-    /// Nobody, for this reason.
+    /// Nobody; with the reason.
     Nobody(&'static str),
 }
 
@@ -48,7 +48,7 @@ const NOT_HERE: Right = Nobody(
 );
 const NO_BOARD: Right = Nobody("there is no board here: `myointent record --port PATH` has one");
 
-/// What is asked for, and who may: in [`Mode::Live`], `Replay`, `Record`, `RecordBoard`.
+/// Requests, and who may send them in [`Mode::Live`], `Replay`, `Record`, `RecordBoard`.
 const TABLE: [(&str, [Right; 4]); 8] = [
     ("ping", [All, All, All, All]),
     ("mark", [All, All, All, All]),
@@ -60,7 +60,7 @@ const TABLE: [(&str, [Right; 4]); 8] = [
     ("install", [NO_SESSION, NO_SESSION, NO_BOARD, Leader]),
 ];
 
-/// Who may ask for this; nobody, where the table does not have it.
+/// Right to a request; nobody for an unknown one.
 pub(super) fn of(asked: &str, mode: Mode) -> Right {
     let row = TABLE.iter().find(|(name, _)| *name == asked);
     row.map_or(Nobody("there is no such request"), |(_, rights)| {

@@ -1,32 +1,32 @@
-//! What a viewer says: the messages of its websocket, each a JSON object.
+//! Requests of a viewer: the messages of its websocket, each a JSON object.
 
 use serde::Deserialize;
 
 use crate::live::recorder::Wish;
 use crate::record::session::Action;
 
-/// What a viewer says.
+/// Request of a viewer.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Said {
-    /// What is the time there? Answered with `sent` as it is.
+    /// Ask for the server's time; the answer repeats `sent`.
     Ping { sent: f64 },
-    /// Remember this sample.
+    /// Mark a sample.
     Mark { sample: u32, text: String },
     /// Begin an alignment.
     Align,
-    /// End it.
+    /// Cancel the alignment.
     Cancel,
-    /// Begin a pairing of the board.
+    /// Begin a pairing on the board.
     Bind,
-    /// Of the recording session.
+    /// Control the recording session.
     Session { wish: SessionWish },
-    /// Free: this is done from now on.
+    /// Name the gesture done from now on, in a free session.
     Gesture { class: String },
 }
 
 impl Said {
-    /// Its name in the table of rights.
+    /// Name of the request in the table of rights.
     pub(super) const fn name(&self) -> &'static str {
         match self {
             Self::Ping { .. } => "ping",
@@ -43,7 +43,7 @@ impl Said {
     }
 }
 
-/// What a viewer wants of a session.
+/// Request of a viewer to a session.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SessionWish {

@@ -22,7 +22,7 @@ fn connect(url: &str) -> Socket {
         .0
 }
 
-/// The marks of a frame, and how many messages the viewer is told that it has skipped.
+/// Reads the marks of a frame, and the number of messages that were skipped.
 fn read(socket: &mut Socket) -> (Vec<u64>, u64) {
     let Message::Text(text) = socket.read().unwrap() else {
         panic!("a text");
@@ -39,7 +39,7 @@ fn read(socket: &mut Socket) -> (Vec<u64>, u64) {
 
 #[test]
 fn a_viewer_that_does_not_read_is_left_behind_and_told_so_and_the_other_misses_nothing() {
-    // More than the buffers of a connection on this machine hold.
+    // More messages than the buffers of a local connection hold.
     const MARKS: u32 = 6_000;
     let text = "x".repeat(4_096);
 
@@ -58,7 +58,7 @@ fn a_viewer_that_does_not_read_is_left_behind_and_told_so_and_the_other_misses_n
     for sample in 0..MARKS {
         let text = text.clone();
         hub.publish(&Event::Mark { sample, text });
-        // As far ahead as nobody has to skip.
+        // Reads along closely enough that nothing is skipped.
         while next + 100 <= sample || (sample == MARKS - 1 && next < MARKS) {
             let (marks, skipped) = read(&mut fast);
             assert_eq!(skipped, 0);
@@ -75,7 +75,7 @@ fn a_viewer_that_does_not_read_is_left_behind_and_told_so_and_the_other_misses_n
         seen += marks.len() as u64;
         last = marks.last().copied().or(last);
         if lost > 0 {
-            // What follows is told from here on.
+            // One more mark, which the resubscribed viewer receives.
             let sample = MARKS - 1;
             let text = String::new();
             hub.publish(&Event::Mark { sample, text });

@@ -1,4 +1,4 @@
-//! One viewer: what it is told, and what it asks for.
+//! Connection of one viewer: messages to it, and requests from it.
 
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
@@ -21,34 +21,34 @@ use crate::live::recorder::Wish;
 use crate::live::source::Request;
 use crate::record::session::Action;
 
-/// Messages are collected for so long: half of what a screen shows for.
+/// Time for which messages are collected: half a frame of a screen.
 const TOGETHER: Duration = Duration::from_millis(8);
-/// A viewer that takes nothing for so long is gone.
+/// Time after which a viewer that takes nothing is gone.
 const GONE: Duration = Duration::from_secs(20);
-/// Between two questions whether a viewer is there. One that is cut off does not answer, and its connection ends.
+/// Pause between two pings. A viewer that is cut off does not answer, and its connection ends.
 const BEAT: Duration = Duration::from_secs(60);
 
 const UNKNOWN: &str = "there is no such request: load the page again, it may be of another version";
 const TOO_OFTEN: &str = "asked too often: at most 20 requests at once and 10 a second are heard";
 const WATCHES: &str = "another page leads the session, and this one watches";
 const BUSY: &str = "not done, because the program is busy or ends: ask again";
-/// Characters of the text of a mark.
+/// Greatest number of characters of a mark.
 const MAX_MARK: usize = 80;
 
-/// A viewer.
+/// State of a viewer's connection.
 #[derive(Debug)]
 pub(super) struct Viewer {
     pub(super) hub: Arc<Hub>,
     pub(super) mode: Mode,
     pub(super) requests: SyncSender<Request>,
-    /// Of a recording session, if there is one.
+    /// Channel to the recorder, if there is one.
     pub(super) wishes: Option<SyncSender<Wish>>,
     pub(super) lead: Arc<Lead>,
     pub(super) id: ViewerId,
     pub(super) stop: watch::Receiver<bool>,
 }
 
-/// What there is to do.
+/// Event that wakes the connection.
 enum Woken {
     Stop,
     Said(Option<Result<Frame, axum::Error>>),
@@ -57,7 +57,7 @@ enum Woken {
 }
 
 impl Viewer {
-    /// Until the viewer leaves or the program ends.
+    /// Serves until the viewer leaves or the program ends.
     pub(super) async fn serve(self, socket: WebSocket) {
         self.attend(socket).await;
         if self.lead.release(self.id) {
@@ -81,11 +81,11 @@ impl Viewer {
         let mut beats = interval_at(tokio::time::Instant::now() + BEAT, BEAT);
         let mut rate = Rate::new(Instant::now());
         loop {
-            // What the branches borrow ends here: a guard of `stop` may not be held while something is sent.
+            // The borrows of the branches end here: a guard of `stop` must not be held across a send.
             let woken = tokio::select! {
                 biased;
                 _ = stop.wait_for(|stop| *stop) => Woken::Stop,
-                // Before what it says: one that says a lot sees what happens all the same.
+                // Polled before the viewer's messages: a viewer that sends many still gets its own.
                 _ = ticks.tick() => Woken::Tick,
                 _ = beats.tick() => Woken::Beat,
                 said = socket.recv() => Woken::Said(said),
@@ -104,13 +104,13 @@ impl Viewer {
                 return;
             }
         }
-        // That the program ends was published before.
+        // The end of the program was published before.
         if self.tell(&mut socket, &mut subscription).await {
             let _ = timeout(TOGETHER, socket.send(Frame::Close(None))).await;
         }
     }
 
-    /// Sends what was published since the last time; false if the viewer is gone.
+    /// Sends the messages since the last call; false if the viewer is gone.
     async fn tell(&self, socket: &mut WebSocket, subscription: &mut Subscription) -> bool {
         let mut messages = Vec::new();
         loop {
@@ -118,7 +118,7 @@ impl Viewer {
                 Ok(message) => messages.push(message),
                 Err(TryRecvError::Empty | TryRecvError::Closed) => break,
                 Err(TryRecvError::Lagged(messages_lost)) => {
-                    // What is known may be older than what was lost.
+                    // The topics known may be older than the lost messages.
                     let skipped = self.hub.resubscribe(subscription, messages_lost);
                     messages.clear();
                     messages.push(skipped);
@@ -129,7 +129,7 @@ impl Viewer {
         messages.is_empty() || send(socket, messages).await
     }
 
-    /// Does what a viewer asks for, or tells it why not; false if it is gone, or says what no page of ours does.
+    /// Handles a message: does it or refuses it. Returns false if the viewer is gone or the message is malformed.
     async fn hear(&self, socket: &mut WebSocket, rate: &mut Rate, text: &str) -> bool {
         let Ok(said) = serde_json::from_str::<Said>(text) else {
             refuse(socket, "", UNKNOWN).await;
@@ -140,7 +140,7 @@ impl Viewer {
             Heard::Yes => {}
             Heard::Refused => return refuse(socket, name, TOO_OFTEN).await,
             Heard::Ignored => {
-                // However many wait, the other viewers come in between.
+                // The other viewers get a turn between many requests.
                 tokio::task::yield_now().await;
                 return true;
             }
@@ -173,10 +173,10 @@ impl Viewer {
         }
     }
 
-    /// Whether this viewer may ask for it. Where one has to lead and nobody does yet, this one does from now on.
+    /// Whether this viewer may send a request. If the request needs a leader and there is none, this viewer becomes it.
     ///
     /// # Errors
-    /// Why not, in words.
+    /// The reason, in words.
     fn may(&self, name: &str) -> Result<(), &'static str> {
         match rights::of(name, self.mode) {
             Right::All => Ok(()),
@@ -192,12 +192,12 @@ impl Viewer {
         }
     }
 
-    /// Passes a request on to the source.
+    /// Passes a request to the source.
     fn request(&self, request: Request) -> Result<(), &'static str> {
         self.requests.try_send(request).map_err(|_| BUSY)
     }
 
-    /// Passes a wish on to the session.
+    /// Passes a wish to the session.
     fn wish(&self, wish: Wish) -> Result<(), &'static str> {
         let wishes = self.wishes.as_ref().ok_or(BUSY)?;
         wishes.try_send(wish).map_err(|_| BUSY)
@@ -212,7 +212,7 @@ impl Viewer {
     }
 }
 
-/// Tells a viewer why what it asks for is not done; false if it is gone.
+/// Tells a viewer why a request is refused; false if the viewer is gone.
 async fn refuse(socket: &mut WebSocket, name: &str, why: &str) -> bool {
     let refused = serde_json::json!({ "type": "refused", "do": name, "text": why });
     send(socket, [refused.to_string().into()]).await

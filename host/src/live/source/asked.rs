@@ -1,4 +1,4 @@
-//! What a simulated person is asked for.
+//! Requests to a simulated person.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -6,12 +6,12 @@ use std::time::Duration;
 use shared::intent::Intent;
 use shared::units::SampleIndex;
 
-/// How many samples the person may be ahead of the reader: 0.1 s of its stream.
+/// Greatest number of samples that the person may be ahead of the reader: 0.1 s of its stream.
 const AHEAD: u32 = 20;
 
-/// The gesture that is asked for, and how far who asks has read the person's samples; shared by all clones.
+/// Gesture that is asked for, and the reader's position in the person's samples; shared by all clones.
 ///
-/// The person waits for the reader: it then follows a cue at the same sample, however busy the machine is.
+/// The person waits for the reader, so that it follows a cue at the same sample, however busy the machine is.
 #[derive(Clone, Debug)]
 pub(crate) struct Asked(Arc<Shared>);
 
@@ -24,7 +24,7 @@ struct Shared {
 #[derive(Debug)]
 struct State {
     intent: Intent,
-    /// The first sample that was not read yet.
+    /// First sample that was not read yet.
     unread: SampleIndex,
 }
 
@@ -46,13 +46,13 @@ impl Asked {
         self.state().intent = intent;
     }
 
-    /// All samples before `unread` were read.
+    /// Records that all samples before `unread` were read.
     pub(crate) fn read(&self, unread: SampleIndex) {
         self.state().unread = unread;
         self.0.has_read.notify_one();
     }
 
-    /// What is asked for at a sample. Waits while that is too far ahead of the reader, but no longer than `patience`.
+    /// Gesture asked for at a sample. Waits while the sample is too far ahead of the reader, at most for `patience`.
     pub(crate) fn at(&self, sample: SampleIndex, patience: Duration) -> Intent {
         let is_ahead = |state: &mut State| sample.since(state.unread) > AHEAD;
         let waited = self
@@ -71,7 +71,7 @@ impl Asked {
 mod tests {
     use super::*;
 
-    /// Longer than any test takes.
+    /// Duration longer than any test.
     const FOREVER: Duration = Duration::from_secs(3600);
 
     #[test]
@@ -79,7 +79,7 @@ mod tests {
         let asked = Asked::default();
         let person = asked.clone();
         let follows = std::thread::spawn(move || person.at(SampleIndex(AHEAD + 1), FOREVER));
-        // It cannot answer before, however late this thread goes on: relax would be the answer.
+        // It must not answer before, however long this thread waits: relax would be the answer.
         std::thread::sleep(Duration::from_millis(20));
         asked.set(Intent::Open);
         asked.read(SampleIndex(1));
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(asked.at(SampleIndex(AHEAD), FOREVER), Intent::Close);
         let soon = Duration::from_millis(1);
         assert_eq!(asked.at(SampleIndex(1000), soon), Intent::Close);
-        // Across a wrap of the index.
+        // The index wraps.
         asked.read(SampleIndex(u32::MAX));
         assert_eq!(asked.at(SampleIndex(3), FOREVER), Intent::Close);
     }

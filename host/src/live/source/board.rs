@@ -1,5 +1,4 @@
-//! A board on a serial port, or a pseudo-terminal that stands for one. It is looked for until it is there, and again after
-//! it was lost, or given over for an installation.
+//! A board on a serial port or pseudo-terminal. The port is opened again after it was lost or used for an installation.
 
 mod installation;
 
@@ -23,26 +22,25 @@ use super::{Context, Request};
 use crate::board::BAUD;
 use crate::live::event::Event;
 
-/// How long a read waits for bytes: the longest delay that a page sees.
+/// Longest time that one read waits for bytes: the longest delay that a page sees.
 const WAIT: Duration = Duration::from_millis(10);
-/// Between two attempts to open the port.
+/// Pause between two attempts to open the port.
 const AGAIN: Duration = Duration::from_millis(100);
-/// A board that does not take a command for so long is not there.
+/// Time after which a board that does not take a command is not there.
 const WRITE: Duration = Duration::from_secs(1);
 
 const NOTHING_YET: &str = "open; nothing heard yet";
 
-/// A board.
+/// Board on a serial port.
 #[derive(Debug)]
 pub(crate) struct Board {
     pub(crate) path: PathBuf,
-    /// For the scores.
+    /// Bytes of a model file, for the scores; none shows no scores.
     pub(crate) model: Option<Vec<u8>>,
 }
 
 impl Board {
-    /// Reads the board until it is stopped. A model that is installed meanwhile is the one whose scores are shown from then
-    /// on.
+    /// Reads the board until it is stopped. After an installation, the scores are those of the new model.
     ///
     /// # Errors
     /// When the model is refused.
@@ -57,7 +55,7 @@ impl Board {
         Ok(())
     }
 
-    /// Until it is stopped, or has to install a model.
+    /// Shows the board until it is stopped, or returns a model to install.
     fn show(&self, context: &Context, losses: &mut Losses) -> anyhow::Result<Option<Vec<u8>>> {
         let Some(bytes) = &self.model else {
             return Ok(self.read::<HostEncoder<'_>>(context, losses, None));
@@ -111,7 +109,7 @@ impl Board {
                 Ended::Lost(error) => error.to_string(),
             };
             let detail = format!("{lost}; looking for it again");
-            // As long as it stays so, it is said once.
+            // An unchanged error is told once.
             if detail != missing {
                 self.tell(context, false, &detail);
                 missing = detail;
@@ -125,7 +123,7 @@ impl Board {
         let mut port = SerialPort::open(&self.path, BAUD)?;
         port.set_read_timeout(WAIT)?;
         port.set_write_timeout(WRITE)?;
-        // What came before is old.
+        // Bytes that arrived before are out of date.
         port.discard_input_buffer()?;
         Ok(port)
     }
@@ -140,11 +138,11 @@ impl Board {
     }
 }
 
-/// What ends a connection.
+/// Reason why a connection ended.
 enum Ended {
-    /// The port is lost, or the program stopped.
+    /// The port is lost, or the program was stopped.
     Lost(std::io::Error),
-    /// This model is to be installed; the port is free for it.
+    /// Model to install; the port is free for it.
     Installs(Vec<u8>),
 }
 
@@ -154,18 +152,18 @@ impl From<std::io::Error> for Ended {
     }
 }
 
-/// One connection.
+/// State of one connection.
 struct Session<'c, 'r, E: Encode> {
     context: &'c Context,
     port: SerialPort,
     dialogue: Dialogue,
-    /// What viewers know about it; empty: it is heard.
+    /// State of the board that viewers know; empty while it is heard.
     told: &'static str,
     scored: Option<&'c mut Scored<'r, E>>,
 }
 
 impl<E: Encode> Session<'_, '_, E> {
-    /// Until the port is lost or given over, or the program stopped; also what was lost on the line.
+    /// Runs until the port is lost or needed, or the program is stopped. Also returns the losses on the line.
     fn run(mut self, board: &Board) -> (Ended, Losses) {
         let mut buffer = [0; 4096];
         let ended = loop {
@@ -208,7 +206,7 @@ impl<E: Encode> Session<'_, '_, E> {
         Ok(())
     }
 
-    /// Leaves the line as it was found. One that is lost has no stream either.
+    /// Turns the raw stream off again. Errors are ignored: a lost line has no stream either.
     fn leave(&self) {
         let _ = self.send(Command::Raw(false));
     }
@@ -268,7 +266,7 @@ impl<E: Encode> Session<'_, '_, E> {
     }
 }
 
-/// Whether nothing came in time.
+/// Whether an error only means that no byte came in time.
 fn is_patient(error: &std::io::Error) -> bool {
     matches!(
         error.kind(),
@@ -280,7 +278,7 @@ fn now(context: &Context) -> Millis {
     context.hub.millis()
 }
 
-/// Waits, but not longer than the program runs.
+/// Waits, at most until the program is stopped.
 fn wait(context: &Context, duration: Duration) {
     let end = Instant::now() + duration;
     while !context.stop.requested() && Instant::now() < end {

@@ -1,4 +1,4 @@
-//! The dialogue with a board, without I/O: bytes and time in; events and commands out.
+//! Dialogue with a board, without I/O: takes bytes and time, returns events and commands.
 
 mod schedule;
 
@@ -13,23 +13,23 @@ use shared::units::{Millis, SampleIndex};
 use self::schedule::Schedule;
 use crate::live::event::Event;
 
-/// Without a line for so long nothing that is known here is connected. A board answers every command.
+/// Time without a line after which no board is connected. A board answers every command.
 const SILENCE_MS: u32 = 5_000;
 
-/// What a line says besides what viewers are told.
+/// Content of a received line.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Heard {
-    /// For viewers.
+    /// Event for viewers.
     Event(Event),
-    /// Two samples, and how many are missing before them; none if the stream is another one.
+    /// Two samples, and the number missing before them; none for a new stream.
     Samples(EmgReport, Option<u32>),
-    /// In force on the board.
+    /// Alignment in force on the board.
     Alignment(Alignment),
-    /// The board restarted: its counts begin anew.
+    /// Restart of the board: its counts begin anew.
     Restart,
 }
 
-/// What is known of the other end of the line.
+/// State of the connection to a board.
 #[derive(Debug)]
 pub(super) struct Dialogue {
     reader: LineReader,
@@ -37,7 +37,7 @@ pub(super) struct Dialogue {
     heard: Option<Millis>,
     samples: Option<Millis>,
     schedule: Schedule,
-    /// In force, as far as it is known.
+    /// Alignment in force; none while unknown.
     alignment: Option<Alignment>,
     /// Number of the next line.
     number: Option<u32>,
@@ -47,7 +47,7 @@ pub(super) struct Dialogue {
     told: Option<Losses>,
 }
 
-/// What was lost on the line.
+/// Losses on the line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Losses {
     damaged: u32,
@@ -56,7 +56,7 @@ pub(super) struct Losses {
 }
 
 impl Dialogue {
-    /// At the beginning of a connection; losses of those before count on.
+    /// State at the beginning of a connection; continues the losses of earlier ones.
     pub(super) fn new(now: Millis, losses: Losses) -> Self {
         Self {
             reader: LineReader::new(),
@@ -76,7 +76,7 @@ impl Dialogue {
         self.losses
     }
 
-    /// Whether nothing that is known here has been heard for 5 s.
+    /// Whether no line has come for 5 s.
     pub(super) fn is_silent(&self, now: Millis) -> bool {
         now.elapsed_since(self.heard.unwrap_or(self.began)) >= SILENCE_MS
     }
@@ -86,12 +86,12 @@ impl Dialogue {
         self.heard.is_some()
     }
 
-    /// The next command that is due; to be asked until there is none.
+    /// Returns the next command that is due; to be called until there is none.
     pub(super) fn command(&mut self, now: Millis) -> Option<Command> {
         self.schedule.command(now, self.samples)
     }
 
-    /// Takes received bytes. `at` is the time that viewers are told.
+    /// Takes received bytes. `at` is the time in the events for viewers.
     pub(super) fn bytes(
         &mut self,
         now: Millis,
@@ -105,7 +105,7 @@ impl Dialogue {
                 Some(Err(_)) => self.losses.damaged = self.losses.damaged.saturating_add(1),
                 Some(Ok(line)) => {
                     self.heard = Some(now);
-                    // The borrow of the reader ends with what is made of the line.
+                    // The borrow of the reader ends before `take`.
                     let news = News::of(line, at);
                     self.take(now, news, &mut output);
                 }
@@ -147,7 +147,7 @@ impl Dialogue {
             self.alignment = Some(alignment);
             output(Heard::Alignment(alignment));
         }
-        // Made before this program looked, or on a line that was lost.
+        // The alignment was made before this connection, or its report was lost.
         if let Some((at, alignment)) = news.placement
             && self.alignment != Some(alignment)
         {
@@ -167,26 +167,26 @@ impl Dialogue {
         }
     }
 
-    /// Samples that are missing before one; none if it is the first of a stream.
+    /// Number of samples missing before `first`; none if it begins a stream.
     fn missing(&self, first: SampleIndex) -> Option<u32> {
         let next = self.next?;
         (!is_before(first.0, next.0)).then(|| first.since(next))
     }
 }
 
-/// Whether a count went back rather than on; right across a wrap.
+/// Whether a count went backwards; correct across a wrap.
 const fn is_before(count: u32, expected: u32) -> bool {
     count.wrapping_sub(expected) > u32::MAX / 2
 }
 
-/// What a line says.
+/// Content of one line.
 #[derive(Default)]
 struct News {
     number: Option<u32>,
     emg: Option<EmgReport>,
     alignment: Option<Alignment>,
     following: Option<Following>,
-    /// The answer to the question for it, and when it came.
+    /// Answer to the question for the alignment, and its time.
     placement: Option<(f64, Alignment)>,
     event: Option<Event>,
 }
@@ -242,7 +242,7 @@ impl News {
         match answer {
             Answer::Identity(identity) => Some(Event::of_identity(&identity)),
             Answer::Counts(counts) => Some(Event::of_counts(&counts)),
-            // Of what a viewer may ask for, alignment and pairing can be refused.
+            // Refusals of a viewer's request: an alignment or a pairing.
             Answer::Refused(why) => Some(Event::Comment {
                 at,
                 text: format!("the board refuses: {why}"),

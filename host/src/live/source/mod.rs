@@ -1,4 +1,4 @@
-//! Where a stream comes from: a recording in real time, a board, or an armband. Each runs on a thread of its own until it is stopped.
+//! Sources of a stream: a recording in real time, a board, or an armband. Each runs on its own thread until it is stopped.
 
 mod asked;
 #[cfg(any(feature = "bluetooth", test))]
@@ -23,21 +23,21 @@ use super::hub::Hub;
 use recordings::synthetic::{self, Follower, SynthOptions};
 use recordings::{DataSet, Recording};
 
-/// Where the stream comes from.
+/// Source of a stream.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Source {
-    /// A synthetic recording, in real time and again and again.
+    /// Synthetic recording, repeated in real time.
     Demo,
-    /// A recording, likewise.
+    /// Recording, repeated in real time.
     Replay(Box<Recording>),
-    /// A board on this serial port or pseudo-terminal.
+    /// Board on this serial port or pseudo-terminal.
     Port(PathBuf),
-    /// An armband over this computer's own Bluetooth: that of the address, or else that with the strongest signal.
+    /// Armband over this computer's own Bluetooth: the one of the address, or the one with the strongest signal.
     Bluetooth(Option<Address>),
 }
 
 impl Source {
-    /// In words, and whether its samples are of nobody.
+    /// Describes the source in words, and whether its samples are synthetic.
     pub(super) fn described(&self) -> (String, bool) {
         match self {
             Self::Demo => ("demo".to_owned(), true),
@@ -51,7 +51,7 @@ impl Source {
         }
     }
 
-    /// The option of the command line for what will be there another time.
+    /// Command-line option that selects this kind of source again.
     pub(super) fn option(&self) -> String {
         match self {
             Self::Port(path) => format!("--port {}", path.display()),
@@ -102,20 +102,20 @@ impl Source {
     }
 }
 
-/// What a source may be asked for.
+/// Request to a source.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Request {
     /// Begin an alignment.
     Align,
-    /// End the alignment in progress.
+    /// Cancel the alignment in progress.
     CancelAlignment,
-    /// Begin a pairing; of a board alone.
+    /// Begin a pairing; boards only.
     Bind,
-    /// Put this model on the board; of a board alone.
+    /// Install this model; boards only.
     Install(Vec<u8>),
 }
 
-/// What a source works with.
+/// Channels of a source.
 #[derive(Debug)]
 pub(crate) struct Context {
     pub(crate) hub: Arc<Hub>,
@@ -123,7 +123,7 @@ pub(crate) struct Context {
     pub(crate) stop: Stop,
 }
 
-/// Whether the program ends; shared by all clones.
+/// Stop request, shared by all clones.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stop(Arc<AtomicBool>);
 
@@ -137,7 +137,7 @@ impl Stop {
     }
 }
 
-/// An armband over Bluetooth.
+/// Follows an armband over Bluetooth.
 #[cfg(feature = "bluetooth")]
 fn follow(
     address: Option<Address>,
@@ -148,7 +148,7 @@ fn follow(
     self::bluetooth::Armband { address, model }.run(context)
 }
 
-/// Says what is missing.
+/// Fails: the program was built without Bluetooth.
 #[cfg(not(feature = "bluetooth"))]
 fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result<()> {
     anyhow::bail!(
@@ -156,7 +156,7 @@ fn follow(_: Option<Address>, _: Option<Vec<u8>>, _: &Context) -> anyhow::Result
     )
 }
 
-/// A minute of a simulated forearm.
+/// Generates a minute of a simulated forearm.
 fn demo() -> Recording {
     let options = SynthOptions {
         subjects: 1,

@@ -1,4 +1,4 @@
-//! A recording, or a simulated person, through the device's pipeline in real time.
+//! A recording or a simulated person, through the device's pipeline in real time.
 
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -14,26 +14,26 @@ use super::{Asked, Context};
 use crate::live::event::Event;
 use recordings::synthetic::Follower;
 
-/// Samples of a notification of the armband.
+/// Samples in one notification of the armband.
 const TOGETHER: usize = 2;
 
-/// A stop of the whole machine that is longer is not caught up with.
+/// Longest delay that is caught up with; after a longer one, time continues from now.
 const LATE: Duration = Duration::from_millis(500);
 
-/// Where samples come from, one after another.
+/// Source of the samples.
 #[derive(Debug)]
 pub(crate) enum Played {
-    /// A recording, again and again.
+    /// Recording, repeated.
     Recording {
         samples: Vec<Sample>,
-        /// One of each sample.
+        /// One label for each sample.
         labels: Vec<Option<Intent>>,
     },
-    /// A simulated person who does what is asked for.
+    /// Simulated person who does what is asked for.
     Person(Box<Follower>, Asked),
 }
 
-/// Samples in real time, and the model to run on them.
+/// Samples to play in real time, and the model to run on them.
 #[derive(Debug)]
 pub(crate) struct Recorded {
     /// `demo` or `replay`.
@@ -41,11 +41,11 @@ pub(crate) struct Recorded {
     pub(crate) name: String,
     pub(crate) model: Vec<u8>,
     pub(crate) played: Played,
-    /// How many times faster than they were recorded; at least 1.
+    /// Speed-up, at least 1.
     pub(crate) speed: u32,
 }
 
-/// The samples of a notification.
+/// Samples of a notification.
 struct Notification {
     emg: Vec<Sample>,
     truth: Option<Vec<Option<&'static str>>>,
@@ -54,7 +54,7 @@ struct Notification {
 }
 
 impl Played {
-    /// The samples from a place of the stream on, at most a notification.
+    /// Returns at most a notification of samples, from `first` on.
     fn next(&mut self, first: SampleIndex) -> Notification {
         match self {
             Self::Recording { samples, labels } => {
@@ -119,7 +119,7 @@ impl Recorded {
     }
 }
 
-/// Takes the samples of a notification; returns the index of the next one.
+/// Publishes and labels the samples of a notification. Returns the index of the next sample.
 fn take(
     context: &Context,
     scored: &mut Scored<'_, HostEncoder<'_>>,

@@ -17,7 +17,7 @@ use crate::live::hub::Hub;
 use crate::live::scores::{Observed, Outputs};
 use evaluation::inference::stream::pipeline;
 
-/// A pipeline whose encoder is observed.
+/// Pipeline whose encoder is observed.
 pub(super) struct Scored<'r, E: Encode> {
     pipeline: Pipeline<'r, Observed<'r, E>>,
     outputs: &'r RefCell<Outputs>,
@@ -27,7 +27,7 @@ pub(super) struct Scored<'r, E: Encode> {
     last: Option<SampleIndex>,
 }
 
-/// What comes of a sample.
+/// Results of one sample.
 pub(super) struct Found {
     pub(super) reports: Reports,
     pub(super) alignment: Option<AlignmentReport>,
@@ -35,7 +35,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Tells viewers; `at` is when the sample came.
+    /// Publishes the results; `at` is the time of the sample.
     pub(super) fn publish(self, hub: &Hub, at: f64) {
         for report in self.reports {
             hub.publish(&Event::of_report(at, &report));
@@ -50,7 +50,7 @@ impl Found {
 }
 
 impl<'r, E: Encode> Scored<'r, E> {
-    /// The pipeline of a model before its first sample; `encoder` is that of the model.
+    /// Creates the pipeline of a model; `encoder` must be made from the same model.
     ///
     /// # Errors
     /// When the smoother refuses the settings of the model.
@@ -70,12 +70,12 @@ impl<'r, E: Encode> Scored<'r, E> {
         })
     }
 
-    /// A report of the present state.
+    /// Report of the present state.
     pub(super) fn state_report(&mut self) -> Report {
         self.pipeline.state_report()
     }
 
-    /// Takes the sample of that index.
+    /// Takes a sample with its index.
     pub(super) fn sample(&mut self, now: Millis, index: SampleIndex, sample: Sample) -> Found {
         let reports = self.pipeline.sample(now, sample);
         Found {
@@ -85,15 +85,15 @@ impl<'r, E: Encode> Scored<'r, E> {
         }
     }
 
-    /// The scores of the instant whose label is due with a sample.
+    /// Scores of the instant whose label is due with a sample.
     fn scores(&mut self, index: SampleIndex) -> Option<Event> {
         let scores = self
             .outputs
             .borrow_mut()
             .take(&self.settings, self.columns)?;
         let last = self.last.replace(index);
-        // After a change of the alignment the encoder takes the window again, a patch with each sample. Where these lie
-        // only the pipeline knows, and they were shown before.
+        // After a change of the alignment the encoder takes the window again, a patch with each sample. Only the pipeline knows
+        // their instants, and their scores were shown before.
         if last.is_some_and(|last| index.since(last) < PATCH as u32) {
             return None;
         }
@@ -102,24 +102,24 @@ impl<'r, E: Encode> Scored<'r, E> {
         Some(Event::Scores { instant, scores })
     }
 
-    /// Samples are missing before the next one.
+    /// Reports that samples are missing before the next one.
     pub(super) fn gap(&mut self, now: Millis, missing: u32) -> Reports {
         self.pipeline.gap(now, missing)
     }
 
-    /// Time has passed: a board does this itself.
+    /// Lets time pass, as a board does itself.
     #[cfg(any(feature = "bluetooth", test))]
     pub(super) fn tick(&mut self, now: Millis) -> Reports {
         self.pipeline.tick(now)
     }
 
-    /// The stream has ended.
+    /// Reports that the stream has ended.
     pub(super) fn disconnected(&mut self, now: Millis) -> Reports {
         self.last = None;
         self.pipeline.disconnected(now)
     }
 
-    /// Begins or ends an alignment, as viewers have asked for.
+    /// Begins or cancels an alignment, as viewers have asked for.
     pub(super) fn requests(&mut self, context: &Context) {
         while let Ok(request) = context.requests.try_recv() {
             match request {

@@ -19,7 +19,7 @@ fn quiet(first: u32, count: u32) -> Entry {
     Entry::samples(SampleIndex(first), &samples)
 }
 
-/// Noise, loud or not.
+/// Noise of at most this amplitude.
 fn noise(first: u32, count: u32, most: i8) -> Entry {
     let mut random = ChaCha8Rng::seed_from_u64(first.into());
     let sample = |_| [(); CHANNELS].map(|()| random.random_range(-most..=most));
@@ -68,9 +68,9 @@ fn each_sample_has_the_placement_that_was_in_force_when_it_came() {
         cue(0, R, 1),
         quiet(0, 20),
         turned,
-        // Three are bridged: nothing is known of them.
+        // Three samples are bridged: their labels are unknown.
         quiet(23, 20),
-        // A gap: another recording, and the same placement.
+        // A gap begins another recording with the same placement.
         quiet(100, 20),
     ];
     let take = assemble(&entries);
@@ -119,7 +119,7 @@ fn a_break_and_a_round_begin_another_recording() {
         cue(0, R, 1),
         quiet(0, 20),
         Entry::Break,
-        // After a restart the count begins anew.
+        // A restart begins the count anew.
         cue(4, R, 2),
         quiet(4, 20),
         Entry::Round { number: 2, at: 14 },
@@ -166,13 +166,13 @@ fn samples_of_a_bad_trial_stay_and_have_no_label() {
         (good.parts[0].holds.len(), bad.parts[0].holds.len()),
         (1, 0)
     );
-    // The muscle still works when the next trial's rest begins: no rest, no gesture of that trial.
+    // The muscle still works when the rest of the next trial begins, so no rest is labelled there.
     assert_ne!(bad.parts[0].labels[1250], R);
 }
 
 #[test]
 fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
-    // Rest and gesture in turn, five seconds each.
+    // Rest and gesture alternate, five seconds each.
     let label = |at: usize| if (at / 1000).is_multiple_of(2) { R } else { O };
     let part = |labels: Vec<Option<Intent>>| Part {
         samples: vec![[0; CHANNELS]; labels.len()],
@@ -191,7 +191,7 @@ fn a_long_part_is_cut_in_its_rests_and_nothing_is_missing() {
         assert!(before.len() <= 6_500 && before.len() > 3_000, "{before:?}");
         assert_eq!(long.labels[before.end - 100..before.end + 100], [R; 200]);
     }
-    // Without a rest it is cut all the same.
+    // A recording without a rest is cut all the same.
     let held = part(vec![O; 20_000]).files(6_500);
     assert_eq!(
         held,

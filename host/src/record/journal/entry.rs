@@ -1,4 +1,4 @@
-//! A line of a journal: `5f3a0c11 {"is":"cue",...}`, CRC-32 of what follows, and JSON.
+//! Line of a journal: `5f3a0c11 {"is":"cue",...}`, a CRC-32 of the JSON and the JSON.
 
 use std::fmt::Write as _;
 
@@ -10,83 +10,83 @@ use shared::units::{CHANNELS, Sample, SampleIndex};
 use crate::record::session::{Bad, Output};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-/// Of this description.
+/// Version of the format described here.
 pub(super) const FORMAT: u32 = 1;
 
-/// What a session is of.
+/// Description of a session.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Header {
     /// Version of the journal's format.
     pub format: u32,
-    /// Of the program.
+    /// Version of the program.
     pub version: String,
-    /// When it began, UTC.
+    /// Time of the beginning, UTC.
     pub began: String,
-    /// Whose muscles.
+    /// Name of the person.
     pub person: String,
     /// Name of the protocol.
     pub protocol: String,
-    /// Classes that it asks for.
+    /// Classes of the protocol.
     pub classes: Vec<String>,
-    /// Whether the person says what is done.
+    /// Whether the session is free: the person names the gestures.
     pub free: bool,
-    /// Where the samples come from.
+    /// Source of the samples.
     pub source: String,
-    /// Whether nobody's muscles made them.
+    /// Whether the samples are synthetic.
     pub synthetic: bool,
 }
 
-/// What happened.
+/// Entry of a journal.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(tag = "is", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Entry {
-    /// First line.
+    /// Header, the first line.
     Begin(Header),
     /// Consecutive samples, 16 hexadecimal digits each.
     Samples {
-        /// Index of the first.
+        /// Index of the first sample.
         first: u32,
-        /// The samples.
+        /// Samples as hexadecimal digits.
         emg: String,
     },
-    /// How the armband sits from the next sample on, as the board was aligned to it.
+    /// Placement of the armband from the next sample on, as the board was aligned.
     Placement {
-        /// Places that it is turned by.
+        /// Number of places that the armband is turned by.
         turn: u8,
-        /// Whether it is on the other arm.
+        /// Whether the armband is on the other arm.
         mirrored: bool,
     },
-    /// What follows does not continue what was before.
+    /// Break: the next samples do not continue those before.
     Break,
-    /// A round begins.
+    /// Beginning of a round.
     Round {
-        /// From 1 on.
+        /// Number of the round, from 1.
         number: u32,
-        /// Its first sample.
+        /// Index of the first sample of the round.
         at: u32,
     },
-    /// Something is asked for, or nothing.
+    /// Cue from a sample on.
     Cue {
-        /// First sample.
+        /// Index of the first sample of the cue.
         at: u32,
-        /// A class.
+        /// Class; none for no cue.
         cue: Option<String>,
         /// Number of the attempt.
         trial: u32,
     },
-    /// A trial is not to be used.
+    /// Rejection of a trial.
     Bad {
-        /// Its number.
+        /// Number of the trial.
         trial: u32,
-        /// Why.
+        /// Reason.
         why: Bad,
     },
-    /// The session came to its end.
+    /// Regular end of the session.
     Over,
 }
 
 impl Entry {
-    /// What a session says.
+    /// Entry for an output of a session.
     #[must_use]
     pub fn of(output: Output) -> Self {
         match output {
@@ -102,7 +102,7 @@ impl Entry {
         }
     }
 
-    /// Samples from an index on.
+    /// Entry of consecutive samples from an index on.
     #[must_use]
     pub fn samples(first: SampleIndex, samples: &[Sample]) -> Self {
         let mut emg = String::with_capacity(samples.len() * 2 * CHANNELS);
@@ -114,7 +114,7 @@ impl Entry {
         Self::Samples { first, emg }
     }
 
-    /// The samples of their digits; none if these are no samples.
+    /// Decodes the samples of their digits; none if the text is malformed.
     #[must_use]
     pub fn decoded(emg: &str) -> Option<Vec<Sample>> {
         let value = |pair: &[u8; 2]| {
@@ -127,20 +127,20 @@ impl Entry {
         (rest.is_empty() && more.is_empty()).then(|| samples.to_vec())
     }
 
-    /// The class of a cue's name.
+    /// Class of a cue by its name.
     #[must_use]
     pub fn intent(cue: Option<&String>) -> Option<Intent> {
         Intent::from_name(cue?)
     }
 
-    /// The line, with its end.
+    /// Formats the line, with its end.
     pub(super) fn line(&self) -> String {
         // Strings, numbers and lists of strings always become JSON.
         let json = serde_json::to_string(self).unwrap_or_default();
         format!("{:08x} {json}\n", CRC.checksum(json.as_bytes()))
     }
 
-    /// The entry of a line without its end; none if it is damaged.
+    /// Parses a line without its end; none if it is damaged.
     pub(super) fn parse(line: &[u8]) -> Option<Self> {
         let (checksum, json) = line.split_at_checked(8)?;
         let json = json.strip_prefix(b" ")?;

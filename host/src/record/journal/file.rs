@@ -1,7 +1,7 @@
-//! The journal's file: new, locked while it is written, and on the disk once a second.
+//! File of a journal: new, locked while it is written, and synchronized to the disk once a second.
 //!
-//! A file is found by its name, so a journal that has lost its name is lost when the program ends. With each flush the name is
-//! looked up: where it leads to nothing or to another file, the journal is written anew from the open file.
+//! A journal whose file has no name is lost when the program ends. So each flush looks up the name: if it leads to nothing
+//! or to another file, the journal is written anew from the open file.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _, Seek as _};
@@ -14,42 +14,42 @@ use super::error::{JournalError, LARGEST, WriteError, folder};
 use super::name::{free, is_named, lock, name, unnamed};
 use super::{Contents, Entry, Header, Writer, read};
 
-/// How often it is brought to the disk: so much is lost if the power fails.
+/// Pause between two synchronizations to the disk: a power failure loses so much.
 const SYNC_MS: u32 = 1_000;
-/// Bytes of a journal at which its session has to end: what waits for the disk has room after it.
+/// Length in bytes at which a session has to end, so that data waiting for the disk still fits.
 const FULL: u64 = LARGEST - (32 << 20);
-/// Bytes of a second of samples, at least.
+/// Least number of bytes of a second of samples.
 const SECOND: usize = 3_500;
 
-/// What a flush has found.
+/// Result of a flush.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Flushed {
     /// The file is where it was.
     InPlace,
-    /// The file was gone from a name: it was written anew, under this name or another one.
+    /// The file had lost its name and was written anew, under this name or another one.
     Anew {
-        /// The name that it had.
+        /// Former name of the file.
         gone: PathBuf,
     },
 }
 
-/// A journal that is written.
+/// Journal that is being written.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     writer: Writer<File>,
     synced: Option<Millis>,
-    /// When it could not be written anew.
+    /// Time of the last attempt to write the file anew; none after a success.
     refused: Option<Millis>,
 }
 
 impl Journal {
-    /// A new file, with its first line.
+    /// Creates a file with its first line.
     ///
-    /// It is locked before it has its name: another start, which takes journals that nobody has locked, cannot take it.
+    /// It is locked before it gets its name, so that another start, which takes unlocked journals, cannot take it.
     ///
     /// # Errors
-    /// When there is one of that name, or it cannot be written.
+    /// When a file of that name exists or the file cannot be written.
     pub fn create(path: &Path, mut header: Header) -> Result<Self, JournalError> {
         let failed = |source| JournalError::Io {
             path: path.to_owned(),
@@ -73,33 +73,33 @@ impl Journal {
         })
     }
 
-    /// The file.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Takes samples; written with the next [`flush`](Self::flush), a tenth of a second at a time.
+    /// Takes samples; [`flush`](Self::flush) writes them, a tenth of a second at a time.
     pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         self.writer.samples(first, samples);
     }
 
-    /// Takes anything else.
+    /// Takes an entry of another kind.
     pub fn entry(&mut self, entry: &Entry) {
         self.writer.entry(entry);
     }
 
-    /// Whether the session has to end: a longer journal is not read.
+    /// Whether the session has to end: a longer journal could not be read.
     #[must_use]
     pub fn is_full(&self) -> bool {
         let length = self.writer.get_ref().metadata();
         length.is_ok_and(|file| file.len() > FULL)
     }
 
-    /// Writes what waits, and once a second brings it to the disk; writes all of it anew if the file has lost its name.
+    /// Writes pending lines, and once a second synchronizes them to the disk. Writes the file anew if it has lost its name.
     ///
     /// # Errors
-    /// When the disk takes no more. What it has not taken is kept for the next time.
+    /// When the disk takes no more. Data not yet taken is kept for the next call.
     pub fn flush(&mut self, now: Millis) -> Result<Flushed, WriteError> {
         let mut flushed = Flushed::InPlace;
         if !is_named(self.writer.get_ref(), &self.path) {
@@ -129,10 +129,10 @@ impl Journal {
         Ok(flushed)
     }
 
-    /// Writes all of it to the disk and lets go of it. Returns its name, which is another one if the file had lost it.
+    /// Writes everything to the disk and unlocks the file. Returns its name, which is new if the file had lost its own.
     ///
     /// # Errors
-    /// When the disk takes no more: what it has taken can be read.
+    /// When the disk takes no more: what was written before can be read.
     pub fn close(mut self) -> Result<PathBuf, WriteError> {
         self.writer.close();
         let path = self.path.clone();
@@ -140,7 +140,7 @@ impl Journal {
         if !is_named(self.writer.get_ref(), &path)
             && let Err(source) = self.write_anew(folder(&path))
         {
-            // Whatever has become of the folder, the samples are not lost with the program.
+            // The samples are saved elsewhere: they would be lost when the program ends.
             if self.write_anew(&std::env::temp_dir()).is_err() {
                 return Err(WriteError::Gone { path, source });
             }
@@ -154,7 +154,7 @@ impl Journal {
                 seconds: self.writer.pending().div_ceil(SECOND),
                 source,
             })?;
-        // Closing the file lets go of it, too.
+        // Closing the file unlocks it, too.
         let _ = self.writer.get_ref().unlock();
         let found = self.path;
         if elsewhere {
@@ -163,13 +163,13 @@ impl Journal {
         Ok(found)
     }
 
-    /// Copies what was written into a file of the same name in a folder, or of the next name if another file has it.
+    /// Copies the journal into a file of the same name in a folder, or of the next free name.
     fn write_anew(&mut self, folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         let wanted = folder.join(self.path.file_name().unwrap_or_default());
         let path = free(&wanted);
         let (unnamed, mut file) = unnamed(&path)?;
-        // Nobody else can have it yet.
+        // Nobody else knows this file yet.
         let _ = file.try_lock();
         let mut old = self.writer.get_ref();
         let copied = old.rewind().and_then(|()| io::copy(&mut old, &mut file));
@@ -186,10 +186,10 @@ impl Journal {
     }
 }
 
-/// Opens a journal that no session writes any more, and keeps others from it.
+/// Opens and locks a journal that no session is writing.
 ///
 /// # Errors
-/// When it cannot be read, is being written, or is none of this program.
+/// When it cannot be read, is being written, or is no journal of this format.
 pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
     let failed = |source| JournalError::Io {
         path: path.to_owned(),
@@ -203,7 +203,7 @@ pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
         return Err(JournalError::Large { path, found });
     }
     let mut bytes = Vec::new();
-    // Through the handle that has the lock.
+    // Read through the locked handle.
     (&file)
         .take(LARGEST)
         .read_to_end(&mut bytes)

@@ -1,5 +1,5 @@
-//! What is written while a session goes on: a file that only ever grows, a line for each thing that happened, each with a
-//! checksum. Wherever it ends, all lines before are whole; it is made into recordings at the end, or by the next start.
+//! Journal of a session in progress: an append-only file with a line for each event, each with a checksum. A cut file is
+//! valid up to its last whole line. It becomes recordings at the end of the session or at the next start.
 
 mod entry;
 mod error;
@@ -13,14 +13,14 @@ pub use self::file::{Flushed, Journal, open};
 pub use self::name::ENDING;
 pub use self::writer::Writer;
 
-/// What a journal says, as far as it is whole.
+/// Contents of a journal up to the first damage.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Contents {
-    /// In order.
+    /// Entries in order.
     pub entries: Vec<Entry>,
-    /// Bytes behind the last whole line.
+    /// Number of bytes after the last whole line.
     pub left_off: usize,
-    /// Whether these are more than one line that was being written: the disk has damaged them.
+    /// Whether these bytes are more than one unfinished line: the disk has damaged them.
     pub damaged: bool,
 }
 

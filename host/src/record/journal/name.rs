@@ -1,4 +1,4 @@
-//! Names of journals: when a file gets one, and whether it has it still.
+//! Names of journals: giving a file its name, and checking that it still has it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use super::error::JournalError;
 
-/// Ending of a journal's name.
+/// File extension of a journal.
 pub const ENDING: &str = "journal";
-/// Ending of the name that a file has until it is locked and has its first line: nobody takes it for a journal.
+/// File extension until a journal is locked and has its first line: no start takes such a file.
 const UNNAMED: &str = "journal.new";
 
-/// A new file that has not yet the name of a journal, and its name.
+/// Creates a file that has no journal's name yet; returns its name, too.
 pub(super) fn unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
     let unnamed = path.with_extension(UNNAMED);
     let mut options = OpenOptions::new();
@@ -19,7 +19,7 @@ pub(super) fn unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
     Ok((unnamed.clone(), file.open(&unnamed)?))
 }
 
-/// Gives a file the name of a journal. Who has made the unnamed one is alone: no other session can make it.
+/// Gives a file the name of a journal. Only the session that created the unnamed file gets here.
 pub(super) fn name(unnamed: &Path, path: &Path) -> io::Result<()> {
     if path.symlink_metadata().is_ok() {
         return Err(ErrorKind::AlreadyExists.into());
@@ -27,7 +27,7 @@ pub(super) fn name(unnamed: &Path, path: &Path) -> io::Result<()> {
     fs::rename(unnamed, path)
 }
 
-/// A name that no file has: `anna_….journal`, `anna_…-2.journal`.
+/// Finds a free name: `anna_….journal`, `anna_…-2.journal`.
 pub(super) fn free(wanted: &Path) -> PathBuf {
     let stem = wanted.file_stem().unwrap_or_default().to_string_lossy();
     let mut path = wanted.to_owned();
@@ -50,7 +50,7 @@ pub(super) fn is_named(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Whether a path leads to a file. Elsewhere than on Unix an open file is hardly ever replaced.
+/// Whether a path leads to a file. On systems other than Unix, an open file is rarely replaced.
 #[cfg(not(unix))]
 pub(super) fn is_named(_: &File, path: &Path) -> bool {
     path.exists()
@@ -63,7 +63,7 @@ pub(super) fn lock(path: &Path, file: &File) -> Result<(), JournalError> {
         Err(TryLockError::WouldBlock) => Err(JournalError::Busy {
             path: path.to_owned(),
         }),
-        // Not every file system has locks: without one two sessions are told apart by the time in their names.
+        // Not every file system has locks. Without them, the time in the names keeps two sessions apart.
         Err(TryLockError::Error(_)) => Ok(()),
     }
 }

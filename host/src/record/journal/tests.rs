@@ -26,7 +26,7 @@ fn sample(at: u32) -> Sample {
     std::array::from_fn(|channel| (at as usize * CHANNELS + channel) as u8 as i8)
 }
 
-/// Samples two at a time, with cues between.
+/// Writes samples two at a time, with cues between.
 fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
     for at in (0..count).step_by(2) {
         if at % 50 == 0 {
@@ -54,7 +54,7 @@ fn journal(count: u32) -> Vec<u8> {
     bytes
 }
 
-/// All samples, by their index.
+/// Collects all samples with their index.
 fn samples(contents: &Contents) -> Vec<(u32, Sample)> {
     let mut samples = Vec::new();
     for entry in &contents.entries {
@@ -103,7 +103,7 @@ fn any_changed_byte_is_found_and_nothing_behind_it_believed() {
     }
 }
 
-/// A disk with so much room, that takes a few bytes at a time.
+/// Disk with limited room, which takes a few bytes at a time.
 struct Disk {
     room: usize,
     bytes: Vec<u8>,
@@ -138,7 +138,7 @@ fn a_disk_that_was_full_and_has_room_again_misses_nothing() {
         fill(&mut writer, 130);
         let error = writer.flush().unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-        // As far as it went, it can be read.
+        // The written part can be read.
         let lines = whole[..room].iter().filter(|&&byte| byte == b'\n').count();
         assert_eq!(read(&writer.get_ref().bytes).entries.len(), lines);
         drop(writer);
@@ -151,7 +151,7 @@ fn what_a_full_disk_did_not_take_is_written_when_it_has_room() {
     let whole = journal(130);
     for room in [0, 1, 100, 1000, whole.len() - 1] {
         let mut bytes = Vec::new();
-        // Room by the byte: every line is cut somewhere.
+        // The room grows by a byte, so that every line is cut somewhere.
         struct Growing<'b>(&'b mut Vec<u8>, std::rc::Rc<std::cell::Cell<usize>>);
         impl Write for Growing<'_> {
             fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
@@ -200,8 +200,8 @@ fn a_journal_is_new_and_one_session_s_alone() {
     );
 }
 
-/// Writes 40 samples, lets something happen to the journal in the folder `anna`, writes 40 more, and reads what is in the
-/// folder then: the samples of the journal that has the most.
+/// Writes 40 samples, calls `trouble` with the journal in the folder `anna`, and writes 40 more. Returns the number of
+/// samples in the folder's longest journal.
 #[cfg(unix)]
 fn written_around(trouble: impl FnOnce(&Path)) -> usize {
     let root = tempfile::tempdir().unwrap();
@@ -213,7 +213,7 @@ fn written_around(trouble: impl FnOnce(&Path)) -> usize {
         for at in from..from + 40 {
             journal.samples(SampleIndex(at), &[sample(at)]);
         }
-        // Whether it was moved is another question.
+        // A loss of the name is checked later.
         let _ = journal.flush(Millis(50 * from));
     };
     write(&mut journal, 0);
@@ -254,7 +254,7 @@ fn whatever_happens_to_the_file_or_its_folder_the_folder_has_all_samples_at_the_
         fs::write(path, "somebody's").unwrap();
     };
     assert_eq!(written_around(replaced), 80);
-    // A program that synchronises folders puts another copy in its place.
+    // A program that synchronizes folders replaces the file by a copy.
     let synced = |path: &Path| {
         let copy = path.with_extension("copy");
         fs::copy(path, &copy).unwrap();
@@ -289,7 +289,7 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
     };
     let mut journal = begin("a.journal");
     fs::remove_file(&folder).unwrap();
-    // Not many times a second, but soon.
+    // The next attempt comes a second after the last one.
     journal.flush(Millis(40)).unwrap_err();
     let gone = folder.join("a.journal");
     let anew = journal.flush(Millis(1040)).unwrap();
@@ -337,7 +337,7 @@ fn a_journal_beyond_what_is_read_is_refused_and_not_cut() {
 }
 
 proptest::proptest! {
-    /// Any bytes are read, to their last whole line.
+    /// Reads arbitrary bytes up to the last whole line.
     #[test]
     fn arbitrary_bytes_never_panic(bytes: Vec<u8>, cut in 0_usize..4000, extra: Vec<u8>) {
         let _ = read(&bytes);

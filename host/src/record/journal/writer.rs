@@ -1,4 +1,4 @@
-//! Lines to a writer that may fail: what it does not take is kept, and tried again.
+//! Writer of lines to an output that may fail: data it does not take is kept and tried again.
 
 use std::io::{self, ErrorKind, Write};
 
@@ -6,23 +6,23 @@ use shared::units::{Sample, SampleIndex};
 
 use super::Entry;
 
-/// Samples of a line: a tenth of a second. So much is lost if the process is killed, and what was on its way here.
+/// Samples in a line: a tenth of a second. A killed process loses so much, and the samples on their way here.
 const TOGETHER: usize = 20;
-/// Bytes that are kept while the writer takes nothing: an hour and more of samples.
+/// Bytes that are kept while the output takes nothing: more than an hour of samples.
 const MOST_PENDING: usize = 16 << 20;
 
-/// A journal's lines on their way.
+/// Writer of a journal's lines.
 #[derive(Debug)]
 pub struct Writer<W> {
     out: W,
-    /// Not yet taken; begins within a line if the writer has taken a part of it.
+    /// Bytes not yet taken; begins within a line if the output took a part of it.
     pending: Vec<u8>,
     first: SampleIndex,
     samples: Vec<Sample>,
 }
 
 impl<W: Write> Writer<W> {
-    /// To an empty file.
+    /// Creates a writer to an empty file.
     pub const fn new(out: W) -> Self {
         Self {
             out,
@@ -32,7 +32,7 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Takes consecutive samples. Beyond what is kept they are dropped, and leave a gap in the count.
+    /// Takes consecutive samples. Beyond the limit they are dropped, which leaves a gap in their index.
     pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         if self.pending.len() > MOST_PENDING {
             return;
@@ -50,7 +50,7 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Takes anything else, behind the samples before it.
+    /// Takes an entry of another kind, after the samples before it.
     pub fn entry(&mut self, entry: &Entry) {
         self.close();
         self.pending.extend_from_slice(entry.line().as_bytes());
@@ -65,10 +65,10 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Writes what waits.
+    /// Writes pending bytes.
     ///
     /// # Errors
-    /// When the writer takes no more. What it has not taken is kept for the next time.
+    /// When the output takes no more. Bytes not yet taken are kept for the next call.
     pub fn flush(&mut self) -> io::Result<()> {
         while !self.pending.is_empty() {
             match self.out.write(&self.pending) {
@@ -81,17 +81,17 @@ impl<W: Write> Writer<W> {
         self.out.flush()
     }
 
-    /// Goes on in another place, which has all that this one has taken.
+    /// Continues in another output that has all bytes taken so far.
     pub fn go_on_in(&mut self, out: W) {
         self.out = out;
     }
 
-    /// Bytes that were not taken.
+    /// Number of bytes not yet taken.
     pub const fn pending(&self) -> usize {
         self.pending.len()
     }
 
-    /// What it writes to.
+    /// Output of the writer.
     pub const fn get_ref(&self) -> &W {
         &self.out
     }

@@ -12,7 +12,7 @@ use recordings::synthetic::Follower;
 const SHORT: &str = "rounds = 2\npause = 1\nsequence = [\"relax\", \"open\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 2\nclose = 2\n";
 
-/// A session with a simulated person; the samples from its first one on, as they were sent.
+/// Records a session with a simulated person. Returns the samples from the session's first one on.
 fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     let protocol = Protocol::parse("short.toml", SHORT).unwrap();
     let header = Header {
@@ -32,7 +32,7 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     };
     let mut journal = Journal::create(path, header).unwrap();
     let mut session = Session::new(protocol);
-    // Another person for each file: equal recordings count once.
+    // Each file has another person: equal recordings count once.
     let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
     let mut sent = Vec::new();
     let mut asked = Intent::Relax;
@@ -123,13 +123,13 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     assert_eq!((once.person.as_str(), once.files), ("react-emg/anna", 2));
     assert_eq!(once.quality, at_its_end);
     assert!(!once.quality.is_good_enough());
-    // Two openings a session: six of each gesture are needed.
+    // A session has two openings, and six of each gesture are needed.
     for (name, good) in [("2", false), ("3", true)] {
         session(name);
         assert_eq!(judged().quality.is_good_enough(), good, "{name}");
     }
     assert_eq!(judged().quality.counts["open"], 6);
-    // A session that was ended before the first gesture.
+    // A session ended before the first gesture.
     let ended = folder.path().join("eva");
     fs::create_dir(&ended).unwrap();
     let journal = ended.join("eva_1_short.journal");
@@ -164,7 +164,7 @@ fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
     let sent = record(&journal, false, 20);
     let whole = fs::read(&journal).unwrap();
     fs::remove_file(&journal).unwrap();
-    // Every cut is tried in the journal's own tests; here some all over the file.
+    // The journal's own tests try every cut; here some all over the file.
     for cut in (0..whole.len()).step_by(1 + whole.len() / 40) {
         let path = folder.path().join(format!("anna_{cut}x.journal"));
         fs::write(&path, &whole[..cut]).unwrap();
@@ -191,7 +191,7 @@ fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
             })
             .sum();
         assert_eq!(samples, sent[..samples.len()], "{cut}");
-        // A countdown without a cue after it is no recording.
+        // A countdown without a cue after it gives no recording.
         assert!(
             written - samples.len() <= 200,
             "{cut}: {} of {written}",
@@ -226,7 +226,7 @@ fn a_program_that_was_killed_between_files_goes_on_with_them() {
     record(&journal, false, 60);
     let copy = fs::read(&journal).unwrap();
     let first = keep(&journal).unwrap();
-    // The first file was written, the second was not, and the journal is still there.
+    // Killed after the first file: the second is missing, and the journal is still there.
     fs::write(&journal, copy).unwrap();
     fs::remove_file(&first.files[1]).unwrap();
     assert_eq!(keep(&journal).unwrap(), first);
@@ -277,7 +277,7 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         number: 1,
         at: first,
     }));
-    // Four hours at rest with a gesture now and then, as wide in text as samples can be.
+    // Four hours of rest with few gestures, with samples as wide in text as possible.
     let (count, together) = (4 * 3600 * 200_u32, 2000);
     for (trial, at) in (0..count).step_by(together).enumerate() {
         let (at, trial) = (SampleIndex(at), trial as u32 + 1);
@@ -317,7 +317,7 @@ fn a_journal_that_is_being_begun_is_not_taken_by_another_start() {
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while recovering.load(std::sync::atomic::Ordering::Relaxed) {
-                // A journal that has an end already is taken; one that is being written is not.
+                // A complete journal is taken; one that is being written is not.
                 let _ = recover(&person);
             }
         });

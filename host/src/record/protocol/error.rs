@@ -1,19 +1,19 @@
-//! Why a text is no protocol.
+//! Errors of a protocol.
 
 use shared::intent::Intent;
 
 use super::BUILT_IN;
 
-/// Why a text is no protocol.
+/// Why a protocol is refused.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum ProtocolError {
-    /// Neither a built-in one nor a file.
+    /// The name is neither a built-in protocol nor a file.
     #[error(
         "no protocol {name}: built in are {}; or give a TOML file, such as one that `myointent protocols quick > mine.toml` writes",
         built_in()
     )]
     Unknown {
-        /// As it was asked for.
+        /// Name as given.
         name: String,
     },
     /// The file cannot be read.
@@ -21,34 +21,34 @@ pub enum ProtocolError {
     Unreadable {
         /// The file.
         name: String,
-        /// Why.
+        /// Error of the read.
         error: String,
     },
-    /// No TOML, or with keys that no protocol has.
+    /// The text is no TOML, or has unknown keys.
     #[error("{name}: {error}")]
     Toml {
         /// The file.
         name: String,
-        /// With line and column.
+        /// Message of the parser, with line and column.
         error: String,
     },
-    /// What it says cannot be done.
+    /// The protocol is impossible.
     #[error("{name}: {fault}")]
     Wrong {
         /// The file.
         name: String,
-        /// What.
+        /// Reason.
         fault: ProtocolFault,
     },
 }
 
-/// What cannot be done.
+/// Why a protocol is impossible.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum ProtocolFault {
-    /// Neither guided nor free, or both.
+    /// The protocol is neither guided nor free, or both.
     #[error("expected either `sequence` (guided) or `gestures` (free), found {found}")]
     Kind {
-        /// Both or none of them.
+        /// `both` or `neither`.
         found: &'static str,
     },
     /// No class has this name.
@@ -57,16 +57,16 @@ pub enum ProtocolFault {
         /// The name.
         found: String,
     },
-    /// A number out of bounds.
+    /// A number is out of bounds.
     #[error("{what}: expected {least} to {most}, found {found}")]
     Number {
-        /// Of what.
+        /// Name of the number.
         what: String,
         /// Least value.
         least: f64,
         /// Greatest value.
         most: f64,
-        /// What was given.
+        /// Value in the file.
         found: f64,
     },
     /// A class of the sequence has no duration.
@@ -75,19 +75,19 @@ pub enum ProtocolFault {
         /// The class.
         missing: &'static str,
     },
-    /// Rest is where the levels of a gesture are compared with.
+    /// The sequence does not begin and end with rest, with which gestures are compared.
     #[error("the sequence must begin and end with relax")]
     Ends,
-    /// Two cues in a row that nobody could tell apart.
+    /// A class follows itself: nobody could tell the two cues apart.
     #[error("{class} follows itself: ask for it once, for longer")]
     Twice {
         /// The class.
         class: &'static str,
     },
-    /// Nothing to record.
+    /// The gestures lack rest or a second class, or repeat one.
     #[error("expected relax and at least one gesture, each once in `gestures`")]
     Gestures,
-    /// A key of a guided protocol in a free one, or the other way round.
+    /// The key belongs to a guided protocol.
     #[error("`{key}` means nothing in a free protocol")]
     Meaningless {
         /// The key.

@@ -9,7 +9,7 @@ use crate::record::session::Output;
 
 const CLASSES: [Intent; 3] = [Intent::Relax, Intent::Open, Intent::Close];
 
-/// So many holds of open and close each, with this amplitude of an electrode at a sample in a class.
+/// Session with this many holds of open and close each; `amplitude` gives a channel's amplitude in a class.
 fn take(holds: usize, mut amplitude: impl FnMut(usize, Intent) -> i8) -> Take {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut entries = vec![Entry::Round { number: 1, at: 0 }];
@@ -80,7 +80,7 @@ fn a_silent_and_a_saturated_electrode_are_named_as_the_armband_counts() {
         found.contains(&"Serious channel 3 is silent".to_owned()),
         "{found:?}"
     );
-    // Noise of -127 to 127 is at the end in less than 2 % of the samples: this one is clipped there.
+    // Noise of -127 to 127 saturates less than 2 % of the samples: this channel is clipped.
     let mut clipped = take;
     for sample in &mut clipped.parts[0].samples {
         sample[5] = sample[5].saturating_mul(4);
@@ -113,7 +113,7 @@ fn a_gesture_like_rest_and_one_that_is_sometimes_forgotten_are_told_apart() {
     let mut calls = 0;
     let forgotten = take(8, |channel, intent| {
         calls += usize::from(intent == Intent::Open);
-        // The first of the holds.
+        // Only the first holds.
         if intent == Intent::Open && calls <= 8 * 600 {
             3
         } else {

@@ -1,4 +1,4 @@
-//! From one cue to the next: what follows a trial, and what becomes of one that failed.
+//! Course of a session: which cue follows, and what happens after a failed trial.
 
 use shared::intent::Intent;
 use shared::units::SampleIndex;
@@ -33,7 +33,7 @@ impl Session {
         self.outputs.push_back(Output::Cue { at, cue, trial });
     }
 
-    /// The trial that is due begins; after the last one the next round does, or the session is over.
+    /// Begins the next trial; after the last one begins the next round, or ends the session.
     pub(super) fn next_trial(&mut self, at: SampleIndex) {
         if !self.is_guided() {
             self.free(at, Intent::Relax);
@@ -71,7 +71,7 @@ impl Session {
         }
     }
 
-    /// In a free session: a rest begins a trial, as it does in a guided one.
+    /// Sets the cue of a free session: a rest begins a trial, as in a guided one.
     pub(super) fn free(&mut self, at: SampleIndex, intent: Intent) {
         if intent == Intent::Relax || self.trial == 0 {
             self.before = (self.trial > 0).then_some(self.trial);
@@ -95,7 +95,7 @@ impl Session {
         }
     }
 
-    /// The trial that the person means is bad: the one that is done, or in the rest after it the one before.
+    /// Rejects a trial on request: the current one, or the previous one during the rest after it.
     pub(super) fn repeat(&mut self, at: SampleIndex) {
         match self.before.take() {
             Some(before) if self.cue == Some(Intent::Relax) => {
@@ -116,7 +116,7 @@ impl Session {
         }
     }
 
-    /// The trial in progress is not to be used, and will be asked for again.
+    /// Rejects the current trial, which becomes due again.
     pub(super) fn fail(&mut self, why: Bad) {
         if self.trial > 0 {
             self.bad += 1;
@@ -131,7 +131,7 @@ impl Session {
     pub(super) fn hold(&mut self, why: Held) {
         if matches!(self.phase, Phase::Cued { .. }) && self.trial > 0 {
             let lost = matches!(why, Held::Losses);
-            // Losses have failed the trial before.
+            // Losses have rejected the trial before.
             if !lost {
                 self.fail(match why {
                     Held::SourceLost | Held::Silent => Bad::Lost,
@@ -145,7 +145,7 @@ impl Session {
         self.outputs.push_back(Output::Pause);
     }
 
-    /// The person has had enough: a gesture in progress is not to be used.
+    /// Ends the session on request and rejects a gesture in progress.
     pub(super) fn finish(&mut self) {
         let cued = matches!(self.phase, Phase::Cued { .. });
         if cued && self.is_guided() && self.cue != Some(Intent::Relax) {

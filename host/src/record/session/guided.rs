@@ -1,24 +1,24 @@
-//! The course of a guided session: which trial is due.
+//! Trials of a guided session: which one is due.
 
 use std::collections::VecDeque;
 
 use crate::record::protocol::{Course, Step, Trial};
 
-/// The trials of a round that are due, and the one in progress.
+/// Trials of a round that are due, and the current one.
 #[derive(Debug)]
 pub(super) struct Guided {
     rounds: u32,
     trials: Vec<Trial>,
-    /// Places of those that are due.
+    /// Indices of the trials that are due.
     due: VecDeque<usize>,
-    /// Place of the one in progress, and of its step.
+    /// Indices of the current trial and its step.
     current: Option<(usize, usize)>,
-    /// Place of the one before.
+    /// Index of the previous trial.
     before: Option<usize>,
 }
 
 impl Guided {
-    /// Without a trial if the course is free.
+    /// Creates the course; one of a free session has no trials.
     pub(super) fn new(course: &Course) -> Self {
         let (rounds, trials) = match course {
             Course::Guided { rounds, trials } => (*rounds, trials.clone()),
@@ -43,7 +43,7 @@ impl Guided {
         self.before = None;
     }
 
-    /// The first step of the trial that is due; none after the last one of the round.
+    /// Begins the trial that is due and returns its first step; none after the last trial of the round.
     pub(super) fn begin_trial(&mut self) -> Option<Step> {
         let place = self.due.pop_front()?;
         self.before = self.current.map(|(place, _)| place);
@@ -51,7 +51,7 @@ impl Guided {
         self.trials[place].steps.first().copied()
     }
 
-    /// The next step of the trial in progress; none at its end.
+    /// Advances the current trial and returns its next step; none at its end.
     pub(super) fn next_step(&mut self) -> Option<Step> {
         let (place, step) = self.current?;
         let next = self.trials[place].steps.get(step + 1).copied()?;
@@ -59,7 +59,7 @@ impl Guided {
         Some(next)
     }
 
-    /// The trial in progress is due again.
+    /// Makes the current trial due again.
     pub(super) fn put_back(&mut self) {
         if let Some((place, _)) = self.current.take() {
             self.due.push_front(place);
@@ -67,7 +67,7 @@ impl Guided {
         self.before = None;
     }
 
-    /// The trial in progress and the one before are due again, that one first.
+    /// Makes the previous and the current trial due again, in this order.
     pub(super) fn put_back_both(&mut self) {
         let before = self.before.take();
         self.put_back();
@@ -76,7 +76,7 @@ impl Guided {
         }
     }
 
-    /// Trials of the round that are done, and all of them.
+    /// Number of trials done in this round, and of all.
     pub(super) fn progress(&self) -> (usize, usize) {
         let left = self.due.len() + usize::from(self.current.is_some());
         (
@@ -85,7 +85,7 @@ impl Guided {
         )
     }
 
-    /// The steps after the one in progress, in this round.
+    /// Steps after the current one, in this round.
     pub(super) fn coming(&self) -> impl Iterator<Item = Step> {
         let current = self
             .current
@@ -95,7 +95,7 @@ impl Guided {
         current.chain(due).copied()
     }
 
-    /// Samples of a whole round.
+    /// Samples of a round.
     pub(super) fn round_samples(&self) -> u64 {
         let steps = self.trials.iter().flat_map(|trial| &trial.steps);
         steps.map(|step| u64::from(step.samples)).sum()

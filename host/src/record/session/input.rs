@@ -1,38 +1,38 @@
-//! What happens to a session, and what it says.
+//! Inputs and outputs of a session.
 
 use shared::intent::Intent;
 use shared::units::SampleIndex;
 
-/// What happened.
+/// Input of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Input {
-    /// Samples have come.
+    /// Samples from the source.
     Samples {
-        /// Index of the first.
+        /// Index of the first sample.
         first: SampleIndex,
-        /// How many.
+        /// Number of samples.
         count: u32,
     },
-    /// Time has passed.
+    /// Passage of time.
     Tick,
-    /// The session cannot go on, until the person says so.
+    /// Hold of the session until the person continues.
     Hold(Held),
-    /// What the person says.
+    /// Action of the person.
     Action(Action),
 }
 
-/// What a person says.
+/// Action of the person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Action {
-    /// Begin, or go on.
+    /// Begin or continue.
     Begin,
-    /// The last trial was bad: again.
+    /// Reject the last trial and repeat it.
     Repeat,
-    /// Wait.
+    /// Hold the session.
     Hold,
-    /// That is all.
+    /// End the session.
     Finish,
-    /// Free: this is done from now on.
+    /// Name the gesture done from now on, in a free session.
     Mark(Intent),
 }
 
@@ -42,17 +42,17 @@ pub enum Action {
 pub enum Held {
     /// The person asked for it.
     Person,
-    /// Nobody looks at the cues any more.
+    /// The leader has left the page.
     LeaderLeft,
-    /// The source is gone, or began anew.
+    /// The source was lost or has restarted.
     SourceLost,
-    /// No sample for two seconds.
+    /// No sample came for two seconds.
     Silent,
-    /// Several trials in a row had lost samples.
+    /// Several trials in a row have lost samples.
     Losses,
-    /// What comes cannot be written down.
+    /// The journal cannot be written.
     Disk,
-    /// What was written down was deleted, moved or replaced.
+    /// The journal was deleted, moved or replaced.
     Gone,
 }
 
@@ -60,42 +60,42 @@ pub enum Held {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bad {
-    /// The person said so.
+    /// The person rejected it.
     Person,
-    /// It was interrupted.
+    /// The trial was interrupted.
     Interrupted,
     /// More samples in a row were lost than can be bridged.
     Lost,
 }
 
-/// What is to be written down.
+/// Output for the journal.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Output {
-    /// A round begins at a sample: a recording of its own.
+    /// Round: a new recording begins at a sample.
     Round {
-        /// From 1 on.
+        /// Number of the round, from 1.
         number: u32,
-        /// Its first sample.
+        /// First sample of the round.
         at: SampleIndex,
     },
-    /// From a sample on this is asked for; nothing, if none.
+    /// Cue from a sample on; none for a pause.
     Cue {
         /// First sample of the cue.
         at: SampleIndex,
-        /// What is asked for.
+        /// Class to perform.
         cue: Option<Intent>,
-        /// Counts all attempts at all trials, from 1 on; 0 outside.
+        /// Number of the attempt, counted over all trials from 1; 0 outside of trials.
         trial: u32,
     },
-    /// A trial is not to be used.
+    /// Rejection of a trial.
     Bad {
-        /// Its number.
+        /// Number of the trial.
         trial: u32,
-        /// Why.
+        /// Reason.
         why: Bad,
     },
-    /// Samples are not kept until the next round or cue.
+    /// Pause: samples are not kept until the next round or cue.
     Pause,
-    /// That was all.
+    /// End of the session.
     Over,
 }

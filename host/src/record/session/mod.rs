@@ -1,4 +1,4 @@
-//! A recording session, without I/O: samples that have come, and what the person says; out come cues.
+//! Recording session without I/O: samples and actions of the person go in, cues come out.
 //!
 //! ```text
 //! session.handle(now, Input::Samples { .. });          // now: Millis, always an argument
@@ -6,8 +6,8 @@
 //! session.view()                                        // what a page shows
 //! ```
 //!
-//! Its time is the stream's: a cue begins and ends at a sample, so that what is shown and what is written agree to the
-//! sample, and a stream that stands holds the session. The clock is asked for one thing: whether the stream stands.
+//! Time is the stream's: a cue begins and ends at a sample, so that the page and the journal agree to the sample, and the
+//! session is held while the stream stands still. The clock only tells that it does.
 
 mod course;
 mod guided;
@@ -26,21 +26,21 @@ pub use self::stream::{BRIDGED, Continuity, Continuous};
 pub use self::view::View;
 use super::protocol::Protocol;
 
-/// Without samples for so long a session is held: longer than a busy PC keeps them waiting.
+/// Time without samples after which a session is held: longer than delays of a busy PC.
 const SILENCE_MS: u32 = 2_000;
-/// Trials lost in a row, each repeated by itself, after which the session is held.
+/// Trials lost in a row, each repeated automatically, after which the session is held.
 const MOST_LOST: u32 = 3;
 
-/// Where the session is.
+/// Phase of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Phase {
     Waiting,
-    /// Getting ready until a sample.
+    /// Countdown until a sample.
     Ready {
         from: SampleIndex,
         end: SampleIndex,
     },
-    /// A cue, until a sample; in a free session without an end.
+    /// Cue until a sample; without an end in a free session.
     Cued {
         from: SampleIndex,
         end: Option<SampleIndex>,
@@ -49,29 +49,29 @@ enum Phase {
     Over,
 }
 
-/// A session.
+/// Recording session.
 #[derive(Debug)]
 pub struct Session {
     protocol: Protocol,
     phase: Phase,
     guided: Guided,
-    /// What is asked for, and the number of the attempt.
+    /// Current cue and number of the attempt.
     cue: Option<Intent>,
     trial: u32,
-    /// The attempt before.
+    /// Number of the previous attempt.
     before: Option<u32>,
     trials: u32,
     bad: u32,
     lost_in_a_row: u32,
     stream: Continuous,
-    /// When the last samples came.
+    /// Time of the last samples.
     heard: Option<Millis>,
     round: u32,
     outputs: VecDeque<Output>,
 }
 
 impl Session {
-    /// Before its beginning.
+    /// Creates a session that waits for its beginning.
     #[must_use]
     pub fn new(protocol: Protocol) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl Session {
         }
     }
 
-    /// Takes what happened. Drain [`poll`](Self::poll) before the next call.
+    /// Takes an input. Drain [`poll`](Self::poll) before the next call.
     pub fn handle(&mut self, now: Millis, input: Input) {
         match input {
             Input::Samples { first, count } => self.samples(now, first, count),
@@ -105,7 +105,7 @@ impl Session {
                 if why == Held::SourceLost {
                     self.stream = Continuous::default();
                 }
-                // Nothing is kept and nothing asked for: whatever happens is no harm.
+                // A session that does not run needs no hold.
                 if self.is_running() {
                     self.hold(why);
                 }
@@ -114,12 +114,12 @@ impl Session {
         }
     }
 
-    /// The next thing to write down.
+    /// Returns the next output.
     pub fn poll(&mut self) -> Option<Output> {
         self.outputs.pop_front()
     }
 
-    /// Whether samples are kept: from the countdown of a round on, not while the session waits.
+    /// Whether samples are kept: from the countdown of a round on, but not while the session waits.
     #[must_use]
     pub const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Ready { .. } | Phase::Cued { .. })
@@ -131,13 +131,13 @@ impl Session {
         self.stream.next().is_some()
     }
 
-    /// Whether it has ended.
+    /// Whether the session has ended.
     #[must_use]
     pub const fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Over)
     }
 
-    /// What is asked for.
+    /// Class of the current cue.
     #[must_use]
     pub const fn cue(&self) -> Option<Intent> {
         self.cue
@@ -164,7 +164,7 @@ impl Session {
         }
     }
 
-    /// Samples are missing before one.
+    /// Handles a gap before a sample.
     fn lost(&mut self, first: SampleIndex) {
         match self.phase {
             Phase::Cued { .. } => {
@@ -185,7 +185,7 @@ impl Session {
 
     fn action(&mut self, action: Action) {
         let Some(at) = self.stream.next() else {
-            // Without a stream there is nothing to begin.
+            // A session without a stream can only be ended.
             if action == Action::Finish && !self.is_over() {
                 self.finish();
             }
@@ -209,7 +209,7 @@ impl Session {
     }
 }
 
-/// Whether a stream that ends at `end` has come to a sample; right across a wrap.
+/// Whether a stream that ends at `end` has reached a sample; correct across a wrap.
 const fn is_reached(at: SampleIndex, end: SampleIndex) -> bool {
     end.0.wrapping_sub(at.0) <= u32::MAX / 2
 }

@@ -1,35 +1,35 @@
-//! Whether samples follow each other: by their index alone.
+//! Continuity of samples, by their index alone.
 
 use shared::units::SampleIndex;
 
-/// Most samples in a row that are bridged by repeating the last one: as many as a board bridges.
+/// Greatest number of missing samples that are bridged by repeating the last one, as on a board.
 pub const BRIDGED: u32 = 5;
 
-/// How samples follow those before.
+/// Relation of samples to those before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Continuity {
-    /// Without a gap, or as the first.
+    /// Samples follow without a gap, or are the first.
     Next,
-    /// After so few missing ones that they are bridged.
+    /// Samples follow a gap of this many, which is bridged.
     Bridged(u32),
-    /// After more missing ones: another recording.
+    /// Samples follow a longer gap: another recording begins.
     Lost(u32),
-    /// The count went back: the board began anew, and nobody knows how much is missing.
+    /// The index went back: the board has restarted, and the number of missing samples is unknown.
     Restart,
 }
 
-/// The index that is due.
+/// Index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Continuous(Option<SampleIndex>);
 
 impl Continuous {
-    /// The index that is due; none before the first sample.
+    /// Index that is due; none before the first sample.
     #[must_use]
     pub const fn next(self) -> Option<SampleIndex> {
         self.0
     }
 
-    /// Takes consecutive samples.
+    /// Takes consecutive samples and returns how they follow those before.
     pub fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
         let due = self.0.replace(first.plus(count));
         let Some(due) = due else {

@@ -1,11 +1,11 @@
 use super::*;
 
-/// Two trials with a gesture and a rest, twice: relax 2 s, open 1.5 s, close 1 s; 3 s to get ready.
+/// Two rounds of two trials and a rest: relax 2 s, open 1.5 s, close 1 s; 3 s of pause.
 const SHORT: &str = "rounds = 2\npause = 3\nsequence = [\"relax\", \"open\", \"close\", \"relax\", \"close\", \"relax\"]\n\
     [seconds]\nrelax = 2\nopen = 1.5\nclose = 1\n";
 const FREE: &str = "pause = 1\ngestures = [\"relax\", \"open\", \"close\"]\n";
 
-/// A session, its stream, and what it said: `R1@0 -@0 open1@5` is a round, no cue, a cue with its trial, each with its sample.
+/// Session, stream and outputs: `R1@0 -@0 open1@5` is a round, no cue, and a cue with its trial, each with its sample.
 struct Played {
     session: Session,
     now: u32,
@@ -51,7 +51,7 @@ impl Played {
         self.handle(Input::Action(action));
     }
 
-    /// So many samples, two at a time as an armband sends them.
+    /// Feeds this many samples, two at a time as an armband sends them.
     fn samples(&mut self, count: u32) {
         for _ in 0..count / 2 {
             self.now += 10;
@@ -109,13 +109,13 @@ fn a_gesture_that_went_wrong_is_repeated_from_its_rest_on() {
     assert_eq!(played.said(), "bad1:Person relax2@2102");
     played.samples(900);
     assert_eq!(played.said(), "open2@2502 close2@2802 relax3@3002");
-    // In the rest after it, it is the gesture before that is meant.
+    // A repeat in the rest after a gesture rejects that gesture.
     played.samples(100);
     played.act(Action::Repeat);
     assert_eq!(played.said(), "bad2:Person relax4@3102");
     played.samples(900);
     assert_eq!(played.said(), "open4@3502 close4@3802 relax5@4002");
-    // Once: the gesture before that one was good.
+    // A second repeat rejects no earlier gesture.
     played.act(Action::Repeat);
     played.said();
     played.act(Action::Repeat);
@@ -176,7 +176,7 @@ fn losses_in_trial_after_trial_hold_the_session() {
         ("held", Some(Held::Losses), 3)
     );
     assert!(played.said().ends_with("bad3:Lost pause"));
-    // Samples go on, and nothing is asked for until the person says so.
+    // Samples continue, and no cue comes until the person continues.
     played.samples(1000);
     assert_eq!(played.said(), "");
     played.act(Action::Begin);
@@ -278,7 +278,7 @@ fn in_a_free_session_the_person_says_what_is_done() {
     played.samples(100);
     played.act(Action::Mark(Intent::Open));
     played.act(Action::Mark(Intent::Open));
-    // Not one of this protocol.
+    // A gesture that is not in the protocol is ignored.
     played.act(Action::Mark(Intent::Pinch));
     played.samples(300);
     played.act(Action::Mark(Intent::Close));
@@ -310,7 +310,7 @@ fn the_time_that_is_left_is_what_it_takes() {
 }
 
 proptest::proptest! {
-    /// Whatever happens in whatever order: no panic, and what is said makes sense.
+    /// Any inputs in any order: no panic, and the outputs are consistent.
     #[test]
     fn any_inputs_make_a_session_that_can_be_written_down(
         inputs in proptest::collection::vec((0_u8..12, 0_u32..700), 0..120),
@@ -334,7 +334,7 @@ proptest::proptest! {
             proptest::prop_assert!(view.done <= view.trials);
         }
         let said = played.said();
-        // Nobody is told twice that a trial is bad, and nothing is said after the end.
+        // No trial is rejected twice, and nothing follows the end.
         let mut bad: Vec<&str> = said.split(' ').filter(|one| one.starts_with("bad")).collect();
         let count = bad.len();
         bad.sort_unstable();

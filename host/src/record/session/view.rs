@@ -1,4 +1,4 @@
-//! What a page shows of a session: as data, in samples of the stream.
+//! View of a session for a page, in samples of the stream.
 
 use serde::Serialize;
 use shared::intent::Intent;
@@ -6,57 +6,57 @@ use shared::intent::Intent;
 use super::{Held, Phase, Session};
 use crate::record::protocol::Course;
 
-/// Steps that are shown ahead.
+/// Number of steps that are shown ahead.
 const AHEAD: usize = 6;
 
-/// A step that comes.
+/// Coming step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 pub struct Coming {
-    /// What will be asked for.
+    /// Class to perform.
     pub cue: &'static str,
-    /// For how long.
+    /// Duration in samples.
     pub samples: u32,
 }
 
-/// Where a session is.
+/// State of a session for a page.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct View {
-    /// `waiting`, `ready`, `cued`, `held` or `over`.
+    /// Phase: `waiting`, `ready`, `cued`, `held` or `over`.
     pub phase: &'static str,
     /// Name of the protocol.
     pub protocol: String,
-    /// Whether the person says what is done.
+    /// Whether the session is free.
     pub free: bool,
-    /// Classes that occur.
+    /// Classes of the protocol.
     pub classes: Vec<&'static str>,
-    /// Why it waits, if it is held.
+    /// Reason for the hold, if it is held.
     pub why: Option<Held>,
-    /// What is asked for.
+    /// Class of the current cue.
     pub cue: Option<&'static str>,
     /// First sample of the countdown or the cue.
     pub from: Option<u32>,
-    /// Its last sample, and one; none in a free session.
+    /// Sample after the last one of the countdown or the cue; none for a cue of a free session.
     pub end: Option<u32>,
-    /// What comes next, in this round.
+    /// Coming steps of this round.
     pub coming: Vec<Coming>,
-    /// From 1 on; 0 before the beginning.
+    /// Number of the round, from 1; 0 before the beginning.
     pub round: u32,
-    /// How many there are; 0 in a free session.
+    /// Number of rounds; 0 in a free session.
     pub rounds: u32,
-    /// Trials of the round that are done.
+    /// Number of trials of the round that are done.
     pub done: usize,
-    /// Trials of a round.
+    /// Number of trials of a round.
     pub trials: usize,
-    /// Trials that are not used.
+    /// Number of trials that are not used.
     pub bad: u32,
     /// Whether a trial can be repeated.
     pub can_repeat: bool,
-    /// Samples to the end, from `from` on; none in a free session.
+    /// Samples from `from` to the end of the session; none in a free session.
     pub left: Option<u64>,
 }
 
 impl Session {
-    /// Where the session is.
+    /// State of the session for a page.
     #[must_use]
     pub fn view(&self) -> View {
         let (phase, why, from, end) = match self.phase {
@@ -98,7 +98,7 @@ impl Session {
         }
     }
 
-    /// Samples to the end, from the beginning of the present countdown or cue on.
+    /// Samples from the beginning of the present countdown or cue to the end of the session.
     fn left(&self) -> Option<u64> {
         let whole = self.protocol.samples()?;
         let pause = u64::from(self.protocol.pause);

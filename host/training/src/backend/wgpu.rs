@@ -1,6 +1,6 @@
 //! The adapter of the GPU backend.
 //!
-//! Burn acquires it at the first operation and panics if there is none; here it is acquired in advance.
+//! Burn acquires it at the first operation and panics if there is none; `device` acquires it in advance.
 
 use std::sync::OnceLock;
 
@@ -13,9 +13,9 @@ use execution::progress;
 /// The device of the adapter that wgpu prefers, or that `CUBECL_WGPU_DEFAULT_DEVICE` names; logs which.
 ///
 /// # Errors
-/// When no driver offers one.
+/// When no driver offers an adapter.
 pub(super) fn device() -> Result<Device, BackendError> {
-    // An adapter is acquired once in a process.
+    // An adapter is acquired once a process.
     static DEVICE: OnceLock<Result<Device, BackendError>> = OnceLock::new();
     DEVICE.get_or_init(acquire).clone()
 }
@@ -26,7 +26,7 @@ fn acquire() -> Result<Device, BackendError> {
             log(&setup.adapter.get_info());
             Ok(device)
         }
-        // An operation on the default device was first.
+        // An operation on the default device came first.
         Err(WgpuInitError::Registration { .. }) => Ok(Device::wgpu(DeviceKind::DefaultDevice)),
         Err(WgpuInitError::AdapterUnavailable { message, .. }) => {
             Err(BackendError::NoAdapter { reason: message })

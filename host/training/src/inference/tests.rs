@@ -1,4 +1,4 @@
-//! No logits know what comes after their patch.
+//! Tests that no logits depend on samples after their patch.
 
 use crate::student::model::Student;
 use crate::teacher::model::Teacher;
@@ -19,7 +19,7 @@ use shared::model::dimensions::Companding;
 /// Samples of the recording; not a multiple of a patch.
 const SAMPLES: usize = 345;
 
-/// EMG without a repetition, and with other values from sample `changed` on.
+/// EMG without repetition; the values from sample `changed` on differ.
 fn recording(changed: usize) -> Vec<CleanSample> {
     (0..SAMPLES)
         .map(|at| {
@@ -31,8 +31,8 @@ fn recording(changed: usize) -> Vec<CleanSample> {
         .collect()
 }
 
-/// Changes all samples after some patches: the logits up to these patches must stay, and later ones must not, or
-/// nothing would have been tested.
+/// Checks causality: after a change of all samples from a patch on, the logits up to it must stay the same. Later logits must
+/// change, or the test would be void.
 fn is_causal(logits: impl Fn(&[CleanSample]) -> Vec<LookBackLogits>) {
     let whole = logits(&recording(SAMPLES));
     assert_eq!(whole.len(), SAMPLES / PATCH);

@@ -1,4 +1,4 @@
-//! Where a training stands, after an epoch or within it: one file, and so one rename, from which it goes on bit for bit.
+//! Checkpoint of a training, after an epoch or within it. It is one file, replaced by one rename; training resumes bit for bit.
 
 use burn::module::Module;
 use burn::optim::ModuleOptimizer;
@@ -14,38 +14,38 @@ use execution::run_folder::{Artefact, RunError, RunFolder, write_whole};
 
 const MODEL: &str = "model";
 const OPTIMIZER: &str = "optimizer";
-/// The average of the weights, in a training that keeps one.
+/// Part with the average of the weights, if the training keeps one.
 const AVERAGE: &str = "average";
-/// The weights of the lowest validation loss.
+/// Part with the weights of the lowest validation loss.
 const BEST: &str = "best";
 
-/// How far a training has come.
+/// Progress of a training.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Progress {
-    /// Optimizer steps.
+    /// Number of optimizer steps in complete epochs.
     pub(super) step: usize,
     /// Lowest validation loss; none before the first epoch is complete.
     pub(super) best_loss: Option<f64>,
     /// Metrics of every epoch.
     pub(super) epochs: Vec<EpochMetrics>,
-    /// How far the epoch after them has come; none at its start.
+    /// Progress within the current epoch; none at its start.
     #[serde(default)]
     pub(super) within: Option<Within>,
 }
 
-/// How far an epoch has come.
+/// Progress within an epoch.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Within {
     /// Optimizer steps of the epoch, which [`Progress::step`] does not count.
     pub(super) steps: usize,
     /// Position of the epoch's generator.
     pub(super) drawn: u64,
-    /// Metrics of the steps.
+    /// Metrics of these steps.
     pub(super) means: KeptMeans,
 }
 
 impl Within {
-    /// After a step.
+    /// Progress after a step.
     pub(super) fn after<M>(taken: &Taken<'_, M>) -> Self {
         Self {
             steps: taken.steps,
@@ -55,7 +55,7 @@ impl Within {
         }
     }
 
-    /// Where the epoch goes on.
+    /// Position in the epoch from which it continues.
     pub(super) fn start(self) -> Start {
         Start {
             steps: self.steps,
@@ -65,7 +65,7 @@ impl Within {
     }
 }
 
-/// Everything that a training goes on from.
+/// State that a training resumes from.
 pub(super) struct Checkpoint<M> {
     pub(super) progress: Progress,
     pub(super) model: M,
@@ -76,7 +76,7 @@ pub(super) struct Checkpoint<M> {
     pub(super) best: Vec<u8>,
 }
 
-/// A checkpoint as it is saved.
+/// Checkpoint to be saved.
 pub(super) struct Snapshot<'a, M> {
     pub(super) progress: &'a Progress,
     pub(super) model: &'a M,
@@ -85,16 +85,16 @@ pub(super) struct Snapshot<'a, M> {
     pub(super) best: &'a [u8],
 }
 
-/// The files of one training in a run folder.
+/// Files of one training in a run folder.
 pub(super) struct Store<'a> {
     pub(super) run: &'a RunFolder,
     /// Name of the training.
     pub(super) name: &'a str,
-    /// What the training is determined by: all that its weights depend on, and how it is trained.
+    /// Fingerprint of all that determines the training: what its weights depend on, and its settings.
     pub(super) made_from: Fingerprint,
 }
 
-/// A line of the metrics file.
+/// Line of the metrics file.
 #[derive(Serialize)]
 struct Line<'a> {
     made_from: Fingerprint,
@@ -103,7 +103,7 @@ struct Line<'a> {
 }
 
 impl Store<'_> {
-    /// Removes what an earlier training left.
+    /// Removes the files of an earlier training.
     pub(super) fn clear(&self) -> Result<(), RunError> {
         let paths = [
             self.run.checkpoint_path(self.name),
@@ -116,10 +116,10 @@ impl Store<'_> {
         self.run.remove_files(&names)
     }
 
-    /// The last checkpoint; none before the first epoch was complete.
+    /// Loads the last checkpoint; none before the first one was saved.
     ///
     /// # Errors
-    /// [`RunError::OtherTraining`] if it is another training's.
+    /// [`RunError::OtherTraining`] if the checkpoint is of another training.
     pub(super) fn load<M: Module>(
         &self,
         model: &M,
@@ -152,7 +152,7 @@ impl Store<'_> {
         Ok(Some(checkpoint))
     }
 
-    /// Saves a checkpoint in place of the last one, and then the metrics for readers.
+    /// Saves a checkpoint in place of the last one, then writes the metrics file.
     pub(super) fn save<M: Module>(&self, checkpoint: &Snapshot<'_, M>) -> Result<(), RunError> {
         let path = self.run.checkpoint_path(self.name);
         let optimizer = checkpoint.optimizer.into_bytes();
@@ -169,7 +169,7 @@ impl Store<'_> {
         self.save_metrics(checkpoint.progress)
     }
 
-    /// The metrics are part of the checkpoint; this file of them is written anew from it.
+    /// Writes the metrics file from the checkpoint's metrics.
     fn save_metrics(&self, progress: &Progress) -> Result<(), RunError> {
         let path = self.run.metrics_path(self.name);
         let mut text = String::new();

@@ -51,12 +51,12 @@ impl Dropout {
     }
 }
 
-/// Factor of a column's number in the hash.
+/// Factor of the column number in the hash.
 const COLUMN: u32 = 0x9e37_79b9;
 /// Factors of the hash.
 const FACTORS: [u32; 2] = [0x7feb_352d, 0x846c_a68b];
 
-/// Whether a device's tensors are in the program's own memory.
+/// Whether the tensors of a device are in the program's own memory.
 fn is_cpu(device: &Device) -> bool {
     #[cfg(feature = "flex")]
     if *device == Device::flex() {
@@ -71,12 +71,12 @@ fn is_cpu(device: &Device) -> bool {
     false
 }
 
-/// Which values of a tensor are dropped.
+/// Dropout mask of a tensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mask {
     seed: u64,
     below: u32,
-    /// Row of the whole that the tensor begins with.
+    /// First row of the tensor within the whole mask.
     first: usize,
     /// Factor of the values that are kept, 1 / (1 - probability).
     pub scale: f32,
@@ -127,7 +127,7 @@ impl Mask {
         let places = (0..columns as u32).map(|column| column.wrapping_mul(COLUMN));
         let places = unsigned(places.collect(), [1, columns]);
         let shifted = |x: &Tensor<2, Int>, bits: u32| x.clone().bitwise_right_shift_scalar(bits);
-        // As in `RowMask::keeps`; products of unsigned numbers wrap on a GPU.
+        // The same hash as `RowMask::keeps`; products of unsigned numbers wrap on a GPU.
         let mut hash = keys.bitwise_xor(places);
         for (bits, factor) in [(16, FACTORS[0]), (15, FACTORS[1])] {
             let mixed = shifted(&hash, bits);
@@ -150,7 +150,7 @@ impl Mask {
     }
 }
 
-/// Which values of a row are dropped.
+/// Dropout mask of a row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowMask {
     key: u32,
@@ -162,7 +162,7 @@ impl RowMask {
     #[must_use]
     #[inline(always)]
     pub(crate) fn keeps(self, column: u32) -> bool {
-        // Multiplications and shifts alone, so that the compiler vectorizes a loop over columns.
+        // Only multiplications and shifts, so that the compiler vectorizes a loop over columns.
         let mut hash = self.key ^ column.wrapping_mul(COLUMN);
         hash = (hash ^ (hash >> 16)).wrapping_mul(FACTORS[0]);
         hash = (hash ^ (hash >> 15)).wrapping_mul(FACTORS[1]);

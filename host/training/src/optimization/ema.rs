@@ -7,7 +7,7 @@
 use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
 use burn::tensor::{Tensor, TensorData};
 
-/// The average of all weights, in the order in which the module visits them.
+/// Average of all weights, in the order in which the module visits them.
 #[derive(Clone, Debug)]
 pub(super) struct Ema {
     decay: f32,
@@ -16,8 +16,8 @@ pub(super) struct Ema {
 }
 
 impl Ema {
-    /// An average that starts from a model's weights after `steps` steps. Each later step enters it with a weight of
-    /// `1 - decay`, the first ones with more.
+    /// Starts the average from a model's weights after `steps` steps. Each later step has a weight of `1 - decay`, the first
+    /// ones a larger one.
     pub(super) fn new(model: &impl Module, decay: f64, steps: usize) -> Self {
         Self {
             decay: decay as f32,
@@ -29,7 +29,7 @@ impl Ema {
     /// Adds the weights after another step.
     pub(super) fn add(&mut self, model: &impl Module) {
         self.steps += 1;
-        // A lower decay at first, so that the initial weights soon count for little.
+        // The decay is lower at first, so that the initial weights soon count for little.
         let decay = self
             .decay
             .min(self.steps as f32 / (self.steps as f32 + 10.0));

@@ -11,56 +11,55 @@ use execution::progress;
 use execution::run_folder::RunError;
 use presets::schedule::LearningRate;
 
-/// One epoch of a training.
+/// Epoch of a training.
 pub(super) struct Epoch<'a> {
     /// Name in the progress bar.
     pub(super) title: &'a str,
-    /// From 1 on.
+    /// Number of the epoch, from 1.
     pub(super) number: usize,
-    /// Of the schedule.
+    /// First step of the epoch in the learning-rate schedule.
     pub(super) first_step: usize,
     pub(super) schedule: &'a LearningRate,
     pub(super) interrupt: &'a Interrupt,
 }
 
-/// Where an epoch begins: at its start, or where a checkpoint was written within it.
+/// Position from which an epoch starts: its beginning, or a checkpoint within it.
 #[derive(Default)]
 pub(super) struct Start {
-    /// Steps taken already.
+    /// Number of steps already done.
     pub(super) steps: usize,
-    /// Their metrics.
+    /// Metrics of these steps.
     pub(super) means: RunningMeans,
-    /// Position of the generator after them; none before the first.
+    /// Position of the generator after these steps; none before the first.
     pub(super) drawn: Option<u128>,
 }
 
-/// A training after a step.
+/// State of a training after a step.
 pub(super) struct Taken<'a, M> {
     pub(super) model: &'a M,
     pub(super) optimizer: &'a ModuleOptimizer,
-    /// Steps of the epoch.
+    /// Number of steps done in the epoch.
     pub(super) steps: usize,
     pub(super) means: &'a RunningMeans,
     pub(super) rng: &'a ChaCha8Rng,
 }
 
-/// A model after an epoch.
+/// Result of an epoch.
 pub(super) struct Trained<M> {
     pub(super) model: M,
     /// Number of steps.
     pub(super) steps: usize,
-    /// Metrics of the training, over its steps.
+    /// Training metrics, over all steps.
     pub(super) means: RunningMeans,
-    /// Learning rate of its last step.
+    /// Learning rate of the last step.
     pub(super) rate: f64,
 }
 
 impl Epoch<'_> {
-    /// Takes the steps. `after` sees the training after each. None if the
-    /// user interrupts.
+    /// Runs the steps of the epoch; calls `after` after each. Returns none if the user interrupts.
     ///
     /// # Errors
-    /// When a loss is infinite or no number, and those of `after`.
+    /// When a loss is not finite, or `after` fails.
     pub(super) fn take<L: Learner>(
         &self,
         learner: &L,
@@ -79,7 +78,7 @@ impl Epoch<'_> {
             0 => 0.0,
             taken => self.schedule.rate(self.first_step + taken - 1),
         };
-        // The items are drawn first, and anew.
+        // The items are drawn again first; then the generator jumps to its position.
         if let Some(drawn) = start.drawn {
             rng.set_word_pos(drawn);
         }
@@ -112,7 +111,7 @@ impl Epoch<'_> {
     }
 }
 
-/// Refuses metrics, each a part of the loss, that are infinite or no number.
+/// Refuses metrics, each a part of the loss, that are not finite.
 pub(super) fn finite(
     name: &str,
     epoch: usize,

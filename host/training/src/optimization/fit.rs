@@ -21,32 +21,32 @@ use execution::run_folder::{RunError, RunFolder};
 use presets::schedule::LearningRate;
 pub use presets::training::TrainConfig;
 
-/// How much of a long epoch an interruption may lose.
+/// Time between checkpoints within an epoch: the most that an interruption loses.
 pub const CHECKPOINT_EVERY: Duration = Duration::from_mins(5);
 
-/// Where a training keeps its files, and what they belong to.
+/// Settings of a training: its files, and what they belong to.
 #[derive(Clone, Copy, Debug)]
 pub struct Training<'a> {
     /// The run folder.
     pub run: &'a RunFolder,
-    /// All that the trained weights depend on, apart from [`TrainConfig`] and the learner's name and steps.
+    /// Fingerprint of all that the weights depend on, apart from [`TrainConfig`] and the learner's name and steps.
     pub made_from: Fingerprint,
     /// Whether to continue after the last checkpoint.
     pub resume: bool,
-    /// So long after a checkpoint another one is written, after the next step; at the end of an epoch in any case.
+    /// Time after which the next step writes a checkpoint; the end of an epoch always writes one.
     pub checkpoint_every: Duration,
     /// The user's request to stop.
     pub interrupt: &'a Interrupt,
 }
 
-/// Trains and returns the weights of the lowest validation loss, which are then in the run folder as `NAME.bpk`.
+/// Trains a model and returns the weights of the lowest validation loss, which are also saved in the run folder as `NAME.bpk`.
 ///
 /// Each epoch draws from a generator of its own, whose position is part of a checkpoint, so a resumed training gives the
 /// same weights as an uninterrupted one.
 ///
 /// # Errors
-/// When the checkpoint to resume from is another training's, a loss is infinite or no number, the folder cannot be
-/// written or the user interrupts.
+/// When the checkpoint to resume from is another training's, a loss is not finite, the folder cannot be written or the user
+/// interrupts.
 pub fn fit<L: Learner>(
     learner: &L,
     model: L::Model,

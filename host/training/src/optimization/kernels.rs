@@ -1,4 +1,4 @@
-//! What the fused operations of the CPU backend are made of: loops over values in the cache, in vector code.
+//! Kernels of the CPU backend's fused operations: vectorized loops over values in the cache.
 
 pub(crate) mod exponential;
 pub(crate) mod matmul;

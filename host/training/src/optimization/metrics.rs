@@ -1,4 +1,4 @@
-//! Metrics of an epoch: means over its steps, and the line that is kept of them.
+//! Metrics of an epoch: means over its steps, and their line in the metrics file.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ struct RunningMean {
     weight: f64,
 }
 
-/// [`RunningMeans`] as a file keeps them: name, and the bits of mean and weight.
+/// [`RunningMeans`] in a file: name, and the bits of mean and weight.
 pub(super) type KeptMeans = Vec<(String, u64, u64)>;
 
 impl RunningMeans {
@@ -62,7 +62,7 @@ impl RunningMeans {
     }
 }
 
-/// A number as files keep it: ten significant digits. Of a longer one, what is read back from JSON may differ in the last bit,
+/// Rounds a number to ten significant digits for files. A longer one may change in the last bit when it is read back from JSON,
 /// and a resumed training would not write the same files.
 pub(super) fn recorded(number: f64) -> f64 {
     format!("{number:.9e}").parse().unwrap_or(number)
@@ -87,7 +87,7 @@ mod tests {
         let read_back = |number: f64| -> f64 {
             serde_json::from_str(&serde_json::to_string(&number).unwrap()).unwrap()
         };
-        // One that is not, as it is.
+        // A number that is not rounded may change.
         let long = 0.181_150_673_643_538_82;
         assert_ne!(read_back(long).to_bits(), long.to_bits());
         for step in 1..20_000 {

@@ -1,5 +1,5 @@
-//! What the training of teacher, student and baselines shares: the loop, the learning-rate schedule,
-//! weight averaging, the loss, dropout, augmentation.
+//! Training of teacher, student and baselines: the loop, the learning-rate schedule, weight averaging, the loss, dropout,
+//! augmentation.
 
 mod checkpoint;
 pub mod dropout;

@@ -15,7 +15,7 @@ pub fn optimizer(weight_decay: f32) -> ModuleOptimizer {
         .init()
 }
 
-/// Gradients and metrics of a step: a thread a shard, summed in the order of the shards.
+/// Computes gradients and metrics of a step: each shard on its own thread, summed in the order of the shards.
 ///
 /// Two graphs at a time keep two cores busier than one graph whose small operations are split.
 pub fn gradients<L: Learner>(
@@ -23,7 +23,7 @@ pub fn gradients<L: Learner>(
     model: &L::Model,
     shards: Vec<L::Shard>,
 ) -> (GradientsParams, Vec<WeightedMetric>) {
-    // A single shard runs on the model itself, which then keeps what batch norm measures.
+    // A single shard runs on the model itself, which then keeps the running statistics of batch norm.
     let shards = match <[L::Shard; 1]>::try_from(shards) {
         Ok([shard]) => {
             let (loss, metrics) = learner.loss(model, shard);
@@ -34,7 +34,7 @@ pub fn gradients<L: Learner>(
     let done: Vec<_> = shards
         .into_par_iter()
         .map(|shard| {
-            // Fresh leaves: graphs that share a leaf are one graph, which the first backward pass frees.
+            // Fresh leaves: graphs that share a leaf are one graph, and the first backward pass would free it.
             let model = model.valid().train();
             let (loss, metrics) = learner.loss(&model, shard);
             (

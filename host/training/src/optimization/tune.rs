@@ -1,4 +1,4 @@
-//! Fine-tuning of a small model on few recordings: one pass of steps, no files, no choice of a checkpoint.
+//! Fine-tuning of a small model on few recordings: one pass of steps, without files and without choosing a checkpoint.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,10 +11,10 @@ use execution::interrupt::Interrupt;
 use execution::run_folder::RunError;
 use presets::schedule::LearningRate;
 
-/// The model after the steps of one epoch; none if the user interrupts. `report` is told how many steps are taken.
+/// Trains a model for one epoch; none if the user interrupts. `report` gets the number of steps done.
 ///
 /// # Errors
-/// When a loss is infinite or no number.
+/// When a loss is not finite.
 pub(crate) fn tune<L: Learner>(
     learner: &L,
     model: L::Model,

@@ -1,4 +1,4 @@
-//! The smoother's aggregation mode: chosen on validation subjects, once per run.
+//! Choice of the smoother's aggregation mode, once a run, on the validation subjects.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,17 +11,17 @@ use execution::fingerprint::Fingerprint;
 use presets::Aggregation;
 use presets::distillation;
 
-/// Name of the file that keeps the chosen mode in a run folder.
+/// Name of the file with the chosen mode in a run folder.
 const AGGREGATION: &str = "aggregation.json";
 
-/// The content of that file.
+/// Content of that file.
 #[derive(Serialize, Deserialize)]
 struct Chosen {
     aggregation: LookAhead,
 }
 
-/// The preset's mode; without one, the mode with which the student (or the teacher, in a run without a student) follows more transitions of the
-/// validation subjects; all rows on a tie.
+/// Returns the preset's aggregation mode. Without one, chooses the mode with which the student (or the teacher, in a run without
+/// a student) follows more transitions of the validation subjects; all rows on a tie.
 ///
 /// # Errors
 /// When a model is damaged, labels cannot be compared or the folder cannot be written.
@@ -42,7 +42,7 @@ pub(super) fn aggregation(context: &RunContext) -> Result<LookAhead, StepError> 
         return Ok(LookAhead::AllRows);
     };
     let made_from = Fingerprint::of(&(config.streams_lineage(), weights));
-    // One chosen with another model is no mistake: it is chosen again.
+    // A mode chosen with another model is ignored and chosen again.
     if let Ok(kept) = folder.load_stamped::<Chosen>(AGGREGATION, made_from) {
         return Ok(kept.content.aggregation);
     }

@@ -1,4 +1,4 @@
-//! The models of a run and their logits over trials.
+//! Candidates of an evaluation: the models of a run, and their logits over trials.
 
 use shared::model::LookBackLogits;
 use shared::units::CleanSample;
@@ -10,7 +10,7 @@ use evaluation::{Candidate, Trial};
 use execution::parallel;
 use execution::run_folder::RunError;
 
-/// The teacher's logits over all trials; `name` is that in tables.
+/// Computes the teacher's logits over all trials; `name` is its name in tables.
 ///
 /// # Errors
 /// When the teacher is missing, not this run's, or of another shape, or the user interrupts.
@@ -27,7 +27,7 @@ pub fn teacher_candidate(
     })
 }
 
-/// A float student's logits over all trials.
+/// Computes a float student's logits over all trials.
 pub(super) fn student_candidate(
     context: &RunContext,
     name: &str,
@@ -40,7 +40,7 @@ pub(super) fn student_candidate(
     })
 }
 
-/// A model's logits over all trials, computed on all cores.
+/// Computes a model's logits over all trials, on all cores.
 fn candidate(
     context: &RunContext,
     name: &str,

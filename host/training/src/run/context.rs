@@ -1,4 +1,4 @@
-//! What every step of a run needs.
+//! Context of every step of a run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -34,9 +34,8 @@ pub struct RunContext {
 }
 
 impl RunContext {
-    /// Begins a run: removes the checkpoints of an earlier one, which must not be continued, and writes the
-    /// configuration into the folder. Models and results of an earlier run stay, and are refused where they do not
-    /// belong to this one.
+    /// Begins a run: removes the checkpoints of an earlier one, which must not be continued, and writes the configuration
+    /// into the folder. Models and results of an earlier run stay; they are refused if they do not belong to this one.
     ///
     /// # Errors
     /// When the folder cannot be written.
@@ -58,10 +57,10 @@ impl RunContext {
         })
     }
 
-    /// Goes on with the run in a folder.
+    /// Continues the run in a folder.
     ///
     /// # Errors
-    /// When the recordings are not those that it began with.
+    /// When the recordings are not those of the run.
     pub fn continue_run(
         folder: RunFolder,
         config: ResolvedConfig,
@@ -84,7 +83,7 @@ impl RunContext {
         })
     }
 
-    /// The folder and the configuration of an earlier run.
+    /// Finds the folder and the configuration of an earlier run.
     ///
     /// # Errors
     /// When the folder holds no configuration.
@@ -94,7 +93,7 @@ impl RunContext {
         Ok((folder, config))
     }
 
-    /// The device without gradients.
+    /// Device without gradients.
     #[must_use]
     pub fn inference_device(&self) -> Device {
         self.device.clone().inner()
@@ -106,7 +105,7 @@ impl RunContext {
         self.folder.weights_path(name).exists()
     }
 
-    /// The trained teacher, without gradients.
+    /// Loads the trained teacher, without gradients.
     ///
     /// # Errors
     /// When it is missing, not this run's, or of another shape.
@@ -114,7 +113,7 @@ impl RunContext {
         load_teacher(&self.folder, &self.config, &self.inference_device())
     }
 
-    /// A trained student by the name of its files, without gradients.
+    /// Loads a trained student by the name of its files, without gradients.
     ///
     /// # Errors
     /// When it is missing, not this run's, or of another shape.
@@ -122,7 +121,7 @@ impl RunContext {
         load_student(&self.folder, &self.config, name, &self.inference_device())
     }
 
-    /// A training whose weights depend on this, and on its own settings.
+    /// Settings of a training whose weights depend on `made_from`, and on its own settings.
     #[must_use]
     pub fn training(&self, made_from: Fingerprint) -> Training<'_> {
         Training {
@@ -135,7 +134,7 @@ impl RunContext {
     }
 }
 
-/// The trained teacher of a run folder, on a device without gradients.
+/// Loads the trained teacher of a run folder, on a device without gradients.
 ///
 /// # Errors
 /// When it is missing, not this run's, or of another shape.
@@ -154,7 +153,7 @@ pub fn load_teacher(
         .map(|model| model.valid())
 }
 
-/// A trained student of a run folder by the name of its files, on a device without gradients.
+/// Loads a trained student of a run folder by the name of its files, on a device without gradients.
 ///
 /// # Errors
 /// When it is missing, not this run's, or of another shape.

@@ -1,4 +1,4 @@
-//! Step 2: the student, from the labels and, if the preset says so, soft targets of the teacher or of an ensemble of students.
+//! Step 2: trains the student on the labels and, if the preset says so, on soft targets of the teacher or of an ensemble.
 
 use burn::module::Module as _;
 use shared::units::CleanSample;
@@ -14,7 +14,7 @@ use crate::student::model::Student;
 use presets::distillation::{self, MEMBERS};
 use recordings::corpus::Corpus;
 
-/// Trains the student, and before it the ensemble that it learns from, if there is one.
+/// Trains the student. First trains the ensemble that it learns from, if there is one.
 ///
 /// # Errors
 /// When the teacher is missing, the folder cannot be written or the user interrupts.
@@ -30,7 +30,7 @@ pub fn train_on_labels(context: &RunContext) -> Result<(), StepError> {
     train(context, distillation::LABELS_ONLY)
 }
 
-/// The streams of a run's students.
+/// Streams of a run's students.
 struct Streams {
     training: Corpus,
     validation: Corpus,

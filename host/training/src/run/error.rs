@@ -1,4 +1,4 @@
-//! Why a step of a run cannot be done.
+//! Errors of a step of a run.
 
 use std::path::PathBuf;
 
@@ -27,17 +27,17 @@ pub enum StepError {
         "no labelled recording of a held-out subject was found: name subjects under data.held_out"
     )]
     NoTrials,
-    /// A model that has seen somebody whom it is evaluated on.
+    /// The model has seen a person that it is evaluated on.
     #[error(
         "{model} was trained on or validated with {subject}, whom this run holds out: evaluate another model, or a run that does not"
     )]
     Seen {
         /// The model.
         model: String,
-        /// Somebody whom it has seen.
+        /// Person that the model has seen.
         subject: String,
     },
-    /// An unknown name.
+    /// A name is unknown.
     #[error(transparent)]
     Name(#[from] SplitError),
     /// There is no model to evaluate.
@@ -49,16 +49,16 @@ pub enum StepError {
         /// File of the teacher's weights.
         path: PathBuf,
     },
-    /// The configuration cannot be made.
+    /// The configuration is invalid.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// The checkpoint to start from cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// The weights to start from are not those that the run began with.
+    /// The weights to start from have changed since the run began.
     #[error("{start} was changed since this run began: leave out --resume to begin anew from it")]
     StartChanged {
-        /// What training starts from.
+        /// Run folder or file that training starts from.
         start: PathBuf,
     },
     /// No board has room for the student.
@@ -74,7 +74,7 @@ pub enum StepError {
         /// The cause.
         source: std::io::Error,
     },
-    /// The model file in the run folder is not that of its student.
+    /// The model file in the run folder is of another student.
     #[error("{path} is not the model file of this run's student; run `myointent quantize` again")]
     OtherModelFile {
         /// The model file.

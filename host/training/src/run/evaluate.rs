@@ -22,10 +22,10 @@ pub use evaluation::results::{
     Evaluation, INTEGER, INTEGER_LABELS_ONLY, LABELS_ONLY, RESULTS, Results, STUDENT, TEACHER,
 };
 
-/// Computes the logits of further models, which are evaluated beside the run's own.
+/// Function that computes the logits of further models, to be evaluated beside the run's own.
 pub type MoreCandidates<'a> = &'a dyn Fn(&[Trial]) -> Result<Vec<Candidate>, StepError>;
 
-/// No further models.
+/// Returns no further models.
 ///
 /// # Errors
 /// Never.
@@ -33,10 +33,10 @@ pub fn no_more(_: &[Trial]) -> Result<Vec<Candidate>, StepError> {
     Ok(Vec::new())
 }
 
-/// Evaluates the models of the run on the held-out subjects, as far as there are: teacher, `more`, float student, the
-/// integer student of the model file `model`, and the students trained on the labels alone; then the floors.
+/// Evaluates the run's available models on the held-out subjects: teacher, `more`, float student, the integer student of
+/// the model file `model`, and the students trained on the labels alone; then the floors.
 ///
-/// The results are kept in the run folder, unless the model file is another one than the run's.
+/// The results are kept in the run folder, unless the model file is not the run's.
 ///
 /// # Errors
 /// When there is no model or no recording to evaluate on, or a model is damaged or not this run's.
@@ -95,8 +95,8 @@ pub fn evaluate(
     ))
 }
 
-/// The results that an earlier [`evaluate`] kept in the run folder, and the logits of the run's model file, from which they
-/// were computed. The other models' are not computed again.
+/// Loads the results that an earlier [`evaluate`] kept in the run folder, and computes the logits of the run's model file
+/// again, but not those of the other models.
 ///
 /// # Errors
 /// When the run was not evaluated since it was trained, or has no model file, or a file is damaged or not this run's.
@@ -119,7 +119,7 @@ pub fn kept(context: &RunContext) -> Result<(Results, Evaluation), StepError> {
     Ok((results, evaluation))
 }
 
-/// The energy detector fitted to the training people of a run; none if they have no gesture.
+/// Fits the energy detector to the training people of a run; none if they have no gesture.
 #[must_use]
 pub fn energy_detector(config: &ResolvedConfig, library: &Library) -> Option<EnergyDetector> {
     let detector = EnergyDetector::fit(&trials::training(config, library))?;
@@ -163,10 +163,10 @@ fn candidates(
     Ok(candidates)
 }
 
-/// A model that the run's student does not need; none, with a line in the log, if it is left over from another run.
+/// Makes a model optional; none, with a line in the log, if it is left over from another run.
 ///
 /// # Errors
-/// When it is damaged.
+/// When the model is damaged.
 pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
     match model {
         Ok(model) => Ok(Some(model)),
@@ -178,7 +178,7 @@ pub fn if_own<T>(model: Result<T, RunError>) -> Result<Option<T>, RunError> {
     }
 }
 
-/// The integer student's scores that go into the model file.
+/// Scores of the integer student for the header of the model file.
 fn figures(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     let chosen = results.published.iter().filter(|score| {

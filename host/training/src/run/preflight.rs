@@ -1,4 +1,4 @@
-//! What must be possible before hours of training.
+//! Checks before hours of training.
 
 use crate::student::model::Student;
 use burn::tensor::Device;
@@ -11,8 +11,8 @@ use super::error::StepError;
 use crate::student::quantization;
 use presets::Preset;
 
-/// Refuses a student that cannot become a model file, or that no board can run: one with random weights is written,
-/// read and loaded, by the code that will do so with the trained one.
+/// Refuses a student that cannot become a model file, or that no board can run. A student with random weights is written,
+/// read and loaded by the code that will do so with the trained one.
 ///
 /// # Errors
 /// [`StepError::Student`], [`StepError::Board`].

@@ -1,4 +1,4 @@
-//! Step 3: the student as a model file.
+//! Step 3: writes the student as a model file.
 
 use std::path::Path;
 
@@ -20,39 +20,39 @@ use presets::distillation;
 
 pub use evaluation::results::MODEL;
 
-/// Name of the file that keeps the [`Figure`]s of the model file in a run folder.
+/// Name of the file with the [`Figure`]s of the model file in a run folder.
 const FIGURES: &str = "figures.json";
 
-/// A score of the model, kept in the model file.
+/// Score of the model, kept in the model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Figure {
     /// Data set and metric.
     pub name: String,
-    /// Its value.
+    /// Value of the metric.
     pub value: f32,
 }
 
-/// The figures of one model file.
+/// Figures of one model file.
 #[derive(Serialize, Deserialize)]
 struct Figures {
-    /// Fingerprint of that file without any figures in it.
+    /// Fingerprint of the model file without figures.
     model: Fingerprint,
     figures: Vec<Figure>,
 }
 
-/// A model file that a run evaluates.
+/// Model file that a run evaluates.
 pub struct ModelFile {
-    /// Its content.
+    /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Whether it is what [`quantize`] makes of the run's student, whatever figures it has.
+    /// Whether [`quantize`] makes this file of the run's student, regardless of figures.
     pub is_own: bool,
 }
 
 impl ModelFile {
-    /// The model file in the run folder; none in a run without a student.
+    /// Reads the model file in the run folder; none in a run without a student.
     ///
     /// # Errors
-    /// When it is missing, or that of another student.
+    /// When the file is missing, or is of another student.
     pub fn of_run(context: &RunContext) -> Result<Option<Self>, StepError> {
         if !context.has(distillation::NAME) {
             return Ok(None);
@@ -66,10 +66,10 @@ impl ModelFile {
         }
     }
 
-    /// Any model file.
+    /// Reads any model file.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// When the file cannot be read.
     pub fn read(context: &RunContext, path: &Path) -> Result<Self, StepError> {
         let bytes = bounded_read::read_model(path).map_err(|source| StepError::NoModelFile {
             path: path.to_owned(),
@@ -93,7 +93,7 @@ impl ModelFile {
 
 /// Writes the model file and returns its bytes.
 ///
-/// Its aggregation mode is chosen on the validation subjects. It has the scores of the last evaluation if that was of
+/// The aggregation mode is chosen on the validation subjects. The file has the scores of the last evaluation if that was of
 /// the same model.
 ///
 /// # Errors
@@ -112,7 +112,7 @@ pub fn quantize(context: &RunContext, out: &Path) -> Result<Vec<u8>, StepError> 
     Ok(bytes)
 }
 
-/// Keeps the scores of the run's own model file for its header.
+/// Saves the scores of the run's own model file, for its header.
 pub(super) fn save_figures(context: &RunContext, figures: Vec<Figure>) -> Result<(), StepError> {
     let student = context.student(distillation::NAME)?;
     let figures = Figures {
@@ -123,7 +123,7 @@ pub(super) fn save_figures(context: &RunContext, figures: Vec<Figure>) -> Result
     Ok(context.folder.save_stamped(FIGURES, made_from, &figures)?)
 }
 
-/// What tells the run's model file from others: its fingerprint without figures.
+/// Fingerprint of the run's model file without figures, which identifies it.
 fn model_without_figures(
     context: &RunContext,
     student: &Student,
@@ -133,7 +133,7 @@ fn model_without_figures(
     Ok(Fingerprint::of_bytes(&bytes))
 }
 
-/// Bytes of the model file of a student.
+/// Encodes the model file of a student.
 pub(super) fn model_bytes(
     context: &RunContext,
     student: &Student,
@@ -174,7 +174,7 @@ pub(super) fn model_bytes(
     .map_err(StepError::Student)
 }
 
-/// The data sets that subjects (`data-set/subject`) belong to, each once.
+/// Data sets that subjects (`data-set/subject`) belong to, each once.
 fn data_sets(subjects: &[String]) -> Vec<String> {
     let mut sets: Vec<String> = subjects
         .iter()

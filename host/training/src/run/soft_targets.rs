@@ -13,19 +13,19 @@ use execution::run_folder::{Artefact, RunError};
 const FILE: &str = "soft-targets.bin";
 const LOGITS: &str = "logits";
 
-/// The logits of the teacher at every patch of the training streams.
+/// Returns the teacher's logits at every patch of the training streams, computed or kept.
 ///
 /// # Errors
-/// When there is none, the folder cannot be written or the user interrupts.
+/// When there is no teacher, the folder cannot be written or the user interrupts.
 pub(super) fn soft_targets(
     context: &RunContext,
     streams: &[&[CleanSample]],
 ) -> Result<Vec<Vec<LookBackLogits>>, StepError> {
     let (folder, config) = (&context.folder, &context.config);
-    // The teacher's lineage has the streams in it.
+    // The streams are part of the teacher's lineage.
     let made_from = Fingerprint::of(&(config.teacher_lineage(), config.teaching_weights(folder)?));
     let path = folder.file(FILE);
-    // Targets of another teacher are no mistake: they are computed again.
+    // Targets of another teacher are ignored and computed again.
     if let Ok(mut kept) = folder.load_artefact(&path)
         && kept.made_from == made_from
         && let Ok(bytes) = kept.take(LOGITS)
@@ -41,7 +41,7 @@ pub(super) fn soft_targets(
     Ok(targets)
 }
 
-/// The teacher's logits.
+/// Computes the teacher's logits.
 fn of_teacher(
     context: &RunContext,
     streams: &[&[CleanSample]],

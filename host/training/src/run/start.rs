@@ -1,4 +1,4 @@
-//! Weights that a training starts from: those of another run, or a checkpoint.
+//! Start of a training from the weights of another run or of a checkpoint.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use super::error::StepError;
 use crate::teacher::checkpoint;
 
 /// Starts a run from the weights of another run, or from a checkpoint ([`ResolvedConfig::start_from`]). A checkpoint of the
-/// reference does not say whom it has seen.
+/// reference does not name the people that it was trained on.
 ///
 /// # Errors
-/// As [`ResolvedConfig::start_from`], and when the checkpoint cannot be read.
+/// Those of [`ResolvedConfig::start_from`], or when the checkpoint cannot be read.
 pub fn start_from(config: &mut ResolvedConfig, start: &Path) -> Result<(), StepError> {
     let seen = if start.is_dir() {
         ResolvedConfig::load(&RunFolder::existing(start)?)?.subjects_seen()
@@ -35,7 +35,7 @@ mod tests {
     use crate::teacher::model::Teacher;
     use crate::weights::Weights as _;
 
-    /// People 1, 2, 3... of a data set, one labelled recording each.
+    /// Recordings of people p1, p2, p3... of a data set, one labelled recording each.
     fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
         (1..=count)
             .map(|person| Recording {
@@ -54,7 +54,7 @@ mod tests {
             .collect()
     }
 
-    /// Two data sets of the user's own.
+    /// Library with two data sets of the user's own.
     fn library() -> Library {
         Library {
             recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
@@ -75,7 +75,7 @@ mod tests {
         ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
     }
 
-    /// A run folder with this configuration and a teacher.
+    /// Run folder with this configuration and a teacher.
     fn run_folder(config: &ResolvedConfig) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         let run = RunFolder::open(folder.path()).unwrap();
@@ -95,7 +95,7 @@ mod tests {
     fn everybody_that_an_ancestor_saw_is_remembered() {
         let first = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
         let a = run_folder(&first);
-        // p4 was trained on in the first run and is neither trained on nor validated with in the second one.
+        // The first run trained on p4; the second one neither trains on nor validates with it.
         let mut second = resolve(&["react-emg/p1", "react-emg/p2"], &["react-emg/p3"]).unwrap();
         second.split.training.retain(|name| name != "react-emg/p4");
         start_from(&mut second, a.path()).unwrap();

@@ -1,4 +1,4 @@
-//! Step 1: the teacher.
+//! Step 1: trains the teacher.
 
 use std::path::Path;
 
@@ -59,7 +59,7 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
     Ok(())
 }
 
-/// The weights that training starts from: another run's teacher, or a checkpoint in the reference's format.
+/// Loads the weights that training starts from: another run's teacher, or a checkpoint in the reference's format.
 fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
         let (folder, origin) = RunContext::find(start)?;

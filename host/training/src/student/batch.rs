@@ -9,30 +9,30 @@ use super::sequence::{Excerpt, Sequence};
 ///
 /// An output is the head's estimate at one patch of the intent at that patch or at one of the five before.
 pub struct Batch {
-    /// `[b, patches, 80]`.
+    /// Input, `[b, patches, 80]`.
     pub(super) emg: Tensor<3>,
-    /// Output of the label, 0 where there is none, `[b, patches, 6, 1]`.
+    /// Output that the label asks for, 0 where there is none, `[b, patches, 6, 1]`.
     pub(super) targets: Tensor<4, Int>,
-    /// 1 where there is a label, `[b, patches, 6]`.
+    /// Mask with 1 where there is a label, `[b, patches, 6]`.
     pub(super) label_mask: Tensor<3>,
-    /// Number of outputs that the label loss is a mean over.
+    /// Number of outputs in the mean of the label loss.
     pub(super) labelled: f64,
-    /// 1 where a teacher can be asked: after the context, for patches after the lead-in, `[b, patches, 6]`.
+    /// Mask with 1 where a teacher has targets: after the context, for patches after the lead-in, `[b, patches, 6]`.
     pub(super) distillation_mask: Tensor<3>,
-    /// Number of outputs that the distillation loss is a mean over.
+    /// Number of outputs in the mean of the distillation loss.
     pub(super) distilled: f64,
     /// The teacher's logits of the recordings, if there are any, `[b, patches, 6, outputs of a row]`.
     pub(super) soft_targets: Option<Tensor<4>>,
 }
 
-/// Sizes that every batch of a training shares.
+/// Sizes of all batches of a training.
 #[derive(Clone, Copy)]
 pub(super) struct BatchShape {
-    /// Patches of an excerpt.
+    /// Number of patches of an excerpt.
     pub(super) patches: usize,
-    /// Patches at the start of an excerpt whose outputs have no target, for want of context.
+    /// Number of patches at the start of an excerpt whose outputs have no target, for lack of context.
     pub(super) context: usize,
-    /// Outputs of a row: the classes, and movement that is none of them.
+    /// Number of outputs of a row: the classes and, if the model has it, other movement.
     pub(super) outputs: usize,
 }
 
@@ -65,7 +65,7 @@ impl Batch {
             emg.resize((row + 1) * patches * PATCH * CHANNELS, 0.0);
             for patch in excerpt.start + context..end {
                 for back in 0..LOOK_BACK {
-                    // No targets in the lead-in, which repeats EMG of the stream.
+                    // The lead-in repeats EMG of the stream, so it has no targets.
                     let Some(estimated) = patch
                         .checked_sub(back)
                         .filter(|&estimated| estimated >= WINDOW_PATCHES)
@@ -193,8 +193,8 @@ mod tests {
     fn targets_begin_after_the_lead_in_and_need_context() {
         let device = Device::default();
         let batch = Batch::new(&sequence(), &[excerpt(0), excerpt(62)], SHAPE, &device);
-        // The first excerpt ends after 10 patches of the stream, of which the first five cannot look back on five
-        // others. The second one has the last 18 patches of the stream, less three of context.
+        // The first excerpt has 10 patches of the stream; its first five cannot look back on five others. The second one
+        // has the last 18 patches of the stream, three of them context.
         let expected = (1 + 2 + 3 + 4 + 5 + 5 * 6) + (18 - 3) * 6;
         assert_eq!(batch.labelled, f64::from(expected));
         let mask = read_back(batch.label_mask);

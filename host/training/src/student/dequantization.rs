@@ -1,4 +1,4 @@
-//! A float student from a model file: what fine-tuning starts from.
+//! Conversion of a model file to a float student, from which fine-tuning starts.
 
 use burn::module::Param;
 use burn::nn::{LayerNorm, Linear};
@@ -7,7 +7,7 @@ use shared::model::file::{LinearParts, ModelParts, NormParts};
 
 use super::model::{HEADS, Student, StudentConfig};
 
-/// The student whose weights are those that a model file stores, and its dimensions.
+/// Creates the student with the weights that a model file stores; also returns its dimensions.
 pub(crate) fn dequantize(parts: &ModelParts, device: &Device) -> (Student, StudentConfig) {
     let dimensions = &parts.dimensions;
     let config = StudentConfig {
@@ -40,7 +40,7 @@ pub(crate) fn dequantize(parts: &ModelParts, device: &Device) -> (Student, Stude
     (student, config)
 }
 
-/// A row of a model file's matrix is an output; Burn's matrices are inputs by outputs.
+/// Sets a linear layer. Rows of a model file's matrix are outputs; Burn's matrices are inputs by outputs.
 fn set_linear(linear: &mut Linear, parts: &LinearParts, device: &Device) {
     let [inputs, outputs] = linear.weight.dims();
     let rows = parts.dequantized();
@@ -90,7 +90,7 @@ mod tests {
         random_model(dimensions, 3)
     }
 
-    /// Quantizes a student into a file that is otherwise `parts`.
+    /// Quantizes a student into a file that otherwise equals `parts`.
     fn quantized(student: &Student, config: &StudentConfig, parts: &ModelParts) -> Vec<u8> {
         let smoother = (parts.smoother, parts.preprocessing);
         let vocabulary = parts.dimensions.vocabulary;
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// All linear maps.
+    /// Collects all linear maps.
     fn linear_maps(parts: &mut ModelParts) -> Vec<&mut LinearParts> {
         let layers = parts.layers.iter_mut();
         let layers =

@@ -1,8 +1,7 @@
-//! An ensemble of students that teaches another one.
+//! Ensemble of students that teaches another one.
 //!
-//! It is asked about every batch as the student sees it, with gains and rotations drawn anew: there is no end of such
-//! examples, and only from those does a student take over what several know beyond one
-//! (docs/decisions.md#why-does-an-ensemble-teach-the-student).
+//! It labels every batch as the student sees it, with gains and rotations drawn anew. Only with such unlimited examples
+//! does a student learn what several students know beyond one (docs/decisions.md#why-does-an-ensemble-teach-the-student).
 
 use burn::tensor::Tensor;
 use burn::tensor::activation::softmax;
@@ -13,15 +12,15 @@ use super::model::Student;
 pub struct Ensemble(Vec<Student>);
 
 impl Ensemble {
-    /// At least one student.
+    /// Creates an ensemble of at least one student.
     #[must_use]
     pub fn new(members: Vec<Student>) -> Self {
         Self(members)
     }
 
-    /// The logarithm of the members' mean probabilities, as logits without gradients: `[b, patches, 6, outputs of a row]`.
+    /// Logarithm of the members' mean probabilities, as logits without gradients: `[b, patches, 6, outputs of a row]`.
     ///
-    /// `emg` is on a device with gradients, and so is what is returned.
+    /// `emg` and the result are on a device with gradients.
     pub(super) fn logits(&self, emg: Tensor<3>) -> Tensor<4> {
         let emg = emg.inner();
         let sum = self
@@ -30,7 +29,7 @@ impl Ensemble {
             .map(|member| softmax(member.forward(emg.clone()), 3))
             .reduce(|sum, one| sum + one)
             .expect("an ensemble has a member");
-        // A probability that underflows would have no logarithm.
+        // A probability that underflows has no logarithm.
         let mean = (sum / self.0.len() as f64).clamp_min(1e-20);
         Tensor::from_inner(mean.log())
     }

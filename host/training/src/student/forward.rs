@@ -1,8 +1,7 @@
-//! The student's formulas over whole sequences.
+//! Forward pass of the student over whole sequences.
 //!
-//! Local causal attention is a band of the matrix of scores, where the device keeps a ring of keys and
-//! values. These are Burn's operations, for any backend; `fused` computes the same on the
-//! CPU backend.
+//! Local causal attention is a band of the matrix of scores, where the device keeps a ring of keys and values. These are
+//! Burn's operations, for any backend; `fused` computes the same on the CPU backend.
 
 use burn::tensor::activation::{sigmoid, softmax};
 use burn::tensor::{Int, Tensor, TensorData};
@@ -25,7 +24,7 @@ impl Student {
         self.portable(emg)
     }
 
-    /// [`forward`](Self::forward) in Burn's operations.
+    /// Computes [`forward`](Self::forward) by Burn's operations.
     pub(super) fn portable(&self, emg: Tensor<3>) -> Tensor<4> {
         // The root has no derivative at 0, but the input needs no gradient.
         let emg = if self.square_root { emg.sqrt() } else { emg };
@@ -37,7 +36,7 @@ impl Student {
     }
 }
 
-/// `[b, patches, 6 * classes]` to `[b, patches, 6, classes]`.
+/// Reshapes `[b, patches, 6 * classes]` to `[b, patches, 6, classes]`.
 fn by_patch(logits: Tensor<3>) -> Tensor<4> {
     let [batch, patches, outputs] = logits.dims();
     logits.reshape([batch, patches, LOOK_BACK, outputs / LOOK_BACK])

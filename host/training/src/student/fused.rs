@@ -1,9 +1,8 @@
 //! The student as one operation of the CPU backend, sequence by sequence.
 //!
-//! Burn's operations write every intermediate tensor of a batch to memory, attention over all pairs of patches
-//! among them, and read it again. Those of one sequence fit into the cache of a core, and its attention is
-//! computed inside the band alone. The order of all sums is fixed: the result does not depend on the number of
-//! threads.
+//! Burn's operations write every intermediate tensor of a batch to memory, attention over all pairs of patches among them,
+//! and read it again. Here the tensors of one sequence fit into the cache of a core, and attention is computed only inside
+//! the band. The order of all sums is fixed: the result does not depend on the number of threads.
 
 mod activation;
 mod attention;
@@ -22,8 +21,8 @@ use super::model::Student;
 use crate::optimization::kernels::is_flex;
 use crate::optimization::kernels::matmul::padded;
 
-/// Logits of all outputs, `[b, patches, outputs]`, if the operation can compute them: on the CPU backend, with
-/// a width of whole vectors. `emg` gets no gradient.
+/// Computes the logits of all outputs, `[b, patches, outputs]`; none if the operation does not apply: it needs the CPU
+/// backend and a width of whole vectors. `emg` gets no gradient.
 pub(super) fn forward(student: &Student, emg: &Tensor<3>) -> Option<Tensor<3>> {
     let [_, patches, inputs] = emg.dims();
     let [embedded, d] = student.embed.weight.dims();
@@ -52,7 +51,7 @@ pub(super) fn forward(student: &Student, emg: &Tensor<3>) -> Option<Tensor<3>> {
     Some(Tensor::from_dispatch(logits))
 }
 
-/// All parameters in a row, in the order and with the padding of [`parameters::Parameters`].
+/// Concatenates all parameters, in the order and with the padding of [`parameters::Parameters`].
 fn parameters(student: &Student, sizes: Sizes) -> Tensor<1> {
     let mut rows = Vec::new();
     linear(&mut rows, &student.embed, |x| x);
@@ -77,14 +76,14 @@ fn parameters(student: &Student, sizes: Sizes) -> Tensor<1> {
     Tensor::cat(rows, 0)
 }
 
-/// Adds a layer's weight and bias, each an `[rows, outputs]` that `arrange` changes.
+/// Appends a layer's weight and bias, each `[rows, outputs]` and changed by `arrange`.
 fn linear(rows: &mut Vec<Tensor<1>>, layer: &Linear, arrange: impl Fn(Tensor<2>) -> Tensor<2>) {
     let (weight, bias) = parts(layer);
     rows.push(arrange(weight).flatten(0, 1));
     rows.push(arrange(bias.unsqueeze_dim(0)).flatten(0, 1));
 }
 
-/// A layer's weight and bias.
+/// Weight and bias of a layer.
 fn parts(layer: &Linear) -> (Tensor<2>, Tensor<1>) {
     let weight = layer.weight.val();
     let [_, outputs] = weight.dims();
@@ -105,7 +104,7 @@ fn norm(rows: &mut Vec<Tensor<1>>, norm: &LayerNorm) {
     rows.push(bias);
 }
 
-/// Zeros at the end of a dimension, up to whole vectors.
+/// Pads a dimension with zeros to whole vectors.
 fn pad<const D: usize>(x: Tensor<D>, dimension: usize) -> Tensor<D> {
     let mut dims = x.dims();
     let missing = padded(dims[dimension]) - dims[dimension];

@@ -17,17 +17,17 @@ use presets::augmentation::Variation;
 use presets::distillation::Distillation;
 use recordings::corpus::Corpus;
 
-/// Who sets a student's soft targets.
+/// Source of a student's soft targets.
 pub enum Teaching<'a> {
-    /// Nobody: it learns from the labels alone.
+    /// No soft targets: the student learns from the labels alone.
     Labels,
-    /// A teacher: its logits at every patch of the recordings, stream by stream.
+    /// Teacher: its logits at every patch of the recordings, stream by stream.
     Teacher(Vec<Vec<LookBackLogits>>),
-    /// Students, who are asked about each batch.
+    /// Ensemble of students, which computes targets for each batch.
     Ensemble(&'a Ensemble),
 }
 
-/// What a student is trained on and validated with.
+/// Training problem of a student.
 pub struct StudentLearner<'a> {
     name: &'static str,
     config: &'a Distillation,
@@ -39,7 +39,8 @@ pub struct StudentLearner<'a> {
 }
 
 impl<'a> StudentLearner<'a> {
-    /// The corpora as sequences, for a student whose files are called `name` and whose layers attend to `span` patches.
+    /// Builds the sequences of the corpora, for a student whose files are called `name` and whose layers attend to `span`
+    /// patches.
     #[must_use]
     pub fn new(
         name: &'static str,
@@ -87,7 +88,7 @@ impl<'a> StudentLearner<'a> {
     }
 }
 
-/// Cross entropy against the labels, mean over labelled outputs.
+/// Cross entropy with the labels, as a mean over labelled outputs.
 fn label_loss(logits: &Tensor<4>, batch: &Batch) -> Tensor<1> {
     cross_entropy(
         logits.clone(),
@@ -97,9 +98,9 @@ fn label_loss(logits: &Tensor<4>, batch: &Batch) -> Tensor<1> {
     )
 }
 
-/// Kullback-Leibler divergence from a teacher's distribution at a temperature, mean over distilled outputs.
+/// Kullback-Leibler divergence from a teacher's distribution at a temperature, as a mean over distilled outputs.
 ///
-/// The factor of the temperature squared keeps the size of its gradient (Hinton et al., arXiv 1503.02531).
+/// The factor of the squared temperature keeps the scale of its gradient (Hinton et al., arXiv 1503.02531).
 fn distillation_loss(
     logits: &Tensor<4>,
     teacher: &Tensor<4>,
@@ -144,7 +145,7 @@ impl Learner for StudentLearner<'_> {
             .chunks(item.len().div_ceil(SHARDS))
             .map(|part| Batch::new(&self.sequences, part, self.shape, self.device))
             .collect();
-        // Losses are means over the whole batch, as if it were computed in one part.
+        // Losses are means over the whole batch, as if it had one part.
         let labelled = shards.iter().map(|batch| batch.labelled).sum();
         let distilled = shards.iter().map(|batch| batch.distilled).sum();
         for batch in &mut shards {

@@ -9,25 +9,25 @@ use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
 pub use presets::student::StudentConfig;
 
-/// Added to a variance before its root is taken.
+/// Constant added to a variance before its root is taken.
 pub(super) const NORM_EPSILON: f64 = 1e-5;
 
 /// Scale of the sigmoid that approximates GELU.
 pub(super) const GELU_SCALE: f32 = 1.702;
 
-/// Attention heads of every model file.
+/// Number of attention heads of every model file.
 pub(super) const HEADS: usize = 4;
 
 /// The streaming encoder with its look-back head.
 #[derive(Module, Debug)]
 pub struct Student {
-    /// Patch embedding: 80 inputs to a token.
+    /// Patch embedding, from 80 inputs to a token.
     pub(super) embed: Linear,
-    /// The encoder's layers.
+    /// Encoder layers.
     pub(super) layers: Vec<StudentLayer>,
-    /// Norm before the head.
+    /// Layer norm before the head.
     pub(super) final_norm: LayerNorm,
-    /// Look-back head: a token to the logits of six rows, newest patch first.
+    /// Look-back head, from a token to the logits of six rows, newest patch first.
     pub(super) head: Linear,
     /// Whether the last logit of a row is movement outside the vocabulary.
     pub(crate) other: bool,
@@ -35,7 +35,7 @@ pub struct Student {
 }
 
 impl Student {
-    /// A model with random weights for `classes` intents and, with `other`, movement that is none of them.
+    /// Creates a model with random weights for `classes` intents and, with `other`, movement that is none of them.
     #[must_use]
     pub fn new(config: &StudentConfig, classes: usize, other: bool, device: &Device) -> Self {
         let d = config.d_model;
@@ -66,22 +66,22 @@ impl Student {
     }
 }
 
-/// One pre-norm layer with local causal attention.
+/// Pre-norm layer with local causal attention.
 #[derive(Module, Debug)]
 pub(super) struct StudentLayer {
-    /// Before attention.
+    /// Layer norm before attention.
     pub(super) norm1: LayerNorm,
     /// Queries, keys and values, in this order.
     pub(super) qkv: Linear,
     /// Relative-position bias of the scores, by the distance of the key in patches, `[heads, span]`.
     pub(super) relative_bias: Param<Tensor<2>>,
-    /// After attention.
+    /// Linear map after attention.
     pub(super) out: Linear,
-    /// Before the feed-forward block.
+    /// Layer norm before the feed-forward block.
     pub(super) norm2: LayerNorm,
-    /// d to 2d.
+    /// First linear map of the feed-forward block, d to 2d.
     pub(super) ff1: Linear,
-    /// 2d to d.
+    /// Second linear map of the feed-forward block, 2d to d.
     pub(super) ff2: Linear,
     pub(super) heads: usize,
     pub(super) span: usize,

@@ -15,7 +15,7 @@ use shared::stream::preprocess::Preprocessing;
 use super::model::{Student, StudentConfig};
 use crate::optimization::tensor::read_back;
 
-/// Bytes of the model file: weights rounded to i8 with one scale per output row, everything else in f32.
+/// Encodes the model file: weights rounded to i8 with one scale per output row, everything else in f32.
 ///
 /// # Errors
 /// When the model format does not allow the student's dimensions.
@@ -67,7 +67,7 @@ pub(crate) fn quantize(
     .to_bytes()
 }
 
-/// A row of a model file's matrix is an output; Burn's matrices are inputs by outputs.
+/// Converts a linear layer. Rows of a model file's matrix are outputs; Burn's matrices are inputs by outputs.
 fn linear(linear: &Linear) -> LinearParts {
     let rows = read_back(linear.weight.val().transpose());
     let bias = linear

@@ -1,4 +1,4 @@
-//! Training sequences of a student, and the excerpts that batches are made of.
+//! Training sequences of a student, and the excerpts in batches.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -11,10 +11,10 @@ use presets::distillation::Distillation;
 use recordings::corpus::{Corpus, patch_labels};
 use recordings::lead_in::padded;
 
-/// A stream cut into patches, with a lead-in of one window in front.
+/// Stream cut into patches, with a lead-in of one window in front.
 pub(super) struct Sequence {
     pub(super) emg: Vec<[u8; CHANNELS]>,
-    /// Output of a row that every patch's label asks for; none in the lead-in.
+    /// Output of a row that each patch's label asks for; none in the lead-in.
     pub(super) targets: Vec<Option<usize>>,
     /// The teacher's logits at every patch after the lead-in.
     pub(super) soft_targets: Option<Vec<LookBackLogits>>,
@@ -26,7 +26,7 @@ impl Sequence {
     }
 }
 
-/// The sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream.
+/// Builds the sequences of a corpus; `soft_targets` are the teacher's logits, stream by stream.
 pub(super) fn sequences(
     corpus: &Corpus,
     soft_targets: Option<Vec<Vec<LookBackLogits>>>,
@@ -64,7 +64,7 @@ pub(super) fn sequences(
 pub struct Excerpt {
     /// Index of the sequence.
     pub(super) sequence: usize,
-    /// First patch.
+    /// Index of the first patch.
     pub(super) start: usize,
     pub(super) variation: Variation,
 }

@@ -13,10 +13,10 @@ use burn::tensor::activation::softmax;
 
 use crate::optimization::dropout::Mask;
 
-/// Attention, from `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, head after head along `d`.
+/// Computes attention, from `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`, head after head along `d`.
 ///
-/// `blocked`, `[b]`, is 1 for windows whose second half of tokens neither attends nor is attended to; the
-/// output of these tokens is 0. `mask` is the dropout of the attention weights.
+/// `blocked`, `[b]`, is 1 for windows whose second half of tokens neither attends nor is attended to; the output of these
+/// tokens is 0. `mask` is the dropout of the attention weights.
 #[must_use]
 pub(super) fn attend(
     qkv: Tensor<3>,
@@ -52,11 +52,11 @@ fn on_flex(
     Tensor::from_dispatch(Dispatch::fused_attention(qkv.into_dispatch(), settings))
 }
 
-/// Bytes of scores that are one tensor: 128 MiB, the least that Vulkan allows an adapter to bind. None binds more than
-/// 2 GiB, and those of the preset `paper` are 2.7 GiB in a validation.
+/// Greatest number of bytes of scores in one tensor: 128 MiB, the least that Vulkan lets an adapter bind. No adapter binds
+/// more than 2 GiB, and a validation of the preset `paper` has 2.7 GiB.
 const LARGEST: usize = 128 << 20;
 
-/// Attention in Burn's operations.
+/// Computes attention by Burn's operations.
 fn plain(
     qkv: Tensor<3>,
     heads: usize,
@@ -68,7 +68,7 @@ fn plain(
     in_groups(qkv, heads, blocked, mask, (LARGEST / scores.max(1)).max(1))
 }
 
-/// [`plain`], so many windows at a time.
+/// Computes [`plain`] for groups of windows.
 fn in_groups(
     qkv: Tensor<3>,
     heads: usize,
@@ -128,7 +128,7 @@ fn one_group(
     }
 }
 
-/// 1 for the second half of the tokens of blocked windows, `[b, tokens]`.
+/// Mask with 1 for the second half of the tokens of blocked windows, `[b, tokens]`.
 fn hidden(blocked: Tensor<1>, tokens: usize) -> Tensor<2> {
     let device = blocked.device();
     let halves = Tensor::<1>::cat(

@@ -15,13 +15,13 @@ use recordings::corpus::Corpus;
 pub struct Batch {
     /// The model's input.
     pub input: TeacherInput,
-    /// The unmasked EMG without companding, `[b, tokens, patch * 8]`.
+    /// Unmasked EMG without companding, `[b, tokens, patch * 8]`.
     pub emg_target: Tensor<3>,
     /// Number of values in the EMG loss.
     pub emg_cells: usize,
     /// Class of each sample, 0 where it has no weight, `[b, window]`.
     pub intent_target: Tensor<2, Int>,
-    /// 1 where the sample is in the intent loss, `[b, window]`.
+    /// Weight of each sample in the intent loss, 1 or 0, `[b, window]`.
     pub intent_weight: Tensor<2>,
     /// Number of samples in the intent loss.
     pub intent_samples: usize,

@@ -1,10 +1,9 @@
 //! Checkpoints of the reference implementation: the `.pth` that its trainer writes, or safetensors
 //! with the same tensors under the same names.
 //!
-//! Names and shapes differ from those of this crate's teacher where the reference uses another kind of
-//! layer (a convolution of width 1 for a linear map) or keeps axes of length 1; the order of the values
-//! is the same. A checkpoint holds weights alone: the number of heads, the companding and the dropout
-//! are those of the teacher that it is loaded into.
+//! Names and shapes differ from this crate's teacher where the reference uses another kind of layer (a convolution of width
+//! 1 for a linear map) or keeps axes of length 1; the order of the values is the same. A checkpoint holds only weights: the
+//! number of heads, the companding and the dropout are those of the teacher that it is loaded into.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -25,7 +24,7 @@ mod error;
 
 pub use error::CheckpointError;
 
-/// The two names under which the reference saves the positional encoding that EMG and intents share.
+/// Names under which the reference saves the positional encoding that EMG and intents share.
 const POSITION: &str = "emg_positional_encoding";
 const POSITION_AGAIN: &str = "action_positional_encoding";
 
@@ -88,14 +87,14 @@ pub fn load(path: &Path, mut teacher: Teacher) -> Result<Teacher, CheckpointErro
     }
 }
 
-/// Key of a safetensors file's metadata under which [`save`] keeps everybody whom the teacher has seen, as JSON.
+/// Metadata key of a safetensors file under which [`save`] keeps the people whom the teacher has seen, as JSON.
 const SUBJECTS_SEEN: &str = "myointent.subjects_seen";
 
-/// Everybody whom the teacher of a checkpoint was trained on or validated with, as `data-set/subject`; none if the file
-/// does not say, as those of the reference do not.
+/// Reads the people whom the teacher of a checkpoint was trained on or validated with, as `data-set/subject`; none if the
+/// file does not say so, like those of the reference.
 ///
 /// # Errors
-/// When the file cannot be read or is no safetensors file although its name says so.
+/// When the file cannot be read, or is named as safetensors and is none.
 pub fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError> {
     if path
         .extension()
@@ -119,7 +118,8 @@ pub fn subjects_seen(path: &Path) -> Result<Option<Vec<String>>, CheckpointError
         .transpose()
 }
 
-/// Writes a teacher's weights as safetensors, under the reference's names and in its shapes, and whom it has seen.
+/// Writes a teacher's weights as safetensors, under the reference's names and in its shapes, and the people whom it has
+/// seen.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -149,7 +149,7 @@ pub fn save(
         })
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| unwritable(error.to_string()))?;
-    // Hugging Face's readers expect the name of the framework that wrote the tensors.
+    // Readers of Hugging Face expect the name of the framework that wrote the tensors.
     let seen =
         serde_json::to_string(subjects_seen).map_err(|error| unwritable(error.to_string()))?;
     let metadata = HashMap::from([
@@ -166,8 +166,8 @@ pub fn save(
     })
 }
 
-/// The same safetensors file with the keys of its header in alphabetical order: the library writes those of the metadata
-/// in any order, and the same teacher shall give the same bytes.
+/// Sorts the header keys of a safetensors file: the library writes the metadata in any order, and the same teacher must
+/// give the same bytes.
 fn with_sorted_header(file: &[u8]) -> Option<Vec<u8>> {
     let (length, rest) = file.split_first_chunk::<8>()?;
     let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
@@ -180,12 +180,12 @@ fn with_sorted_header(file: &[u8]) -> Option<Vec<u8>> {
     Some([&(header.len() as u64).to_le_bytes(), &header[..], tensors].concat())
 }
 
-/// A teacher's tensors as PyTorch lays them out, under this crate's names.
+/// Collects a teacher's tensors as PyTorch lays them out, under this crate's names.
 fn own_tensors(teacher: &Teacher) -> Vec<burn_pack::Tensor> {
     teacher.collect(None, Some(Box::new(BurnToPyTorchAdapter)), false)
 }
 
-/// Name and shape of one of this crate's tensors in the reference.
+/// Name and shape in the reference of one of this crate's tensors.
 fn reference_entry(own: &str, shape: &[usize]) -> (String, Vec<usize>) {
     match (own, shape) {
         ("emg_embedding.weight", &[to, from]) => (own.to_owned(), vec![to, from, 1]),
@@ -216,7 +216,7 @@ fn reference_entry(own: &str, shape: &[usize]) -> (String, Vec<usize>) {
     }
 }
 
-/// All tensors of a file as f32, by the reference's names.
+/// Reads all tensors of a file as f32, by the reference's names.
 fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
     let unreadable = |reason: String| CheckpointError::Unreadable {
         path: path.to_owned(),
@@ -224,8 +224,8 @@ fn read(path: &Path) -> Result<BTreeMap<String, Entry>, CheckpointError> {
     };
     let tensors = match path.extension().and_then(|extension| extension.to_str()) {
         Some("pth" | "pt") => {
-            // LoRA adapters have a key of their own beside the model's state. They are read too, so that
-            // they are refused by name rather than ignored.
+            // LoRA adapters have their own key beside the model's state. They are read too, so that they are refused by
+            // name rather than ignored.
             let mut store = PytorchStore::from_file(path)
                 .with_top_level_key("model_info")
                 .map_indices_contiguous(false);

@@ -1,8 +1,8 @@
 //! The nonlinearity of a feed-forward block: GELU, then dropout.
 //!
-//! It is applied to the widest tensor of a layer. Burn's operations compute a scalar error function for
-//! each value, a mask as large as the tensor and a product. The fused operation for the CPU takes one
-//! pass forward and one backward, and keeps its input alone.
+//! Its input is the widest tensor of a layer. Burn's operations compute a scalar error function for each value, a mask as
+//! large as the tensor and a product. The fused operation for the CPU makes one pass forward and one backward, and keeps
+//! only its input.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -10,7 +10,7 @@ use burn::tensor::Tensor;
 
 use crate::optimization::dropout::Mask;
 
-/// GELU of a tensor (exact, by the error function), then dropout.
+/// Computes the exact GELU of a tensor, by the error function, then dropout.
 #[must_use]
 pub(super) fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     #[cfg(feature = "flex")]
@@ -22,15 +22,15 @@ pub(super) fn activate(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     plain(x, mask)
 }
 
-/// GELU in Burn's operations.
+/// Computes GELU by Burn's operations.
 ///
-/// Not Burn's own GELU: on all backends but `flex` its backward pass is the derivative of the approximation by tanh, 1e-4
-/// off.
+/// Burn's own GELU is not used: on all backends but `flex` its backward pass is the derivative of the approximation by
+/// tanh, which is off by 1e-4.
 fn gelu(x: Tensor<3>) -> Tensor<3> {
     (x.clone() * FRAC_1_SQRT_2).erf().add_scalar(1.0) * x * 0.5
 }
 
-/// GELU and dropout in Burn's operations.
+/// Computes GELU and dropout by Burn's operations.
 fn plain(x: Tensor<3>, mask: Option<Mask>) -> Tensor<3> {
     match mask {
         Some(mask) => mask.apply(gelu(x)),
@@ -58,7 +58,7 @@ mod fused {
     /// GELU and dropout as one operation, `[b, tokens, width]`.
     #[backend_extension(Flex, Autodiff)]
     pub trait FusedActivation: Backend {
-        /// See [`activate`](super::activate).
+        /// Computes the operation; see [`activate`](super::activate).
         fn fused_activation(x: FloatTensor<Self>, mask: Option<Mask>) -> FloatTensor<Self>;
     }
 
@@ -103,7 +103,7 @@ mod fused {
         }
     }
 
-    /// The activation of `x`, or its gradient times the one given; all contiguous.
+    /// Computes the activation of `x`, or its gradient times the given one; all contiguous.
     fn by_rows(x: &FlexTensor, gradient: Option<&FlexTensor>, mask: Option<Mask>) -> FlexTensor {
         let dims = x.shape();
         let size = dims.num_elements();
@@ -114,7 +114,7 @@ mod fused {
         };
         let mut output = x.storage::<f32>()[values(x)].to_vec();
         let gradient = gradient.map(|tensor| &tensor.storage::<f32>()[values(tensor)]);
-        // Rows per task of a thread.
+        // Number of rows per task of a thread.
         let rows = 256;
         output
             .par_chunks_mut(rows * width)
@@ -130,7 +130,7 @@ mod fused {
         FlexTensor::from_data(TensorData::new(output, dims))
     }
 
-    /// Some rows of a tensor, and the index of the first one in the mask.
+    /// Rows of a tensor, and the index of the first one in the mask.
     struct Chunk<'a> {
         output: &'a mut [f32],
         gradient: Option<&'a [f32]>,
@@ -161,7 +161,7 @@ mod fused {
         }
     }
 
-    /// `x` times the normal distribution function of `x`.
+    /// GELU: `x` times the normal distribution function of `x`.
     #[inline(always)]
     pub(super) fn gelu(x: f32) -> f32 {
         x * normal(x).0

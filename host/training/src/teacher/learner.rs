@@ -20,7 +20,7 @@ use presets::augmentation::Variation;
 use presets::teacher_training::{ADAPTED, NAME, TeacherTraining};
 use recordings::corpus::Corpus;
 
-/// What a teacher is trained on and validated with.
+/// Training problem of a teacher.
 pub struct TeacherLearner<'a> {
     shape: WindowShape,
     corpus: &'a Corpus,
@@ -33,7 +33,7 @@ pub struct TeacherLearner<'a> {
 }
 
 impl<'a> TeacherLearner<'a> {
-    /// Every window of the corpora, once per task, for a teacher of this window shape.
+    /// Collects every window of the corpora, once per task, for a teacher of this window shape.
     #[must_use]
     pub fn new(
         shape: WindowShape,
@@ -150,7 +150,7 @@ impl Learner for TeacherLearner<'_> {
                 (batch, ChaCha8Rng::from_rng(rng))
             })
             .collect();
-        // Losses are means over the whole batch, as if it were computed in one part.
+        // Losses are means over the whole batch, as if it had one part.
         let emg_cells = shards.iter().map(|(batch, _)| batch.emg_cells).sum();
         let intent_samples = shards.iter().map(|(batch, _)| batch.intent_samples).sum();
         for (batch, _) in &mut shards {
@@ -179,7 +179,7 @@ impl Learner for TeacherLearner<'_> {
 
     fn validate(&self, model: &Teacher) -> (f64, Vec<WeightedMetric>) {
         let device = self.device.clone().inner();
-        // The same masks after every epoch, so that the losses of two epochs can be compared.
+        // The same masks for every epoch, so that the losses of two epochs can be compared.
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let (mut emg_loss, mut intent_loss) = (WeightedMean::default(), WeightedMean::default());
         for examples in self.validation_examples.chunks(self.config.batch) {
@@ -210,7 +210,7 @@ impl Learner for TeacherLearner<'_> {
     }
 }
 
-/// EMG loss and intent loss of a batch, which are added for training. Each is a mean over the masked
+/// Computes the EMG loss and the intent loss of a batch, which are added for training. Each is a mean over the masked
 /// positions of the whole batch, 0 where nothing is masked.
 #[must_use]
 pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
@@ -226,7 +226,7 @@ pub fn losses(output: &TeacherOutput, batch: &Batch) -> (Tensor<1>, Tensor<1>) {
     (emg, intent)
 }
 
-/// The mean over all batches of means over a batch.
+/// Weighted mean of the means of batches.
 #[derive(Default)]
 struct WeightedMean {
     sum: f64,

@@ -5,7 +5,7 @@ use burn::module::{Lora, Module as _, ParamGroup};
 use super::model::Teacher;
 use presets::teacher::LoraConfig;
 
-/// The model with adapters, which alone are trained; at first they do not change its outputs.
+/// Adds adapters to a model, which alone are trained; at first they do not change its outputs.
 pub(super) fn adapt(lora: LoraConfig, model: Teacher) -> Teacher {
     let mut paths = vec!["intent_head.weight".to_owned()];
     for layer in 0..model.depth() {

@@ -15,8 +15,8 @@ use super::feed_forward::activate;
 use crate::optimization::dropout::Dropout;
 pub use presets::teacher::{TeacherConfig, WindowShape};
 
-/// Initial values of the learned positional encoding: sinusoids of many wavelengths. With random values, a short
-/// training does not learn which EMG token belongs to which intent token.
+/// Initial values of the learned positional encoding: sinusoids of many wavelengths. From random values, a short training
+/// does not learn which EMG token belongs to which intent token.
 fn sinusoids(tokens: usize, d: usize, device: &Device) -> Tensor<2> {
     let values: Vec<f32> = (0..tokens * d)
         .map(|at| {
@@ -33,7 +33,7 @@ fn sinusoids(tokens: usize, d: usize, device: &Device) -> Tensor<2> {
     Tensor::from_data(TensorData::new(values, [tokens, d]), device)
 }
 
-/// The paper's model: the EMG tokens and the intent tokens of a window, concatenated and encoded together.
+/// Model of the paper: the EMG tokens and the intent tokens of a window, concatenated and encoded together.
 #[derive(Module, Debug)]
 pub struct Teacher {
     emg_embedding: Linear,
@@ -49,7 +49,7 @@ pub struct Teacher {
     square_root: bool,
 }
 
-/// One pre-norm encoder layer.
+/// Pre-norm encoder layer.
 #[derive(Module, Debug)]
 pub(super) struct TeacherLayer {
     norm1: LayerNorm,
@@ -64,7 +64,7 @@ pub(super) struct TeacherLayer {
 }
 
 impl Teacher {
-    /// A model with random weights for `classes` intents, and MASK as one class more.
+    /// Creates a model with random weights for `classes` intents, and MASK as one more class.
     #[must_use]
     pub fn new(config: &TeacherConfig, classes: usize, device: &Device) -> Self {
         let d = config.d_model;
@@ -116,16 +116,16 @@ impl TeacherLayer {
 pub struct TeacherInput {
     /// Cleaned EMG over 128, `[b, tokens, patch * 8]`, sample after sample.
     pub emg: Tensor<3>,
-    /// 1 where the token's EMG is masked, `[b, tokens, 1]`.
+    /// Mask with 1 where the token's EMG is masked, `[b, tokens, 1]`.
     pub emg_mask: Tensor<3>,
     /// Fraction of the token's samples in each class, MASK last, `[b, tokens, classes + 1]`.
     pub intent: Tensor<3>,
-    /// 1 for windows without attention between EMG and intents (self-supervised), `[b]`; none if there are none.
+    /// Mask with 1 for windows without attention between EMG and intents (self-supervised), `[b]`; none if there are none.
     pub blocked: Option<Tensor<1>>,
 }
 
 impl TeacherInput {
-    /// The input of inference: whole EMG, every intent masked. `emg` is that of whole windows.
+    /// Input for inference: whole EMG, every intent masked. `emg` is of whole windows.
     #[must_use]
     pub fn for_inference(
         emg: Vec<f32>,
@@ -158,14 +158,14 @@ pub struct TeacherOutput {
 }
 
 impl Teacher {
-    /// The outputs for a batch of windows, without dropout.
+    /// Computes the outputs for a batch of windows, without dropout.
     #[must_use]
     pub fn forward(&self, input: TeacherInput) -> TeacherOutput {
         self.run(input, &mut Dropout::off())
     }
 
-    /// The outputs with dropout. The caller's generator makes the masks, so that batches on several threads
-    /// stay reproducible.
+    /// Computes the outputs with dropout. The caller's generator makes the masks, so that batches on several threads stay
+    /// reproducible.
     #[must_use]
     pub(super) fn forward_dropping(&self, input: TeacherInput, rng: ChaCha8Rng) -> TeacherOutput {
         self.run(input, &mut Dropout::from(rng))

@@ -11,7 +11,7 @@ use recordings::corpus::Corpus;
 pub struct WindowPosition {
     /// Index of the stream.
     pub stream: usize,
-    /// First sample.
+    /// Index of the first sample.
     pub start: usize,
 }
 
@@ -31,7 +31,7 @@ pub struct Example {
     pub task: Task,
 }
 
-/// Every window of `samples` samples of a corpus, `stride` samples apart; there are no partial windows.
+/// Positions of all windows of `samples` samples in a corpus, `stride` apart; there are no partial windows.
 fn windows(corpus: &Corpus, stride: usize, samples: usize) -> Vec<WindowPosition> {
     let mut windows = Vec::new();
     for (stream, recording) in corpus.streams.iter().enumerate() {
@@ -43,8 +43,8 @@ fn windows(corpus: &Corpus, stride: usize, samples: usize) -> Vec<WindowPosition
     windows
 }
 
-/// Every window once per task. A window without any label is used for the self-supervised task alone, and
-/// that task for such windows alone.
+/// Examples of every window, once per task. A window without any label is used for the self-supervised task alone, and that
+/// task for such windows alone.
 pub(super) fn examples(
     corpus: &Corpus,
     stride: usize,

@@ -30,7 +30,7 @@ impl Rate {
         }
     }
 
-    /// Both together.
+    /// Sum of both, counts and times.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl Rate {
     }
 }
 
-/// Which samples are rest: the truth is relax, and no gesture owns the sample.
+/// Flags of the samples that are rest: the truth is relax, and no gesture owns the sample.
 #[must_use]
 pub fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
     let mut rest: Vec<bool> = truth
@@ -59,7 +59,7 @@ pub fn rest(truth: &[Option<Intent>], rule: &EventRule) -> Vec<bool> {
     rest
 }
 
-/// Runs of an active label that begin at a marked sample, over the time that is marked.
+/// Runs of an active label that begin at a marked sample, over the marked time.
 #[must_use]
 pub fn activations(emitted: &[Option<Intent>], mask: &[bool]) -> Rate {
     let marked = |&at: &usize| mask[at];

@@ -10,7 +10,7 @@
 //!   gesture's own samples, at least half as many samples as the gesture lasts; and
 //! * no run of another active label begins.
 //!
-//! A label that was there before and stays is no recognition: nothing tells the user that the gesture was seen.
+//! A label that was there before and stays is no recognition: the user sees no reaction to the gesture.
 //! Nor is a label that comes by chance somewhere in a long gesture.
 //! Latency = first sample of the run that is held - onset; negative within the tolerance before the onset.
 
@@ -24,10 +24,10 @@ use crate::metric::stretches;
 /// A gesture of the truth. All positions are samples of the recording.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct Gesture {
-    /// Its label.
+    /// Label of the gesture.
     #[serde(serialize_with = "by_name")]
     pub label: Intent,
-    /// From its onset to its end.
+    /// Samples from its onset to its end.
     pub span: Range<usize>,
     /// Whether it is recognised, or why not.
     pub verdict: Verdict,
@@ -39,7 +39,7 @@ pub struct Gesture {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Recognised.
+    /// The gesture is recognised.
     Recognised,
     /// Another active label began.
     OtherLabel,
@@ -67,7 +67,7 @@ impl Verdict {
 pub(super) struct Owner {
     label: Intent,
     span: Range<usize>,
-    /// The samples that it owns.
+    /// Samples that the gesture owns.
     pub(super) samples: Range<usize>,
     /// Whether it is counted: its onset is in the recording and enough of it too.
     counted: bool,

@@ -11,7 +11,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Latency {
-    /// In milliseconds.
+    /// Latency in milliseconds.
     Ms(f64),
     /// The quantile falls on a gesture that is not recognised.
     Missed,

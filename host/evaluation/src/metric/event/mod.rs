@@ -1,4 +1,4 @@
-//! Event metrics: what a user counts, from labels at the times at which they are emitted.
+//! Event metrics: events that a user notices, counted from labels at the times at which they are emitted.
 //!
 //! Truth: one label a sample, from the onset of muscle activity to its end (lag-compensated labels, or labels
 //! from muscle activity); none where it is unknown. Prediction: the label that a user sees at each sample,
@@ -20,13 +20,13 @@ use recordings::movement::{Movement, MovementKind, mask};
 /// Durations of the event metrics, in samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct EventRule {
-    /// How much before a gesture's onset, and after its end, a label still belongs to the gesture.
+    /// Samples before a gesture's onset, and after its end, in which a label still belongs to the gesture.
     pub tolerance: usize,
 }
 
 impl Default for EventRule {
-    /// 0.25 s, the look-ahead: a label that is emitted so much before the onset refers to half a second before it,
-    /// the other side of the paper's transition buffer.
+    /// Tolerance of 0.25 s, the look-ahead: a label that is emitted that long before the onset refers to half a second
+    /// before it, the other side of the paper's transition buffer.
     fn default() -> Self {
         Self { tolerance: 50 }
     }
@@ -41,7 +41,7 @@ pub struct RecordingEvents {
     pub rest: Rate,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
-    /// Each of these movements, by its kind, and whether it raises a label.
+    /// Kind of each of these movements, and whether it raises a label.
     pub raised: Vec<(MovementKind, bool)>,
     /// Label changes beyond the true ones.
     pub flicker: Rate,
@@ -94,7 +94,7 @@ fn runs(
     })
 }
 
-/// Whether a label is one of a gesture.
+/// The label if it is one of a gesture; none if it is relax.
 fn active(label: Option<Intent>) -> Option<Intent> {
     label.filter(|&intent| intent != Intent::Relax)
 }

@@ -10,17 +10,17 @@ use super::activation::Rate;
 use super::latency::{self, LatencySummary};
 use recordings::statistics::MeanSd;
 
-/// Movements outside the vocabulary.
+/// Numbers of movements outside the vocabulary.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Raised {
     /// Number of movements.
     pub movements: usize,
-    /// Of these, the ones in which an active label begins.
+    /// Number of those in which an active label begins.
     pub raised: usize,
 }
 
 impl Raised {
-    /// Both together.
+    /// Sum of both.
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self {
@@ -29,7 +29,7 @@ impl Raised {
         }
     }
 
-    /// The share that raises a label; of no movements it is not a number.
+    /// Share of movements that raise a label; not a number without any.
     #[must_use]
     pub fn share(self) -> f64 {
         self.raised as f64 / self.movements as f64
@@ -55,7 +55,8 @@ pub struct SubjectEvents {
     pub rest: Rate,
     /// Activations in movements outside the vocabulary.
     pub other_movement: Rate,
-    /// How many of these movements raise a label, by the name of their kind. Scores of earlier versions have none.
+    /// Numbers of these movements and of those that raise a label, by the name of their kind; empty in scores of
+    /// earlier versions.
     #[serde(default)]
     pub raised: BTreeMap<String, Raised>,
     /// Label changes beyond the true ones.

@@ -14,11 +14,11 @@ pub enum TransitionStatus {
     BufferOtherClass,
     /// No change from A straight to B in the buffer.
     NoChangeInBuffer,
-    /// Not B throughout the maintenance.
+    /// A label other than B in the maintenance, or none.
     MaintenanceNotHeld,
     /// Relax allowed: a label other than B and relax in the maintenance.
     MaintenanceOtherClass,
-    /// Relax allowed: never B in the maintenance.
+    /// Relax allowed: no B in the maintenance.
     MaintenanceOnlyRelax,
     /// Strict: a label other than A and B in the buffer, or none.
     StrictBufferOtherClass,
@@ -28,7 +28,7 @@ pub enum TransitionStatus {
     StrictNewLabelAtStart,
     /// Strict: A again after B.
     StrictOldLabelAfterNew,
-    /// Strict: not B throughout the maintenance.
+    /// Strict: a label other than B in the maintenance, or none.
     StrictMaintenanceNotHeld,
     /// Strict, relax allowed: a label other than B and relax in the maintenance.
     StrictMaintenanceOtherClass,

@@ -1,4 +1,4 @@
-//! Where a prediction has to change, and where it has to hold.
+//! Windows in which a prediction has to change, and in which it has to hold.
 
 use std::ops::Range;
 

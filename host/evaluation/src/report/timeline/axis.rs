@@ -4,7 +4,7 @@ use shared::units::CHANNELS;
 
 use crate::report::canvas::SCALE;
 
-/// Of the picture, in pixels.
+/// Width of the picture, and of its margins, in pixels.
 pub(super) const WIDTH: i32 = 1100;
 pub(super) const LEFT: i32 = 78;
 pub(super) const RIGHT: i32 = 14;
@@ -21,21 +21,21 @@ pub(super) const DELAY: i32 = EMITTED + BAND + 3;
 pub(super) const AXIS: i32 = DELAY + 10;
 pub(super) const HEIGHT: i32 = AXIS + 36;
 
-/// Samples to units of the drawing.
+/// Time axis: converts samples to units of the drawing.
 pub(super) struct Axis {
     /// Samples over the whole width, at least 1.
     pub samples: usize,
 }
 
 impl Axis {
-    /// Of a time between samples.
+    /// Position of a time between samples.
     pub fn x(&self, sample: f64) -> i32 {
         let width = f64::from((WIDTH - LEFT - RIGHT) * SCALE);
         LEFT * SCALE
             + (width * sample.min(self.samples as f64) / self.samples as f64).round() as i32
     }
 
-    /// Of the start of a sample.
+    /// Position of the start of a sample.
     pub fn at(&self, sample: usize) -> i32 {
         self.x(sample as f64)
     }

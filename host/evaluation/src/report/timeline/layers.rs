@@ -1,4 +1,4 @@
-//! What is drawn, layer by layer.
+//! Layers of the picture.
 
 use plotters::{
     prelude::*,
@@ -14,7 +14,7 @@ use crate::report::canvas::{
 };
 use recordings::runs;
 
-/// Recording and legend.
+/// Draws the name of the recording and the legend.
 pub(super) fn head(area: &Area<'_>, timeline: &Timeline) -> Drawn {
     let name = [timeline.subject.as_str(), timeline.recording.as_str()].join(" · ");
     area.draw(&Text::new(
@@ -22,7 +22,7 @@ pub(super) fn head(area: &Area<'_>, timeline: &Timeline) -> Drawn {
         (LEFT * SCALE, 16 * SCALE),
         text(13.0, INK, HPos::Left, VPos::Center),
     ))?;
-    // From the right end: the legend of the intents that occur.
+    // The legend of the intents that occur is drawn from the right end.
     let mut x = WIDTH - RIGHT;
     let occurs = |intent: &Intent| {
         timeline.truth.contains(&Some(*intent)) || timeline.emitted.contains(&Some(*intent))
@@ -43,7 +43,7 @@ pub(super) fn head(area: &Area<'_>, timeline: &Timeline) -> Drawn {
     Ok(())
 }
 
-/// Vertical lines where the true label changes.
+/// Draws vertical lines where the true label changes.
 pub(super) fn guides(area: &Area<'_>, axis: &Axis, truth: &[Option<Intent>]) -> Drawn {
     for run in runs(truth).into_iter().skip(1) {
         let x = axis.at(run.start);
@@ -53,7 +53,7 @@ pub(super) fn guides(area: &Area<'_>, axis: &Axis, truth: &[Option<Intent>]) -> 
     Ok(())
 }
 
-/// Per channel the highest value under every unit of width, so that single spikes stay visible.
+/// Draws the highest value of each channel under every unit of width, so that single spikes stay visible.
 pub(super) fn traces(area: &Area<'_>, axis: &Axis, emg: &[CleanSample]) -> Drawn {
     let full = full_scale(emg);
     for channel in 0..CHANNELS {
@@ -100,7 +100,7 @@ fn full_scale(emg: &[CleanSample]) -> f64 {
     value as f64
 }
 
-/// A band of labels.
+/// Draws a band of labels.
 pub(super) fn band(
     area: &Area<'_>,
     axis: &Axis,
@@ -127,7 +127,7 @@ pub(super) fn band(
             intent_colour(intent).filled(),
         ))?;
         if right - left > (6 * intent.name().len() as i32 + 6) * SCALE {
-            // Readable on the band: grey changes with the colour scheme, and so must the text on it.
+            // Text on the band must stay readable: grey changes with the colour scheme, and so must its text.
             let colour = match intent {
                 Intent::Relax => INK,
                 Intent::Open => WHITE,
@@ -144,7 +144,7 @@ pub(super) fn band(
     Ok(())
 }
 
-/// A bar under every new label, from its reference time to its emission.
+/// Draws a bar under every new label, from its reference time to its emission.
 pub(super) fn delays(area: &Area<'_>, axis: &Axis, timeline: &Timeline) -> Drawn {
     for run in runs(&timeline.emitted) {
         if run.label.is_some() {
@@ -162,7 +162,7 @@ pub(super) fn delays(area: &Area<'_>, axis: &Axis, timeline: &Timeline) -> Drawn
     Ok(())
 }
 
-/// Time axis and remark.
+/// Draws the time axis and a remark.
 pub(super) fn seconds(area: &Area<'_>, axis: &Axis, look_ahead: usize) -> Drawn {
     let rate = f64::from(SAMPLE_RATE_HZ);
     let length = axis.samples as f64 / rate;

@@ -19,7 +19,7 @@ pub(crate) struct Timeline {
     pub subject: String,
     /// Name of the recording.
     pub recording: String,
-    /// After median and rectification, 0..=128.
+    /// EMG after median and rectification, 0..=128.
     pub emg: Vec<CleanSample>,
     /// The true label of each sample; none where it is unknown.
     pub truth: Vec<Option<Intent>>,

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Who is who of such paths below `/d`, and what is told.
+/// People of these paths below `/d`, and the sentences on the choices.
 fn who(paths: &[&str]) -> (Vec<String>, Vec<String>) {
     let mut recordings: Vec<Recording> = paths
         .iter()
@@ -53,7 +53,7 @@ fn sessions_belong_to_the_folder_above_wherever_they_stand() {
         "react-emg/bob/tuesday/a",
     ];
     assert_eq!(named, expected);
-    // Numbers below the folder that was asked for are people, as in published sets.
+    // Numbers below the requested folder are people, as in published sets.
     assert_eq!(
         who(&["01/a.csv", "02/a.csv"]).0,
         ["react-emg/01/a", "react-emg/02/a"]

@@ -11,7 +11,7 @@ fn found(header: &str) -> String {
     }
 }
 
-/// Eight names with numbers from here on.
+/// Eight names, numbered from `first` on.
 fn eight(name: &str, first: usize, separator: &str) -> String {
     let names: Vec<String> = (first..first + 8)
         .map(|number| format!("{name}{number}"))
@@ -86,7 +86,7 @@ fn the_label_is_in_a_column_that_is_called_so() {
         assert_eq!(label(name), Some(0), "{name}");
     }
     assert_eq!(label("stimulus"), None);
-    // Ours goes before another.
+    // `gt` takes precedence.
     assert_eq!(label("label,gt"), Some(1));
     assert!(found(&format!("label,class,{emg}")).contains("label, class"));
 }

@@ -88,12 +88,12 @@ pub(crate) fn is_named(path: &Path) -> bool {
     stem(path).and_then(class_number).is_some()
 }
 
-/// `N` of a name `classe_N`.
+/// Class number `N` of a name `classe_N`.
 fn class_number(name: &str) -> Option<usize> {
     name.strip_prefix("classe_")?.parse().ok()
 }
 
-/// Radial (1) and ulnar (3) deviation are outside the six classes.
+/// Motion of a class. Radial (1) and ulnar (3) deviation are outside the six classes.
 const fn motion(class: usize) -> Motion {
     match class % 7 {
         0 => Motion::RELAX,

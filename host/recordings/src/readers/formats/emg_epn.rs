@@ -84,7 +84,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Vec<Recording>, Damage> {
     Ok(recordings)
 }
 
-/// `emg-epn-612/training-user7`, from the file's name and the part among its folders.
+/// Subject from the file's name and the part among its folders: `emg-epn-612/training-user7`.
 fn subject(path: &Path) -> Option<String> {
     let user = stem(path)?;
     let part = path
@@ -99,7 +99,7 @@ fn subject(path: &Path) -> Option<String> {
     Some(format!("emg-epn-612/{part}-{user}"))
 }
 
-/// `N` of a key `idx_N`, so that trials keep the order of recording.
+/// Number `N` of a key `idx_N`, by which trials keep the order of recording.
 fn index(key: &str) -> usize {
     key.rsplit('_')
         .next()

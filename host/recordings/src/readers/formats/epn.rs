@@ -18,7 +18,7 @@ use crate::recording::{DataSet, Recording};
 /// Samples below which a recording of five seconds has lost some.
 const WHOLE: usize = 980;
 
-/// What the path of a file says.
+/// Person, part, name and motion from the path of a file.
 pub(crate) struct Name<'p> {
     person: &'p str,
     part: &'p str,
@@ -54,7 +54,7 @@ pub(crate) fn read(path: &Path, name: &Name<'_>, array: &Array) -> Result<Record
     let samples = table::samples(array)?;
     let count = samples.len();
     let mut recording = if name.motion == Motion::RELAX {
-        // Rest throughout: there is no activity to find.
+        // Without a gesture it is rest throughout, and has no activity to find.
         let labels = vec![Some(Intent::Relax); count];
         Recording::new(
             DataSet::Epn,

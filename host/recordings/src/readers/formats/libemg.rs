@@ -14,7 +14,7 @@ use crate::readers::error::Damage;
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
 
-/// What LibEMG's metadata have for each file.
+/// Key in LibEMG's metadata for each file.
 pub(crate) const CLASS: &str = "\"class_name\"";
 
 /// Text of the `metadata.json` beside a file, if it names classes.
@@ -24,7 +24,7 @@ pub(crate) fn metadata(path: &Path) -> Option<String> {
     text.contains(CLASS).then_some(text)
 }
 
-/// The class of a file: the metadata's keys are the recorder's paths, of which the last part is compared.
+/// Class of a file. The metadata's keys are the recorder's paths, of which the last part is compared.
 pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
     let file = path.file_name()?.to_str()?;
     let metadata: Value = serde_json::from_str(metadata).ok()?;
@@ -35,7 +35,7 @@ pub(crate) fn class_name(metadata: &str, path: &Path) -> Option<String> {
     entry.get("class_name")?.as_str().map(str::to_owned)
 }
 
-/// What a class is by LibEMG's names of gestures; none for one that is not known here.
+/// Motion of a class by LibEMG's names of gestures; none for an unknown name.
 pub(crate) fn motion(class: &str) -> Option<Motion> {
     let class = class.to_lowercase().replace([' ', '-'], "_");
     let motion = match class.as_str() {
@@ -54,7 +54,7 @@ pub(crate) fn motion(class: &str) -> Option<Motion> {
     Some(motion)
 }
 
-/// A recording of the user's own, with the class that the metadata name.
+/// A user's own recording, with the class that the metadata name.
 pub(crate) fn read(path: &Path, samples: Vec<Sample>, metadata: &str) -> Result<Recording, Damage> {
     let class = class_name(metadata, path);
     let motion = class.as_deref().map(|class| (class, motion(class)));

@@ -55,11 +55,11 @@ const OUTSIDE: [(&str, f64, MovementKind); 4] = [
 /// every fifth row repeats; a true repeat of eight values is rare outside silence.
 const POLLED_TOO_FAST: f64 = 0.15;
 
-/// The ring of the left arm as that of the right: it runs the other way round, about the same electrode as in
-/// `uci-gestures` (`electrodes.rs`).
+/// Placement that turns the left arm's ring into the right arm's: it runs the other way round, about the same electrode
+/// as in `uci-gestures` (`electrodes.rs`).
 const MIRRORED: Alignment = Alignment::new(6, true);
 
-/// Whether a file lies as those of the set: `12345-1/7.txt`.
+/// Whether a path is one of the set: `12345-1/7.txt`.
 pub(crate) fn is_named(path: &Path) -> bool {
     person_and_sitting(path).is_some()
 }
@@ -171,7 +171,7 @@ fn motion(name: &str, label: f64) -> Result<Motion, Fault> {
     }
 }
 
-/// Drops rows equal to the one before where so many are that the polling made them.
+/// Drops repeated rows if polling made them, which their share shows; returns their number.
 fn drop_polling_repeats(samples: &mut Vec<Sample>, motions: &mut Vec<Motion>) -> usize {
     let repeats = samples.windows(2).filter(|pair| pair[0] == pair[1]).count();
     if (repeats as f64) < POLLED_TOO_FAST * samples.len() as f64 {

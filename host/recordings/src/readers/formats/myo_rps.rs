@@ -16,7 +16,7 @@ use crate::recording::{DataSet, Recording};
 
 const HEADER: &str = "index,timestamp,0,1,2,3,4,5,6,7";
 
-/// Whether a file is called as those of the set, and has their header.
+/// Whether a file has a name and the header of the set.
 pub(crate) fn is_recording(path: &Path, text: &str) -> bool {
     let header = text.lines().next().unwrap_or_default();
     header.trim() == HEADER && stem(path).and_then(Name::of).is_some()
@@ -46,7 +46,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     Ok(recording)
 }
 
-/// What the name of a file says.
+/// Person, motion and rest of a file's name.
 struct Name<'n> {
     person: &'n str,
     motion: Motion,
@@ -55,7 +55,7 @@ struct Name<'n> {
 }
 
 impl<'n> Name<'n> {
-    /// `sN_A_R-gesture-K-emg`: person, arm (`l` or `r`), round, gesture and number.
+    /// Parses `sN_A_R-gesture-K-emg`: person, arm (`l` or `r`), round, gesture and number.
     fn of(stem: &'n str) -> Option<Self> {
         let (person, rest) = stem.strip_suffix("-emg")?.split_once('_')?;
         let number = person.strip_prefix('s')?;

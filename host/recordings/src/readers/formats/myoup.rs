@@ -20,9 +20,9 @@ use crate::recording::{DataSet, Recording};
 
 /// Samples around a pulse that are no rest.
 const AWAY: usize = SAMPLE_RATE_HZ as usize;
-/// Whose published file is a copy of another person's.
+/// Person whose published file is a copy of another person's.
 pub(crate) const COPIED: &str = "s2";
-/// Pulses of each gesture in a row, and of all.
+/// Number of pulses of each gesture in a row, and of all.
 const REPETITIONS: usize = 5;
 const PULSES: usize = 60;
 
@@ -110,7 +110,8 @@ fn gestures(annotations: &Array) -> Result<Vec<usize>, Damage> {
     values.iter().enumerate().map(gesture).collect()
 }
 
-/// The guide names 11 extension and 12 flexion; by their muscles they are the other way round: left out.
+/// Motion of a gesture's number. The guide names 11 extension and 12 flexion, but their muscles show the opposite: both
+/// are left out.
 const fn motion(gesture: usize) -> Motion {
     match gesture {
         0 => Motion::RELAX,

@@ -1,6 +1,6 @@
 //! `one-subject-myo`: csv of eight whole numbers, no header; classes in `metadata.json` beside it.
 //!
-//! LibEMG writes everybody's recordings so. The published ones are told by their samples, wherever they lie.
+//! LibEMG writes all recordings in this layout. The published ones are recognised by their samples, wherever they lie.
 
 use std::path::Path;
 

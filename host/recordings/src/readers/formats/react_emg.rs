@@ -1,11 +1,11 @@
 //! Recordings of the user's own, and ReactEMG's (ROAM-EMG and what the reference converts): a table whose columns are
-//! told by their names, `gt` and `emg_0`..`emg_7` in ReactEMG's, or npy with the label first, then eight channels, under
-//! ReactEMG's names of files.
+//! known by their names, `gt` and `emg_0`..`emg_7` in ReactEMG's, or npy with the label first, then eight channels,
+//! under ReactEMG's names of files.
 //!
-//! Who the person is, the folder says once all files are known (`library/people.rs`). Values are the armband's counts.
-//! Label -1 is unlabelled. Columns besides channels and label are ignored, except [`MUSCLE_COLUMN`], which marks synthetic
-//! recordings, [`RECORDER_COLUMNS`], which mark labels of the muscle, and [`TURN_COLUMN`] with [`MIRRORED_COLUMN`]: the channels are turned as a board turns them that was aligned
-//! so.
+//! The folder names the person, once all files are known (`library/people.rs`). Values are the armband's counts. Label
+//! -1 is unlabelled. Columns besides channels and label are ignored, with three exceptions. [`MUSCLE_COLUMN`] marks
+//! synthetic recordings. [`RECORDER_COLUMNS`] mark labels of the muscle. By [`TURN_COLUMN`] and [`MIRRORED_COLUMN`] the
+//! channels are turned as by an aligned board.
 
 use std::path::Path;
 
@@ -24,13 +24,13 @@ use crate::readers::path::{is_number, left_arm, stem};
 use crate::readers::table::{self, Samples};
 use crate::recording::{DataSet, Recording, Timing};
 
-/// Column that synthetic recordings have besides: the intent that the muscle follows, class number.
+/// Further column of synthetic recordings: class number of the intent that the muscle follows.
 pub const MUSCLE_COLUMN: &str = "synthetic_muscle";
 
-/// Column of recordings by `myointent record`: places that the armband is turned by, as the board was aligned.
+/// Column of recordings by `myointent record`: places by which the armband is turned, as the board was aligned.
 pub const TURN_COLUMN: &str = "turn";
 
-/// The same: 1 if it is on the other arm.
+/// Column of recordings by `myointent record`: 1 if the armband is on the other arm.
 pub const MIRRORED_COLUMN: &str = "mirrored";
 
 /// Columns that `myointent record` writes behind the channels. The labels beside them are the muscle's.
@@ -107,13 +107,13 @@ pub(crate) fn read_csv(
     divided(recording, &beside)
 }
 
-/// The recording's samples, or its pieces where its clock leaps.
+/// The recording, or its pieces where its clock leaps.
 fn divided(recording: Recording, beside: &Beside) -> Result<Vec<Recording>, Damage> {
     let rows = beside.rows(&recording.samples).map_err(Damage::refused)?;
     Ok(rows.apply(recording))
 }
 
-/// One of the 16 placements.
+/// Placement by the two columns; none if it is not one of the 16.
 fn placement(turn: f64, mirrored: f64) -> Option<Alignment> {
     let places = 0..CHANNELS as u8;
     let turn = places.into_iter().find(|&place| f64::from(place) == turn)?;
@@ -140,7 +140,7 @@ pub(crate) fn is_recording(path: &Path, array: &Array) -> bool {
     2 * labelled.count() > rows.len()
 }
 
-/// Label and channels.
+/// Columns of an array: label and channels.
 const COLUMNS: usize = CHANNELS + 1;
 
 /// Reads (n, 9): label and channels.
@@ -169,7 +169,7 @@ pub(crate) fn unlabelled(path: &Path, samples: Vec<Sample>) -> Result<Vec<Record
     divided(recording, &Beside::default())
 }
 
-/// A recording of somebody's; whose, is not known from the file alone.
+/// Recording of a person whom the file alone does not name.
 pub(crate) fn own(
     path: &Path,
     data_set: DataSet,

@@ -60,7 +60,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
     })
 }
 
-/// Whether a file lies and is called as those of the set.
+/// Whether a path is one of the set.
 pub(crate) fn is_named(path: &Path) -> bool {
     person_and_motion(path).is_some()
 }
@@ -71,7 +71,7 @@ fn person_and_motion(path: &Path) -> Option<(&str, &str, usize)> {
     Some((numbered(path, 1, "sub")?, name, motion_number(name)?))
 }
 
-/// `M` of a name `MxTy`, 1..=8.
+/// Motion `x` of a name `MxTy`, 1..=8.
 fn motion_number(name: &str) -> Option<usize> {
     let (motion, trial) = name.strip_prefix('M')?.split_once('T')?;
     trial.parse::<usize>().ok()?;

@@ -21,19 +21,19 @@ const GAP: f64 = 1000.0;
 /// Longest recording, in ms; the published ones last a minute or two. A row may stand for many samples, so the file's
 /// length is no bound.
 const LONGEST: f64 = 3_600_000.0;
-/// Rows of one burst follow each other within this, in ms.
+/// Largest time between rows of one burst, in ms.
 const BURST: f64 = 2.0;
 
 /// One sample that was not lost.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Row {
-    /// In ms.
+    /// Time in ms.
     time: f64,
     sample: Sample,
     class: u8,
 }
 
-/// Whether a file lies and is called as those of the set, and has their header.
+/// Whether a file has a path and the header of the set.
 pub(crate) fn is_recording(path: &Path, text: &str) -> bool {
     let header = text.lines().next().unwrap_or_default();
     let has_header = header.split_whitespace().eq([
@@ -43,7 +43,7 @@ pub(crate) fn is_recording(path: &Path, text: &str) -> bool {
     has_header && series_and_person(path).is_some()
 }
 
-/// What a path like `01/1_raw_data_13-12_22.03.16.txt` says.
+/// Series and person of a path like `01/1_raw_data_13-12_22.03.16.txt`.
 fn series_and_person(path: &Path) -> Option<(&str, &str)> {
     let (series, _) = stem(path)?.split_once("_raw_data")?;
     let person = folder(path, 1).filter(|name| is_number(name))?;

@@ -18,7 +18,7 @@ use crate::readers::path::{numbered, stem};
 use crate::readers::table;
 use crate::recording::{DataSet, Recording};
 
-/// Gestures by number, from 1 on. A grasp is near to a fist, a tripod to a pinch: on neither side.
+/// Gestures by number, from 1 on. Grasps are too near to a fist, and a tripod to a pinch, to be labelled.
 const GESTURES: [(&str, Motion); 10] = [
     ("1_fist", Motion::Intent(Intent::Close)),
     ("2_pinch", Motion::Intent(Intent::Pinch)),
@@ -39,7 +39,7 @@ pub(crate) struct Name<'p> {
 }
 
 impl<'p> Name<'p> {
-    /// Of the repacked layout.
+    /// Name of a file in the repacked layout.
     pub fn of_npy(path: &'p Path) -> Option<Self> {
         let name = stem(path)?;
         let gesture = GESTURES.into_iter().find(|(known, _)| *known == name)?;
@@ -49,7 +49,7 @@ impl<'p> Name<'p> {
         })
     }
 
-    /// Of the published layout. Files without `_x` are the same, untrimmed.
+    /// Name of a file in the published layout; none without `_x`: such files are the same recordings, untrimmed.
     pub fn of_mat(path: &'p Path) -> Option<Self> {
         let (_, number) = stem(path)?.strip_suffix("_x")?.rsplit_once('_')?;
         let number: usize = number.parse().ok()?;
@@ -61,7 +61,7 @@ impl<'p> Name<'p> {
     }
 }
 
-/// `S1` of a folder `EMG_S1`.
+/// Person `S1` of a folder `EMG_S1`.
 fn person(path: &Path, levels: usize) -> Option<&str> {
     numbered(path, levels, "EMG_S").map(|folder| &folder["EMG_".len()..])
 }

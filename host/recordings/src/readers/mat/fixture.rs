@@ -34,7 +34,7 @@ pub fn doubles(name: &str, shape: [i32; 2], values: &[f64]) -> Vec<u8> {
     variable(name, shape, 6, 9, &data)
 }
 
-/// The same, compressed.
+/// A compressed variable.
 pub fn compressed(variable: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
     encoder.write_all(variable).unwrap();

@@ -55,7 +55,7 @@ impl Header {
 
 /// Byte at which the text of a header of version 1 starts.
 const START_V1: usize = 10;
-/// The format requires elements to start at a multiple of this.
+/// Alignment of the elements in a file, in bytes, which the format requires.
 const ALIGNMENT: usize = 64;
 
 /// Damage in the header.
@@ -63,8 +63,8 @@ fn bad(byte: u64, what: &str) -> Damage {
     Damage::at_byte(byte, Fault::Npy(what.to_owned()))
 }
 
-/// The dictionary's text, and where the data starts. Bounded by the file's end, whatever length the
-/// header claims.
+/// The dictionary's text, and where the data starts. Both are bounded by the file's end, whatever length the header
+/// claims.
 fn text(bytes: &[u8]) -> Result<(String, usize), Damage> {
     if !bytes.starts_with(MAGIC) {
         return Err(bad(0, "it does not start with the npy magic"));

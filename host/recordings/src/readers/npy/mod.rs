@@ -93,7 +93,7 @@ pub fn read(path: &Path) -> Result<Array, LoadError> {
 /// Reads the file of another name beside `path`.
 ///
 /// # Errors
-/// As [`read`]; that it is not there is a damage of the file at `path`.
+/// As [`read`]; a missing file is a damage of the file at `path`.
 pub(crate) fn partner(path: &Path, name: &str) -> Result<(PathBuf, Array), LoadError> {
     let partner = path.with_file_name(name);
     match read(&partner) {
@@ -108,8 +108,8 @@ pub(crate) fn partner(path: &Path, name: &str) -> Result<(PathBuf, Array), LoadE
 /// Parses the bytes of an npy file.
 ///
 /// # Errors
-/// With the byte of the fault: no npy file, an element type or order that is not read here, or
-/// another length than the header requires.
+/// Damage with the byte of the fault: no npy file, an element type or order that is not read here, or another length
+/// than the header requires.
 pub fn parse(bytes: &[u8]) -> Result<Array, Damage> {
     let Header {
         descr,

@@ -1,4 +1,4 @@
-//! A file of text: JSON of a published set, or rows of numbers.
+//! Text files: JSON of a published set, or rows of numbers.
 
 use std::path::Path;
 
@@ -45,7 +45,7 @@ pub(super) fn open(
     request.nothing(path, FileKind::Json)
 }
 
-/// Text in another encoding: refused if it would be a recording in UTF-8.
+/// Refuses text in another encoding if it would be a recording in UTF-8.
 fn encoded(
     path: &Path,
     bytes: &[u8],
@@ -129,7 +129,7 @@ fn two_armbands(text: &str, shape: Option<Shape>) -> Result<(), Finding> {
     }
 }
 
-/// Eight channels without a header: published, LibEMG's, or anybody's.
+/// Reads eight channels without a header: published, LibEMG's, or a user's own.
 fn bare(
     path: &Path,
     text: &str,

@@ -17,7 +17,7 @@ fn zip(entries: &[(&str, &[u8])]) -> Vec<u8> {
     writer.finish().unwrap().into_inner()
 }
 
-/// A tar whose names are written as they are, which the library itself refuses to do.
+/// A tar whose names are written unchecked, which the library itself refuses to do.
 fn tar(entries: &[(&str, &[u8])]) -> Vec<u8> {
     let mut builder = tar::Builder::new(Vec::new());
     for (name, content) in entries {

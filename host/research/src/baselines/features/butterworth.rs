@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-/// One second-order section: (b0 + b1/z + b2/z²) / (1 + a1/z + a2/z²).
+/// Second-order section: (b0 + b1/z + b2/z²) / (1 + a1/z + a2/z²).
 #[derive(Clone, Copy, Debug)]
 struct Section {
     b: [f64; 3],
     a: [f64; 2],
 }
 
-/// A low-pass filter as a cascade of sections, each with unit gain at 0 Hz.
+/// Low-pass filter as a cascade of sections, each with unit gain at 0 Hz.
 #[derive(Clone, Debug)]
 pub(super) struct LowPass {
     order: usize,
@@ -17,7 +17,7 @@ pub(super) struct LowPass {
 }
 
 impl LowPass {
-    /// A filter with gain 1/√2 at `cutoff`, which is below half the sample `rate`; both in the same unit.
+    /// Designs a filter with gain 1/√2 at `cutoff`, which is below half the sample `rate`; both in the same unit.
     ///
     /// The poles of the analogue prototype are spaced evenly on the left half of a circle. The bilinear
     /// transform maps them to the z-plane, with the cutoff prewarped.

@@ -1,4 +1,4 @@
-//! Which features each baseline computes from a window.
+//! Features that each baseline computes from a window.
 
 use std::sync::LazyLock;
 
@@ -18,7 +18,7 @@ use execution::fingerprint::Fingerprint;
 
 /// Orders of TraHGR's low-pass filters.
 pub(crate) const FILTER_ORDERS: [usize; 3] = [1, 3, 5];
-/// Their cutoff frequency in Hz.
+/// Cutoff frequency of these filters in Hz.
 const CUTOFF: f64 = 90.0;
 const SAMPLE_RATE: f64 = SAMPLE_RATE_HZ as f64;
 
@@ -26,7 +26,7 @@ static SPECTRUM: LazyLock<Spectrum> = LazyLock::new(|| Spectrum::new(WINDOW));
 static LOW_PASS_FILTERS: LazyLock<[LowPass; 3]> =
     LazyLock::new(|| FILTER_ORDERS.map(|order| LowPass::new(order, CUTOFF, SAMPLE_RATE)));
 
-/// From a window's samples to a model's input.
+/// Conversion of a window's samples to a model's input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FeatureExtraction {
     baseline: Baseline,
@@ -35,7 +35,7 @@ pub(crate) struct FeatureExtraction {
 }
 
 impl FeatureExtraction {
-    /// Features without scaling.
+    /// Creates an extraction without scaling.
     pub(crate) const fn new(baseline: Baseline, lstm_step: usize) -> Self {
         Self {
             baseline,
@@ -44,7 +44,7 @@ impl FeatureExtraction {
         }
     }
 
-    /// What a baseline is made from that is trained with these features of these streams.
+    /// Fingerprint of a baseline that is trained with these features of these streams.
     pub(crate) fn lineage(&self, streams: Fingerprint) -> Fingerprint {
         Fingerprint::of(&(streams, self))
     }
@@ -73,12 +73,12 @@ impl FeatureExtraction {
         }
     }
 
-    /// How the baseline divides a window into frames.
+    /// Layout of the frames in the baseline's window.
     pub(crate) const fn frame_layout(&self) -> FrameLayout {
         FrameLayout::of(self.baseline, self.lstm_step)
     }
 
-    /// The model's input from a window of [`FrameLayout::window`] samples.
+    /// Computes the model's input from a window of [`FrameLayout::window`] samples.
     ///
     /// Length: LDA 24 and MLP 48, ordered by channel; LSTM and ED-TCN 8 per frame, oldest frame first;
     /// TraHGR 14 400, `[channel][sample][order]`.
@@ -142,7 +142,7 @@ impl FeatureExtraction {
     }
 }
 
-/// From one sequence per channel to one group of channels per frame.
+/// Interleaves one sequence per channel to one group of channels per frame.
 fn interleaved(channels: impl Iterator<Item = Vec<f64>>) -> Vec<f32> {
     let channels: Vec<Vec<f64>> = channels.collect();
     (0..channels[0].len())

@@ -1,4 +1,4 @@
-//! Input features of the baselines: what each computes from one window of EMG.
+//! Input features of the baselines, computed from one window of EMG.
 
 mod butterworth;
 mod extraction;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Subtracts each feature's mean and divides by its standard deviation.
+/// Scaling that subtracts each feature's mean and divides by its standard deviation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scaling {
     mean: Vec<f32>,
@@ -12,7 +12,7 @@ pub(super) struct Scaling {
 impl Scaling {
     /// Fits to vectors of `features` values, or of several such groups (one per time step).
     ///
-    /// The standard deviation is that of the population. A constant feature is centred and not scaled.
+    /// It uses the population standard deviation. A constant feature is centred and not scaled.
     pub(super) fn fit<'a>(vectors: impl Iterator<Item = &'a [f32]>, features: usize) -> Self {
         // Welford's algorithm: one pass, without the difference of large sums.
         let mut count = 0.0;

@@ -30,9 +30,8 @@ pub(super) fn waveform_length(x: &[i32]) -> f64 {
 
 /// Slope sign changes: the number of strict local extrema.
 ///
-/// The reference's code instead counts the samples strictly *between* their neighbours under this name.
-/// After z-scoring that is the same feature with the opposite sign, except for samples equal to a
-/// neighbour.
+/// The reference's code instead counts the samples strictly *between* their neighbours under this name. After z-scoring,
+/// that is the same feature with the opposite sign, except for samples equal to a neighbour.
 pub(super) fn slope_sign_changes(x: &[i32]) -> f64 {
     let extrema = x
         .windows(3)
@@ -40,15 +39,15 @@ pub(super) fn slope_sign_changes(x: &[i32]) -> f64 {
     extrema.count() as f64
 }
 
-/// Zero crossings: the number of consecutive samples with opposite sign. A crossing through a sample of 0
-/// does not count, as in the reference.
+/// Zero crossings: the number of consecutive samples with opposite sign. As in the reference, a crossing through a sample
+/// of 0 does not count.
 pub(super) fn zero_crossings(x: &[i32]) -> f64 {
     x.windows(2).filter(|pair| pair[0] * pair[1] < 0).count() as f64
 }
 
 /// Standard deviation of each frame of `length` samples, given the frames' starts.
 ///
-/// Computed from integer prefix sums, so that overlapping frames cost no accuracy.
+/// It is computed from integer prefix sums, so that overlapping frames cost no accuracy.
 pub(super) fn moving_standard_deviations(
     x: &[i32],
     starts: impl Iterator<Item = usize>,

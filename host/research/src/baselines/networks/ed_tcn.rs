@@ -13,7 +13,7 @@ use training::optimization::dropout::Dropout;
 /// Dimensions of the network.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdTcnConfig {
-    /// Filters of the outer and of the inner convolutions.
+    /// Number of filters of the outer and of the inner convolutions.
     filters: [usize; 2],
     /// Kernel size in frames; odd.
     kernel: usize,
@@ -29,7 +29,7 @@ impl Default for EdTcnConfig {
 }
 
 impl EdTcnConfig {
-    /// A network with random weights.
+    /// Creates a network with random weights.
     pub(crate) fn init(&self, classes: usize, device: &Device) -> EdTcn {
         let [outer, inner] = self.filters;
         let half = self.kernel / 2;
@@ -46,7 +46,7 @@ impl EdTcnConfig {
     }
 }
 
-/// The network.
+/// ED-TCN network.
 #[derive(Module, Debug)]
 pub(crate) struct EdTcn {
     encoder: Vec<Conv1d>,
@@ -68,10 +68,10 @@ impl Network for EdTcn {
     }
 }
 
-/// A convolution over the frames of `[windows, frames, filters]`, with as many frames as before.
+/// Convolves the frames of `[windows, frames, filters]`; their number stays the same.
 ///
-/// One matrix product over all windows. The frames of one window are too few for a product of their own, as Burn's
-/// convolution computes it.
+/// It is one matrix product over all windows. Burn's convolution computes a product for each window, whose frames are too
+/// few for it to be fast.
 fn convolved(convolution: &Conv1d, x: Tensor<3>) -> Tensor<3> {
     let [batch, frames, filters] = x.dims();
     let weight = convolution.weight.val();
@@ -91,7 +91,7 @@ fn convolved(convolution: &Conv1d, x: Tensor<3>) -> Tensor<3> {
     }
 }
 
-/// The larger value of every two frames; an odd last frame is dropped.
+/// Takes the larger value of every two frames; an odd last frame is dropped.
 fn pooled(x: Tensor<3>) -> Tensor<3> {
     let [batch, frames, filters] = x.dims();
     let pairs = x.slice_dim(1, 0..frames / 2 * 2);
@@ -164,7 +164,7 @@ mod tests {
             }
         };
         close(ours.clone(), burns.clone());
-        // Squares, so that every output has a gradient of its own.
+        // Squares give every output its own gradient.
         let gradients = |y: Tensor<3>| {
             let gradients = y.powi_scalar(2).sum().backward();
             let weight = convolution.weight.val().grad(&gradients).unwrap();

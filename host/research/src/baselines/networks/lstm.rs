@@ -28,7 +28,7 @@ impl Default for LstmBaselineConfig {
 }
 
 impl LstmBaselineConfig {
-    /// A network with random weights.
+    /// Creates a network with random weights.
     pub(crate) fn init(&self, classes: usize, device: &Device) -> LstmBaseline {
         // PyTorch's initialization, not Burn's.
         let bound = 1.0 / (self.hidden as f64).sqrt();
@@ -45,7 +45,7 @@ impl LstmBaselineConfig {
     }
 }
 
-/// The network.
+/// LSTM network.
 #[derive(Module, Debug)]
 pub(crate) struct LstmBaseline {
     projection: Linear,
@@ -58,8 +58,8 @@ impl Network for LstmBaseline {
         let [batch, numbers] = input.dims();
         let input = input.reshape([batch, numbers / CHANNELS, CHANNELS]);
         let x = self.projection.forward(input).tanh();
-        // One time step per call. Over a whole sequence the layer writes every state into one tensor,
-        // and the backward pass copies that tensor once per time step.
+        // One time step per call: over a whole sequence, the layer writes every state into one tensor, and the backward
+        // pass copies that tensor once per time step.
         let mut state = None;
         let mut hidden = Vec::with_capacity(numbers / CHANNELS);
         for step in x.iter_dim(1) {

@@ -11,7 +11,7 @@ use training::optimization::dropout::Dropout;
 /// Dimensions of the network.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MlpConfig {
-    /// Input features.
+    /// Number of input features.
     features: usize,
     /// Width of each hidden layer.
     hidden: usize,
@@ -33,7 +33,7 @@ impl Default for MlpConfig {
 }
 
 impl MlpConfig {
-    /// A network with random weights.
+    /// Creates a network with random weights.
     pub(crate) fn init(&self, classes: usize, device: &Device) -> Mlp {
         let input = |layer| {
             if layer == 0 {
@@ -55,7 +55,7 @@ impl MlpConfig {
     }
 }
 
-/// The network.
+/// MLP network.
 #[derive(Module, Debug)]
 pub(crate) struct Mlp {
     linear: Vec<Linear>,

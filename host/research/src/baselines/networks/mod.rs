@@ -1,4 +1,4 @@
-//! The baselines' neural networks.
+//! Neural networks of the baselines.
 
 mod ed_tcn;
 mod lstm;
@@ -15,20 +15,20 @@ pub(crate) use lstm::LstmBaselineConfig;
 pub(crate) use mlp::MlpConfig;
 pub(crate) use trahgr::TraHgrConfig;
 
-/// A network that classifies the frames of windows.
+/// Network that classifies the frames of windows.
 pub(crate) trait Network: Module + Sync {
-    /// Whether it has batch norm, which needs the statistics of a whole, undivided batch.
+    /// Whether the network has batch norm, which needs the statistics of a whole, undivided batch.
     const BATCH_NORM: bool = false;
 
-    /// From a batch of inputs `[windows, numbers]`, as the feature extraction makes them, to the logits
-    /// of each head, `[windows, frames, classes]`.
+    /// Computes the logits of each head, `[windows, frames, classes]`, from a batch of inputs `[windows, numbers]` of the
+    /// feature extraction.
     ///
     /// The first head is the prediction. In training the losses of all heads are added.
     fn forward(&self, input: Tensor<2>, dropout: &mut Dropout) -> Vec<Tensor<3>>;
 }
 
-/// Held by tests that draw random weights: a backend has one random generator for the whole process, so
-/// parallel tests would get each other's numbers in spite of their seeds.
+/// Locks the random weights for a test: a backend has one random generator a process, so parallel tests would get each
+/// other's numbers in spite of their seeds.
 #[cfg(test)]
 pub(crate) fn lock_random_weights() -> std::sync::MutexGuard<'static, ()> {
     static LOCK: std::sync::Mutex<()> = std::sync::Mutex::new(());

@@ -1,5 +1,5 @@
-//! TraHGR: a transformer with two paths over one window, low-pass filtered with three orders. A token of
-//! the temporal path is a channel, a token of the featural path is a block of eight samples.
+//! TraHGR: a transformer with two paths over one window, low-pass filtered with three orders. A token of the temporal path
+//! is a channel; a token of the featural path is a block of eight samples.
 
 use burn::module::{Module, Param};
 use burn::nn::{Initializer, LayerNorm, LayerNormConfig, Linear, LinearConfig};
@@ -11,7 +11,7 @@ use super::Network;
 use crate::baselines::features::FILTER_ORDERS;
 use training::optimization::dropout::Dropout;
 
-/// Samples of a token of the featural path.
+/// Number of samples in a token of the featural path.
 const BLOCK: usize = 8;
 
 /// Dimensions of the network.
@@ -19,9 +19,9 @@ const BLOCK: usize = 8;
 pub(crate) struct TraHgrConfig {
     /// Width of a token.
     d_model: usize,
-    /// Attention heads; a divisor of `d_model`.
+    /// Number of attention heads; a divisor of `d_model`.
     heads: usize,
-    /// Encoder layers of each path.
+    /// Number of encoder layers of each path.
     layers: usize,
     /// Hidden width of the feed-forward blocks.
     feed_forward: usize,
@@ -42,7 +42,7 @@ impl Default for TraHgrConfig {
 }
 
 impl TraHgrConfig {
-    /// A network with random weights.
+    /// Creates a network with random weights.
     pub(crate) fn init(&self, classes: usize, device: &Device) -> TraHgr {
         let orders = FILTER_ORDERS.len();
         let path = |tokens, numbers| self.path(tokens, numbers, classes, device);
@@ -80,7 +80,7 @@ impl TraHgrConfig {
     }
 }
 
-/// Xavier (Glorot) uniform weights and biases of 0, the reference's initialization.
+/// Linear layer with Xavier (Glorot) uniform weights and biases of 0, the reference's initialization.
 fn linear(from: usize, to: usize, device: &Device) -> Linear {
     let mut linear = LinearConfig::new(from, to)
         .with_initializer(Initializer::XavierUniform { gain: 1.0 })
@@ -89,7 +89,7 @@ fn linear(from: usize, to: usize, device: &Device) -> Linear {
     linear
 }
 
-/// The network.
+/// TraHGR network.
 #[derive(Module, Debug)]
 pub(crate) struct TraHgr {
     temporal: Path,
@@ -97,7 +97,7 @@ pub(crate) struct TraHgr {
     fused: Head,
 }
 
-/// One path: a class token and the path's tokens, encoded together.
+/// Path of the network: a class token and the path's tokens, encoded together.
 #[derive(Module, Debug)]
 struct Path {
     embedding: Linear,
@@ -107,7 +107,7 @@ struct Path {
     head: Head,
 }
 
-/// One pre-norm encoder layer.
+/// Pre-norm encoder layer.
 #[derive(Module, Debug)]
 struct Layer {
     norm1: LayerNorm,
@@ -152,13 +152,13 @@ impl Network for TraHgr {
     }
 }
 
-/// From `[windows, channel × sample × order]` to one token per channel.
+/// Reshapes `[windows, channel × sample × order]` to one token per channel.
 fn temporal(input: Tensor<2>) -> Tensor<3> {
     let [batch, numbers] = input.dims();
     input.reshape([batch, CHANNELS, numbers / CHANNELS])
 }
 
-/// From `[windows, channel × sample × order]` to one token per block of samples, ordered by channel inside.
+/// Reshapes `[windows, channel × sample × order]` to one token per block of samples, ordered by channel inside.
 fn featural(input: Tensor<2>) -> Tensor<3> {
     let [batch, numbers] = input.dims();
     let block = BLOCK * FILTER_ORDERS.len();
@@ -170,7 +170,7 @@ fn featural(input: Tensor<2>) -> Tensor<3> {
 }
 
 impl Path {
-    /// The encoded class token, `[windows, 1, d]`.
+    /// Encodes the tokens. Returns the class token, `[windows, 1, d]`.
     fn forward(&self, tokens: Tensor<3>, dropout: &mut Dropout) -> Tensor<3> {
         let [batch, _, _] = tokens.dims();
         let [_, _, d] = self.class_token.dims();

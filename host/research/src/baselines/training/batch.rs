@@ -1,4 +1,4 @@
-//! A batch of windows as tensors.
+//! Batch of windows as tensors.
 
 use burn::tensor::{Device, Int, Tensor, TensorData};
 
@@ -10,14 +10,14 @@ use training::optimization::tensor::read_back;
 
 /// Inputs and targets of some windows.
 pub(super) struct Batch {
-    /// `[windows, numbers]`.
+    /// Inputs, `[windows, numbers]`.
     pub(super) input: Tensor<2>,
     /// Class of each frame, `[windows, frames, 1]`; 0 where there is no target.
     target: Tensor<3, Int>,
-    /// 1 for each frame with a target, else 0, `[windows, frames]`.
+    /// Mask with 1 for each frame with a target, else 0, `[windows, frames]`.
     mask: Tensor<2>,
-    /// Frames with a target that the loss is a mean over: this batch's, or those of the whole optimizer step of
-    /// which it is a shard.
+    /// Number of frames with a target in the mean of the loss: those of this batch, or of the whole optimizer step of which
+    /// it is a shard.
     pub(super) targets: f64,
 }
 

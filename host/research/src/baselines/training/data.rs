@@ -1,4 +1,4 @@
-//! The windows that a baseline is trained and validated with, and their features.
+//! Training and validation windows of a baseline, and their features.
 
 use rayon::prelude::*;
 
@@ -50,7 +50,7 @@ impl TrainingData {
 
     /// Fits the z-scores to the training windows, for the baselines that have them.
     pub(super) fn fit_scaling(&mut self) {
-        // Not computed for nothing: TraHGR's features are 14 400 numbers per window.
+        // Skipped where it is not needed: TraHGR's features are 14 400 numbers per window.
         if self.features.is_scaled() {
             let unscaled = extract(&self.features, &self.training, &self.training.windows);
             self.features = self
@@ -77,13 +77,13 @@ impl TrainingData {
         examples(&self.features, &self.training)
     }
 
-    /// The same of the validation windows.
+    /// Features and class of every validation window; for baselines with one frame per window.
     pub(super) fn validation_examples(&self) -> Vec<(Vec<f32>, usize)> {
         examples(&self.features, &self.validation)
     }
 }
 
-/// Features of windows of a corpus.
+/// Extracts the features of windows of a corpus.
 pub(super) fn extract(
     features: &FeatureExtraction,
     corpus: &WindowedCorpus,

@@ -1,4 +1,4 @@
-//! Why a baseline cannot be trained.
+//! Errors of training a baseline.
 
 use execution::run_folder::RunError;
 use thiserror::Error;
@@ -8,16 +8,16 @@ use crate::baselines::lda::LdaError;
 /// Why a baseline cannot be trained.
 #[derive(Debug, Error)]
 pub(crate) enum TrainingError {
-    /// No labelled window to train or to validate with.
+    /// There is no labelled window to train or to validate with.
     #[error(
         "{baseline} has {training} training windows and {validation} validation windows; it needs both: give more labelled recordings"
     )]
     NoWindows {
         /// Name of the baseline.
         baseline: &'static str,
-        /// Training windows.
+        /// Number of training windows.
         training: usize,
-        /// Validation windows.
+        /// Number of validation windows.
         validation: usize,
     },
     /// The discriminants cannot be fitted.

@@ -1,4 +1,4 @@
-//! A baseline's network as a training problem of the product's training loop.
+//! Training problem of a baseline's network, for the product's training loop.
 
 use std::marker::PhantomData;
 
@@ -46,7 +46,7 @@ pub(super) fn fit<N: Network>(
 
 struct NetworkLearner<'a, N> {
     data: TrainingData,
-    /// Windows per optimizer step.
+    /// Number of windows per optimizer step.
     batch: usize,
     device: &'a Device,
     network: PhantomData<fn() -> N>,

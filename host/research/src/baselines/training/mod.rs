@@ -21,12 +21,12 @@ use training::run::context::RunContext;
 
 pub(crate) use error::TrainingError;
 
-/// What a baseline is trained with.
+/// Data and settings of a training.
 struct Setup<'a> {
     /// Training streams.
     training: &'a Corpus,
-    /// Streams of the subjects that choose the checkpoint. The reference takes the last epoch instead;
-    /// here one rule holds for every model.
+    /// Streams of the subjects that choose the checkpoint. The reference takes the last epoch instead; here one rule holds
+    /// for all models.
     validation: &'a Corpus,
     /// Training settings.
     settings: &'a BaselineSettings,
@@ -34,7 +34,7 @@ struct Setup<'a> {
     seed: u64,
     /// Device with gradients.
     device: &'a Device,
-    /// Where the model is saved; it is made from the streams of the run.
+    /// Place of the trained model; it is made from the streams of the run.
     place: Training<'a>,
 }
 
@@ -70,7 +70,7 @@ fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), TrainingError> {
     let (run, streams) = (setup.place.run, setup.place.made_from);
     let file = baseline.features_file();
     run.save_stamped(&file, streams, data.features())?;
-    // As it is read later: the model is bound to these very numbers.
+    // Read back from the file: the model is bound to exactly these numbers.
     let features = run.load_stamped::<FeatureExtraction>(&file, streams)?;
     let place = &Training {
         made_from: features.content.lineage(streams),

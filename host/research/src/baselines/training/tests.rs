@@ -1,4 +1,4 @@
-//! Each baseline learns a simple synthetic task.
+//! Tests that each baseline learns a simple synthetic task.
 
 use super::*;
 use crate::baselines::inference::TrainedBaseline;

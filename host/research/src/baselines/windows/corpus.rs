@@ -7,11 +7,11 @@ use super::frame_layout::FrameLayout;
 use recordings::corpus::Corpus;
 use recordings::lead_in::lead_in;
 
-/// Samples in front of a stream. A multiple of the lead-in's patch, so that the newest 600 are those
-/// that every other model gets, and enough for ED-TCN's 625.
+/// Number of samples in front of a stream: a multiple of the lead-in's patch, so that the newest 600 are those of every
+/// other model, and enough for ED-TCN's 625.
 const LEAD: usize = 700;
 
-/// A stream with its lead-in, which has no labels.
+/// Stream with its lead-in, which has no labels.
 #[derive(Clone, Debug)]
 pub(crate) struct PaddedStream {
     raw: Vec<Sample>,
@@ -19,26 +19,27 @@ pub(crate) struct PaddedStream {
     labels: Vec<Option<Intent>>,
 }
 
-/// The samples of one window.
+/// Samples of one window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WindowSamples<'a> {
-    /// As the armband sends them.
+    /// Samples as the armband sends them.
     pub(crate) raw: &'a [Sample],
     /// The same samples after cleaning (median and rectification).
     pub(crate) emg: &'a [CleanSample],
 }
 
-/// The place of a window in a corpus.
+/// Position of a window in a corpus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
     /// Index of the stream.
     pub(crate) stream: usize,
-    /// Samples of the stream up to the window's end, without the lead-in.
+    /// Number of samples of the stream up to the window's end, without the lead-in.
     pub(crate) end: usize,
 }
 
 impl PaddedStream {
-    /// Adds the lead-in. `raw` and `emg` have one length, and `labels` too unless no targets are needed.
+    /// Adds the lead-in to a stream. `raw`, `emg` and `labels` have the same length; `labels` may be empty if no targets
+    /// are needed.
     pub(crate) fn new(raw: &[Sample], emg: &[CleanSample], labels: &[Option<Intent>]) -> Self {
         let unlabelled = if raw.is_empty() { 0 } else { LEAD };
         let unlabelled = std::iter::repeat_n(None, unlabelled);
@@ -49,7 +50,7 @@ impl PaddedStream {
         }
     }
 
-    /// The `length` samples up to `end`, as in [`Window::end`]; `end` is 1 or more, `length` at most 700.
+    /// Returns the `length` samples up to `end`, as in [`Window::end`]; `end` is 1 or more, `length` at most 700.
     pub(crate) fn window(&self, end: usize, length: usize) -> WindowSamples<'_> {
         let range = LEAD + end - length..LEAD + end;
         WindowSamples {
@@ -58,18 +59,18 @@ impl PaddedStream {
         }
     }
 
-    /// The targets of the frames of the window that ends at `end`.
+    /// Targets of the frames of the window that ends at `end`.
     fn targets(&self, end: usize, layout: FrameLayout) -> Vec<Option<Intent>> {
         layout.targets(&self.labels[LEAD + end - layout.window..LEAD + end])
     }
 }
 
-/// The streams of a corpus and those of their windows that can be trained or validated with.
+/// Streams of a corpus, and the windows that can be trained or validated with.
 #[derive(Clone, Debug)]
 pub(crate) struct WindowedCorpus {
     streams: Vec<PaddedStream>,
     layout: FrameLayout,
-    /// Every `stride` samples, if at least one frame has a target.
+    /// Windows, `stride` samples apart; each has a frame with a target.
     pub(crate) windows: Vec<Window>,
     /// Number of classes.
     pub(crate) classes: usize,
@@ -101,12 +102,12 @@ impl WindowedCorpus {
         }
     }
 
-    /// The samples of a window.
+    /// Samples of a window.
     pub(crate) fn samples(&self, window: Window) -> WindowSamples<'_> {
         self.streams[window.stream].window(window.end, self.layout.window)
     }
 
-    /// The targets of a window's frames; none where the label is unknown.
+    /// Targets of a window's frames; none where the label is unknown.
     pub(crate) fn targets(&self, window: Window) -> Vec<Option<Intent>> {
         self.streams[window.stream].targets(window.end, self.layout)
     }
@@ -153,7 +154,7 @@ mod tests {
         };
         let whole = padded(&original);
         for end in [10, 20, 50, 90, 100, 200, 350] {
-            // The median of a sample needs the next one.
+            // The median of a sample needs the next sample.
             let mut changed = original.clone();
             changed.iter_mut().skip(end + 1).for_each(|s| *s = [-7; 8]);
             let changed = padded(&changed);

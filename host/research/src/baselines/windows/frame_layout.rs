@@ -1,4 +1,4 @@
-//! How a baseline divides its window into frames, and which labels and samples a frame stands for.
+//! Division of a baseline's window into frames, and the labels and samples that a frame stands for.
 
 use shared::intent::Intent;
 use shared::model::LookBackLogits;
@@ -6,41 +6,39 @@ use shared::units::{LOOK_BACK, PATCH, WINDOW};
 
 use crate::baselines::Baseline;
 
-/// The frames of one window, oldest first: one feature vector, one target label and one vector of logits
-/// each.
+/// Frames of one window, oldest first. Each has one feature vector, one target label and one vector of logits.
 ///
 /// Frames overlap, and the last one ends with the window. The logits of a frame refer to its newest `hop`
 /// samples, those of the first frame also to everything before them.
 ///
-/// Two deviations from the reference's code. It assigns the logits of frame i, for LSTM and ED-TCN, to the
-/// samples from `frame + i * hop` on: after the frame, one hop later than here, which leaves a stretch
-/// without logits and ED-TCN's last frame unused. And its last LSTM frame ends one sample before the
-/// window does.
+/// It deviates from the reference's code in two ways. For LSTM and ED-TCN, the reference assigns the logits of frame i to
+/// the samples from `frame + i * hop` on. That is after the frame, one hop later than here, and leaves a stretch without
+/// logits and ED-TCN's last frame unused. Its last LSTM frame ends one sample before the window does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FrameLayout {
-    /// Samples of a window.
+    /// Number of samples of a window.
     pub(crate) window: usize,
-    /// Samples of a frame.
+    /// Number of samples of a frame.
     pub(crate) frame: usize,
-    /// Samples from the start of one frame to the start of the next.
+    /// Number of samples from the start of one frame to the start of the next.
     pub(crate) hop: usize,
-    /// Frames of a window.
+    /// Number of frames of a window.
     pub(crate) count: usize,
-    /// Which of a frame's labels is the target.
+    /// Rule for the target label of a frame.
     target: Target,
 }
 
-/// Which of a frame's labels is the training target.
+/// Rule for the training target of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Target {
-    /// The newest sample's.
+    /// Label of the newest sample.
     Last,
-    /// The most frequent one.
+    /// Most frequent label.
     MostFrequent,
 }
 
 impl FrameLayout {
-    /// A baseline's frames. The LSTM's hop is `lstm_step`, 1 to 500; the others do not use it.
+    /// Layout of a baseline. The LSTM's hop is `lstm_step`, 1 to 500; the others do not use it.
     pub(crate) const fn of(baseline: Baseline, lstm_step: usize) -> Self {
         match baseline {
             Baseline::Lda | Baseline::Mlp | Baseline::TraHgr => Self {
@@ -67,18 +65,18 @@ impl FrameLayout {
         }
     }
 
-    /// The first sample of each frame, counted from the window's start.
+    /// Index of the first sample of each frame, counted from the window's start.
     pub(crate) fn starts(self) -> impl Iterator<Item = usize> {
         (0..self.count)
             .map(move |frame| self.window - self.frame - self.hop * (self.count - 1 - frame))
     }
 
-    /// The frame whose logits refer to a sample of the window.
+    /// Index of the frame whose logits refer to a sample of the window.
     const fn frame_of(self, sample: usize) -> usize {
         (self.count - 1).saturating_sub((self.window - 1 - sample) / self.hop)
     }
 
-    /// The frames' targets from the labels of a window's samples; none where the label is unknown.
+    /// Targets of the frames, from the labels of a window's samples; none where the label is unknown.
     pub(crate) fn targets(self, labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
         self.starts()
             .map(|start| {
@@ -91,7 +89,7 @@ impl FrameLayout {
             .collect()
     }
 
-    /// Logits of the newest patches from the logits of a window's frames, `[count][classes]`.
+    /// Computes the logits of the newest patches from the logits of a window's frames, `[count][classes]`.
     ///
     /// A patch gets the mean over its samples. With a single frame only the newest patch has logits.
     pub(crate) fn look_back_logits(self, logits: &[f32], classes: usize) -> LookBackLogits {
@@ -113,8 +111,7 @@ impl FrameLayout {
     }
 }
 
-/// The most frequent label, the lowest class on ties; none if more samples are unlabelled than have any
-/// one label.
+/// Most frequent label, the lowest class on ties; none if more samples are unlabelled than have any one label.
 fn most_frequent(labels: &[Option<Intent>]) -> Option<Intent> {
     let count = |label: Option<Intent>| labels.iter().filter(|&&own| own == label).count();
     let mut best = (None, count(None));
@@ -208,7 +205,7 @@ mod tests {
 
     #[test]
     fn logits_of_a_patch_are_means_over_its_samples() {
-        // Each frame's only logit is its number; frame 19 refers to the newest 25 samples.
+        // The only logit of a frame is its number; frame 19 refers to the newest 25 samples.
         let logits: Vec<f32> = (0..20_u8).map(f32::from).collect();
         let rows = FrameLayout::of(Baseline::EdTcn, 1).look_back_logits(&logits, 1);
         let found: Vec<f32> = rows.iter().map(|row| row[0]).collect();

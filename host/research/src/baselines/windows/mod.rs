@@ -1,4 +1,4 @@
-//! Windows of recordings: what a baseline sees at one instant, and the labels of its frames.
+//! Windows of recordings: the input of a baseline at one instant, and the labels of its frames.
 
 mod corpus;
 mod frame_layout;

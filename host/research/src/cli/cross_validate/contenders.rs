@@ -1,4 +1,4 @@
-//! What a cross-validation compares, from its arguments.
+//! Contenders of a cross-validation, from its arguments.
 
 use anyhow::bail;
 use presets::Preset;
@@ -8,10 +8,10 @@ use crate::baselines::Baseline;
 use crate::baselines::settings::{BaselineSettings, find_preset};
 use crate::cross_validation::{Contender, Kind, PaperTeacher};
 
-/// The preset of the paper's tables.
+/// Name of the preset of the paper's tables.
 const OF_PAPER: &str = "comparison";
 
-/// The presets by their names, which are folders, and the first one's settings for baselines.
+/// Loads the presets, whose names are folders, and the first one's settings for baselines.
 ///
 /// # Errors
 /// When a preset cannot be read, two have one name, their vocabularies differ, or the paper's tables are wanted of several
@@ -53,7 +53,7 @@ pub(super) fn presets(arguments: &Arguments) -> anyhow::Result<(Vec<Preset>, Bas
 
 /// Contenders beside the floors.
 pub(super) struct Compared<'a> {
-    /// Presets of the students; the first one is also that of everything else.
+    /// Presets of the students; the first one is also used for all other contenders.
     pub(super) presets: &'a [Preset],
     /// Teachers of the paper's tables.
     pub(super) teachers: Vec<PaperTeacher>,
@@ -61,10 +61,10 @@ pub(super) struct Compared<'a> {
     pub(super) baselines: Vec<Baseline>,
 }
 
-/// The students of the presets, the teachers, the baselines, then the floors.
+/// Contenders: the students of the presets, the teachers, the baselines, then the floors.
 ///
 /// # Errors
-/// When two have one folder, or `only` is none of them.
+/// When two have the same folder, or `only` is none of them.
 pub(super) fn contenders(
     compared: &Compared<'_>,
     only: Option<&str>,

@@ -11,7 +11,7 @@ use crate::cross_validation::{
     people, scores, test_scores,
 };
 
-/// Tables, and a row for each person, with the names of their files.
+/// Tables of a cross-validation and a row for each person, with the names of their files.
 pub(super) struct Tables {
     tables: Vec<Table>,
     people: Table,
@@ -19,7 +19,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// The tables of development, then that of the test people, if they were looked at.
+    /// Creates the tables of the development people, then those of the test people, if they were evaluated.
     pub(super) fn new(development: &[Merged<'_>], test: &[Merged<'_>]) -> Self {
         let mut tables = vec![
             scores(development),
@@ -34,7 +34,7 @@ impl Tables {
         }
     }
 
-    /// The paper's tables; `window` is that of the preset's teacher, in samples.
+    /// Creates the paper's tables; `window` is the window of the preset's teacher, in samples.
     pub(super) fn of_paper(merged: &[Merged<'_>], window: usize) -> Self {
         Self {
             tables: paper_tables(merged, window),
@@ -43,13 +43,13 @@ impl Tables {
         }
     }
 
-    /// All tables for a terminal.
+    /// Formats all tables for a terminal.
     pub(super) fn plain(&self) -> String {
         let tables: Vec<String> = self.tables.iter().map(Table::plain).collect();
         tables.join("\n")
     }
 
-    /// Writes the tables, and a row for each person, seed, fold, preset and mode; returns the files.
+    /// Writes the tables, and a row for each person, seed, fold, preset and mode. Returns the paths.
     pub(super) fn write(&self, folder: &Path) -> anyhow::Result<[PathBuf; 2]> {
         let [page, rows] = self.files.map(|name| folder.join(name));
         let tables: Vec<String> = self.tables.iter().map(Table::markdown).collect();
@@ -59,8 +59,8 @@ impl Tables {
     }
 }
 
-/// Every contender under each confidence gate and look-ahead, on some of the people. Without look-ahead only those that have
-/// none, unless `all` are wanted.
+/// Merges the scores of every contender under each confidence gate and look-ahead, on some of the people. Without
+/// look-ahead, only contenders that have none are included, unless `all` is set.
 pub(super) fn merged<'a, G: Iterator<Item = Option<Gate>>>(
     contenders: &'a [Contender],
     results: &'a [Vec<(Origin, JobScores)>],

@@ -1,4 +1,4 @@
-//! The numbers of `score`, computed from docs/metrics.md alone, as plainly as its sentences.
+//! Naive implementation of `score`, written from docs/metrics.md alone.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,18 +11,18 @@ use evaluation::metric::transition::Rule;
 type Label = Option<Intent>;
 
 const RELAX: Label = Some(Intent::Relax);
-/// T of the page.
+/// Constant T of docs/metrics.md, in samples.
 const T: i64 = 50;
 
-/// Numbers that the page defines.
+/// Numbers that docs/metrics.md defines.
 #[derive(Debug, Default)]
 pub(super) struct Expected {
     recalls: BTreeMap<&'static str, f64>,
     balanced: Option<f64>,
     raw: Option<f64>,
-    /// Sample of each change, whether it is followed, and its offset.
+    /// Changes: sample, whether the prediction follows it, and its offset.
     changes: Vec<(i64, bool, Option<i64>)>,
-    /// Onset of each gesture, and its latency if it is recognised.
+    /// Gestures: onset, and the latency if it is recognised.
     gestures: Vec<(i64, Option<i64>)>,
     false_activations: usize,
     rest: usize,
@@ -30,7 +30,7 @@ pub(super) struct Expected {
     labelled: usize,
 }
 
-/// The scores of a prediction; none if the truth is refused.
+/// Scores of a prediction; none if the truth is refused.
 pub(super) fn score(
     truth: &[Label],
     prediction: &[Label],
@@ -64,7 +64,7 @@ pub(super) fn score(
     Some(expected)
 }
 
-/// Balanced and raw accuracy.
+/// Computes balanced and raw accuracy.
 fn samples(t: &[Label], p: &[Label], expected: &mut Expected) {
     let right = |of: &dyn Fn(Label) -> bool| {
         let own = || t.iter().zip(p).filter(|(t, _)| of(**t));
@@ -105,7 +105,7 @@ fn begins(labels: &[Label], at: usize) -> bool {
     at == 0 || labels[at - 1] != labels[at]
 }
 
-/// Changes of one stretch; none if a label has no room for a buffer.
+/// Finds the changes of one stretch; none if a label is too short for a buffer.
 fn changes(
     t: &[Label],
     p: &[Label],
@@ -174,7 +174,7 @@ fn changes(
     Some(())
 }
 
-/// Gestures of one stretch; marks what gestures own.
+/// Scores the gestures of one stretch; marks the samples that belong to gestures.
 fn gestures(
     t: &[Label],
     emitted: &[Label],
@@ -233,7 +233,7 @@ fn flicker(t: &[Label], emitted: &[Label], stretch: &Range<usize>) -> usize {
     count
 }
 
-/// The latency below which a share of all gestures is, in ms; none if that is one that is missed.
+/// Quantile of the latencies of all gestures, in ms; none if it falls on a missed gesture.
 fn quantile(gestures: &[(i64, Option<i64>)], percent: usize) -> Option<i64> {
     let mut latencies: Vec<i64> = gestures.iter().filter_map(|own| own.1).collect();
     latencies.sort_unstable();

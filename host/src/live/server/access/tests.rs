@@ -19,7 +19,7 @@ fn headers(host: Option<&str>, origin: Option<&str>) -> HeaderMap {
 #[test]
 fn on_this_machine_names_of_it_are_answered_with_any_port() {
     let access = access("127.0.0.1:8377");
-    // A tunnel has a port of its own; a browser leaves out port 80.
+    // A tunnel has its own port; a browser leaves out port 80.
     for host in [
         "127.0.0.1:8377",
         "127.0.0.1:9000",
@@ -163,7 +163,7 @@ fn for_others_the_token_is_asked_for_and_a_name_still_refused() {
         let named = access.check(&path, &headers(host));
         assert!(matches!(named, Err(Denied::Host(_))), "{named:?}");
     }
-    // Through a tunnel, or another machine's port.
+    // Requests through a tunnel, or to another machine's port.
     for host in [
         "localhost:9000",
         "[::1]",

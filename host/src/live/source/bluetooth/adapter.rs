@@ -1,4 +1,4 @@
-//! This computer's Bluetooth, through btleplug: carries out what the session asks for, and decides nothing.
+//! Driver of this computer's Bluetooth, through btleplug: carries out the session's actions, and decides nothing.
 
 use std::collections::HashMap;
 use std::future::{Future, pending};
@@ -14,7 +14,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 use super::link::{Link, Notifications, characteristic, on_air};
 use super::radio::{Heard, Radio, advertising_data};
 
-/// Strength of a signal that the stack does not give, as the session has it.
+/// Signal strength that stands for an unknown one, as in the session.
 const RSSI_UNKNOWN: i8 = 127;
 
 /// Starts the stack on a thread of its own.
@@ -28,7 +28,7 @@ pub(super) fn open() -> anyhow::Result<Radio> {
         .name("bluetooth".to_owned())
         .spawn(move || {
             if let Err(error) = runtime.block_on(run(wanted, &sender)) {
-                // A session that has ended wants no reason.
+                // The session may have ended.
                 let _ = sender.send(Heard::Gone(format!("{error:#}")));
             }
         })?;
@@ -72,13 +72,13 @@ async fn run(mut wanted: UnboundedReceiver<Action>, sender: &Sender<Heard>) -> a
     }
 }
 
-/// The next notification that is one of the armband's.
+/// Waits for the next notification of the armband.
 async fn next(notifications: &mut Option<Notifications>) -> Option<Heard> {
     let Some(stream) = notifications else {
         return pending().await;
     };
     let Some(value) = stream.next().await else {
-        // The link has ended; the central says so.
+        // The link has ended; the central reports that.
         *notifications = None;
         return None;
     };
@@ -91,14 +91,14 @@ async fn next(notifications: &mut Option<Notifications>) -> Option<Heard> {
 
 struct Adapter {
     central: platform::Adapter,
-    /// Who has advertised.
+    /// Devices that have advertised.
     known: HashMap<[u8; 6], PeripheralId>,
     link: Option<Link>,
     notifications: Option<Notifications>,
 }
 
 impl Adapter {
-    /// Carries out an action; what came of it, if it is answered.
+    /// Carries out an action. Returns its result, if it has one.
     async fn carry_out(
         &mut self,
         action: Action,
@@ -113,7 +113,7 @@ impl Adapter {
                 started.err().map(|_| Heard::ScanEnded)
             }
             Action::StopScan => {
-                // One that does not run cannot be stopped.
+                // A scan that does not run cannot be stopped.
                 let _ = self.central.stop_scan().await;
                 None
             }
@@ -173,7 +173,7 @@ impl Adapter {
         }
     }
 
-    /// What the stack says by itself.
+    /// Handles an event of the stack.
     async fn happened(&mut self, event: CentralEvent) -> Option<Heard> {
         match event {
             CentralEvent::DeviceDiscovered(id) | CentralEvent::DeviceUpdated(id) => {
@@ -200,7 +200,7 @@ impl Adapter {
     }
 }
 
-/// An operation's result; none if the session ends the connection before, or itself. It asks for nothing else meanwhile.
+/// Result of an operation; none if the session ends or ends the connection. The session asks for nothing else meanwhile.
 async fn unless_ended<T>(
     operation: impl Future<Output = T>,
     wanted: &mut UnboundedReceiver<Action>,

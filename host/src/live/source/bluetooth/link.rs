@@ -1,4 +1,4 @@
-//! A connection with an armband: its characteristics, and operations on them.
+//! Connection to an armband: its characteristics, and operations on them.
 
 use std::pin::Pin;
 
@@ -9,28 +9,28 @@ use shared::myo::{Action, Characteristic, Uuid};
 
 use super::radio::Heard;
 
-/// Of all characteristics that are subscribed to.
+/// Notifications of all subscribed characteristics.
 pub(super) type Notifications = Pin<Box<dyn Stream<Item = ValueNotification> + Send>>;
 
-/// The characteristic of a UUID; none where it is not used here.
+/// Finds the characteristic of a UUID; none if it is not used here.
 pub(super) fn characteristic(uuid: uuid::Uuid) -> Option<Characteristic> {
     Characteristic::from_uuid(Uuid::from_le_bytes(&on_air(uuid))?)
 }
 
-/// A UUID as it is on air.
+/// Bytes of a UUID in the order on air.
 pub(super) const fn on_air(uuid: uuid::Uuid) -> [u8; 16] {
-    // Not `to_bytes_le`, which swaps three of its fields alone.
+    // Not `to_bytes_le`, which swaps only three of its fields.
     uuid.as_u128().to_le_bytes()
 }
 
-/// A connection.
+/// Connection to an armband.
 pub(super) struct Link {
     pub(super) peripheral: Peripheral,
     found: Vec<(Characteristic, Remote)>,
 }
 
 impl Link {
-    /// Before discovery.
+    /// Creates a connection before discovery.
     pub(super) const fn new(peripheral: Peripheral) -> Self {
         Self {
             peripheral,
@@ -38,7 +38,7 @@ impl Link {
         }
     }
 
-    /// Carries out an operation of the session; what came of it.
+    /// Carries out an operation of the session. Returns its result.
     pub(super) async fn operate(
         &mut self,
         operation: Action,
@@ -80,7 +80,7 @@ impl Link {
 
     async fn write(&self, characteristic: Characteristic, bytes: &[u8]) -> Option<Heard> {
         let remote = self.remote(characteristic)?;
-        // The armband ignores one without response.
+        // The armband ignores a write without response.
         let written = self
             .peripheral
             .write(remote, bytes, WriteType::WithResponse);

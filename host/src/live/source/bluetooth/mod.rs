@@ -1,5 +1,5 @@
-//! An armband over this computer's own Bluetooth, without a board: the Myo session of the firmware decides, the device's pipeline
-//! labels.
+//! An armband over this computer's own Bluetooth, without a board. The Myo session of the firmware makes the decisions, and
+//! the device's pipeline makes the labels.
 //!
 //! ```text
 //! MyoSession  -- actions -->  adapter (btleplug; feature `bluetooth`)  -- radio -->  armband
@@ -31,22 +31,22 @@ use super::scored::Scored;
 use crate::live::event::Event as Told;
 use execution::revision::revision;
 
-/// Between two ticks of the session, as on a board.
+/// Pause between two ticks of the session, as on a board.
 const TICK: Duration = Duration::from_millis(50);
 
-/// The armband that is followed, and the model that labels its samples.
+/// Armband to follow, and the model that labels its samples.
 #[derive(Debug)]
 pub(crate) struct Armband {
-    /// Without one, that with the strongest signal.
+    /// Address of the armband; none for the one with the strongest signal.
     pub(crate) address: Option<Address>,
     pub(crate) model: Vec<u8>,
 }
 
 impl Armband {
-    /// Follows it until it is stopped.
+    /// Follows the armband until it is stopped.
     ///
     /// # Errors
-    /// When the model is refused, or there is no Bluetooth adapter, or no longer one.
+    /// When the model is refused, or there is no Bluetooth adapter or it is lost.
     #[cfg(feature = "bluetooth")]
     pub(crate) fn run(&self, context: &Context) -> anyhow::Result<()> {
         self.run_on(&adapter::open()?, context)
@@ -79,7 +79,7 @@ impl Armband {
     }
 }
 
-/// While it runs.
+/// State of a running session.
 struct Running<'c, 'r> {
     context: &'c Context,
     radio: &'c Radio,
@@ -89,7 +89,7 @@ struct Running<'c, 'r> {
     next: SampleIndex,
     /// Whether samples have come since the connection was established.
     streams: bool,
-    /// What viewers know.
+    /// Source and board that viewers were told last.
     told: Option<(Told, Told)>,
 }
 
@@ -111,7 +111,7 @@ impl Running<'_, '_> {
                 due = Instant::now() + TICK;
             }
         }
-        // The adapter ends with its channel; the connection ends before.
+        // The adapter ends with its channel; the connection ends first.
         let _ = self.radio.actions.send(Action::Disconnect);
         Ok(())
     }
@@ -148,9 +148,9 @@ impl Running<'_, '_> {
                 self.streams = false;
                 self.context.hub.forget_stream();
             }
-            // Nobody is bound over a restart of this program.
+            // No binding outlasts this program.
             Action::Keep(_) => {}
-            // An adapter that is gone says so.
+            // An adapter that is gone reports that.
             action => drop(self.radio.actions.send(action)),
         }
     }
@@ -178,7 +178,7 @@ impl Running<'_, '_> {
         }
     }
 
-    /// Tells viewers what has changed about the armband.
+    /// Tells viewers about changes of the armband.
     fn tell(&mut self) {
         let armband = self.session.armband();
         let detail = match self.session.phase() {

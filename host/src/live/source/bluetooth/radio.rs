@@ -1,16 +1,16 @@
-//! What the session says to a Bluetooth stack and hears from it, over channels: the stack has a thread of its own.
+//! Channels between the session and a Bluetooth stack, which has a thread of its own.
 
 use std::sync::mpsc::Receiver;
 
 use shared::myo::{Action, Address, Characteristic, Event, Found};
 use tokio::sync::mpsc::UnboundedSender;
 
-/// The session's ends of both channels.
+/// Session's ends of both channels.
 #[derive(Debug)]
 pub(super) struct Radio {
-    /// To be carried out in order; none that is for the pipeline. Its end ends the stack.
+    /// Actions for the stack, in order, without those for the pipeline. Closing the channel ends the stack.
     pub(super) actions: UnboundedSender<Action>,
-    /// What came of them, and what comes by itself.
+    /// Results of actions, and events of the stack.
     pub(super) heard: Receiver<Heard>,
 }
 
@@ -38,12 +38,12 @@ pub(super) enum Heard {
         bytes: Vec<u8>,
     },
     Disconnected,
-    /// There is no adapter, or no longer one: why.
+    /// The adapter is missing or was lost, with the reason.
     Gone(String),
 }
 
 impl Heard {
-    /// As the session takes it.
+    /// Event as the session takes it.
     pub(super) fn event(&self) -> Event<'_> {
         match self {
             Self::Advertisement {
@@ -74,8 +74,8 @@ impl Heard {
     }
 }
 
-/// The advertising data of a device that offers these services, 16 bytes each as on air: a stack gives them without their
-/// frame, and the session reads frames.
+/// Advertising data of a device that offers these services, 16 bytes each as on air. A stack gives them without framing, and
+/// the session parses framed data.
 pub(super) fn advertising_data(services: impl IntoIterator<Item = [u8; 16]>) -> Vec<u8> {
     /// Type of a complete list of 128-bit service UUIDs (Supplement to the Bluetooth Core Specification, A 1.1).
     const ALL_UUIDS_128: u8 = 0x07;

@@ -13,23 +13,23 @@ use crate::live::hub::Hub;
 use crate::live::source::Stop;
 
 const ADDRESS: &str = "FA:12:34:56:78:9A";
-/// 1.5.1970, hardware 2.
+/// Firmware version 1.5.1970, hardware revision 2.
 const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 
-/// An armband, and the stack between it and the session.
+/// Armband and stack, simulated.
 struct Peripheral {
     actions: UnboundedReceiver<Action>,
     heard: Sender<Heard>,
     samples: Vec<Sample>,
-    /// Notifications after which the link is lost, once.
+    /// Number of notifications after which the link is lost, once.
     lost_after: Option<usize>,
-    /// Of the recording, over all connections.
+    /// Notifications of the recording sent so far, over all connections.
     sent: usize,
     lane: usize,
 }
 
 impl Peripheral {
-    /// Answers until the session ends; gives what it was asked for.
+    /// Answers actions until the session ends. Returns their names.
     fn run(mut self) -> Vec<&'static str> {
         let mut asked = Vec::new();
         while let Some(action) = self.actions.blocking_recv() {
@@ -63,7 +63,7 @@ impl Peripheral {
         asked
     }
 
-    /// The recording from where it stands, the four characteristics in turn.
+    /// Sends the recording from its current position, on the four characteristics in turn.
     fn stream(&mut self) {
         for pair in self.samples[2 * self.sent..].chunks_exact(2) {
             let emg: Vec<u8> = pair
@@ -78,7 +78,7 @@ impl Peripheral {
             });
             self.lane = (self.lane + 1) % 4;
             self.sent += 1;
-            // Ten times as fast as a real one.
+            // Ten times as fast as a real armband.
             std::thread::sleep(Duration::from_millis(1));
             if self
                 .lost_after
@@ -93,7 +93,7 @@ impl Peripheral {
     }
 }
 
-/// As a real one: padded name, flags, and the service that is looked for.
+/// Advertisement like a real one: padded name, flags, and the service that is searched for.
 fn advertisement() -> Heard {
     Heard::Advertisement {
         address: Address::parse(ADDRESS).unwrap(),
@@ -102,7 +102,7 @@ fn advertisement() -> Heard {
     }
 }
 
-/// A session that runs, until it is stopped.
+/// Running session, until it is stopped.
 struct Started {
     hub: Arc<Hub>,
     stop: Stop,
@@ -144,7 +144,7 @@ fn start(address: Option<Address>, samples: &[Sample], lost_after: Option<usize>
     }
 }
 
-/// Messages of a hub, until it is dropped.
+/// Collects the messages of a hub, until it is dropped.
 fn follow(hub: &Hub) -> Receiver<Value> {
     let mut following = hub.subscribe().following;
     let (sender, messages) = mpsc::channel();
@@ -168,7 +168,7 @@ fn recording() -> Vec<Sample> {
 
 /// Instants and labels of the device's pipeline.
 fn labels(samples: &[Sample]) -> Vec<Value> {
-    // On the heap: aligned as a model has to be.
+    // On the heap, which aligns it as a model requires.
     let file = SHIPPED.to_vec();
     let model = Model::parse(&file).unwrap();
     let encoder = HostEncoder::new(&model).unwrap();
@@ -220,7 +220,7 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     started.session.join().unwrap().unwrap();
     let asked = started.peripheral.join().unwrap();
     assert_eq!(emg, samples);
-    // Of the first connection; the first report is of the state before it.
+    // Labels of the first connection; the first report is of the state before it.
     let expected = labels(&samples[..2 * half]);
     assert!(expected.len() > 10, "{expected:?}");
     let first = shown.iter().skip_while(|report| **report != expected[0]);

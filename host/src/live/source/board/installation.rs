@@ -1,4 +1,4 @@
-//! A model for the board, installed from the page.
+//! Installation of a model on the board, started from the page.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use crate::board::{ModelFile, install as send};
 use crate::live::event::Event;
 use crate::live::outcome::Installing;
 
-/// The model that was to be installed before there was a connection. Whatever else was asked for then is not done later.
+/// Takes the model to install that was asked for before there was a connection. Drops all other requests.
 pub(super) fn asked_before(context: &Context) -> Option<Vec<u8>> {
     let installs = |request: &Request| matches!(request, Request::Install(_));
     match context.requests.try_iter().filter(installs).last() {
@@ -16,7 +16,7 @@ pub(super) fn asked_before(context: &Context) -> Option<Vec<u8>> {
     }
 }
 
-/// Installs a model, and tells viewers how far it is and what came of it; whether it is in use now.
+/// Installs a model and tells viewers its progress and result. Returns whether it is in use now.
 pub(super) fn install(path: &Path, model: &[u8], context: &Context) -> bool {
     let tell = |told| context.hub.publish(&Event::Installing(told));
     let running = Installing::running("outputs are safe until the board has all of it");
@@ -28,7 +28,7 @@ pub(super) fn install(path: &Path, model: &[u8], context: &Context) -> bool {
             let of = file.blocks();
             let mut told = None;
             send(path, file, stopped, |blocks| {
-                // Viewers need no more than each hundredth.
+                // Viewers need the progress in percent only.
                 let hundredths = 100 * blocks / of.max(1);
                 if told.replace(hundredths) != Some(hundredths) {
                     let running = running.clone();

@@ -13,8 +13,8 @@ use crate::live::SHIPPED;
 use crate::live::hub::Hub;
 use crate::live::source::Stop;
 
-/// A terminal whose other end answers every command, and every installation in one way; until it is stopped. The thread gives
-/// how many alignments and pairings were begun.
+/// Terminal whose other end answers every command, and installations as `answer` does, until it is stopped. The thread
+/// returns the number of alignments and pairings.
 fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::JoinHandle<usize>) {
     let (mut master, slave) = SerialPort::pair().unwrap();
     master.set_read_timeout(WAIT).unwrap();
@@ -49,7 +49,7 @@ fn board(answer: Answer<'static>, stop: &Stop) -> (SerialPort, std::thread::Join
     (slave, thread)
 }
 
-/// What a board with the shipped model says that it is.
+/// Identity of a board with the shipped model.
 fn identity() -> Identity<'static> {
     let file = SHIPPED.to_vec();
     Identity {
@@ -63,7 +63,7 @@ fn identity() -> Identity<'static> {
     }
 }
 
-/// What viewers are told, from a request for an installation until the board is heard again and something else has come.
+/// Messages to viewers from an installation request until the board is heard again and one more event.
 fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
     let (hub, stop) = (Arc::new(Hub::new()), Stop::default());
     let (slave, thread) = board(answer, &stop);
@@ -130,14 +130,14 @@ fn what_was_asked_for_before_the_board_was_there_is_not_done_once_it_is() {
         assert!(Instant::now() < end, "never heard");
         std::thread::yield_now();
     }
-    // All that was to be sent at the beginning was sent by then.
+    // All commands of the beginning were sent by then.
     std::thread::sleep(10 * WAIT);
     stop.request();
     source.join().unwrap().unwrap();
     assert_eq!(thread.join().unwrap(), 0);
 }
 
-/// The last message of a kind.
+/// Last message of a kind.
 fn last<'t>(told: &'t [Value], kind: &str) -> Option<&'t Value> {
     told.iter().rfind(|message| message["type"] == kind)
 }
@@ -147,7 +147,7 @@ fn a_model_that_a_board_takes_is_the_one_whose_scores_are_shown() {
     let told = installed(Answer::Install(Progress::Installed), SHIPPED);
     let installing = last(&told, "installing").unwrap();
     assert_eq!(installing["state"], "done", "{installing}");
-    // On the heap: aligned as a model has to be.
+    // On the heap, which aligns it as a model requires.
     let file = SHIPPED.to_vec();
     let blocks = ModelFile::new(&file).unwrap().blocks();
     let whole = |message: &&Value| message["blocks"] == blocks && message["of"] == blocks;

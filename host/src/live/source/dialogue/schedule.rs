@@ -1,20 +1,20 @@
-//! Which command a board is sent next, and when.
+//! Schedule of the commands to a board.
 
 use shared::myo::Following;
 use shared::uart_line::command::{AlignCommand, BindCommand, Command};
 use shared::units::Millis;
 
-/// How often the board is asked for its losses.
+/// Period of the questions for the board's losses.
 const COUNTERS_MS: u32 = 2_000;
-/// How often it is asked what it is, whom it follows and how it is aligned: the battery changes slowly, and a line may have
-/// been lost.
+/// Period of the questions for identity, binding and alignment: the battery changes slowly, and a line may have been
+/// lost.
 pub(super) const IDENTIFY_MS: u32 = 10_000;
-/// How often a board that follows nobody is asked whether it does now.
+/// Period of the questions for the binding while the board follows nobody.
 const UNBOUND_MS: u32 = 1_000;
-/// Without samples for so long the raw stream is asked for again: the board may have restarted.
+/// Time without samples after which the raw stream is asked for again: the board may have restarted.
 const RAW_MS: u32 = 1_000;
 
-/// When each was asked for last.
+/// Time of the last command of each kind.
 #[derive(Debug, Default)]
 pub(super) struct Schedule {
     raw: Option<Millis>,
@@ -26,7 +26,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// The next command that is due; to be asked until there is none. `samples` is when the last ones came.
+    /// Returns the next command that is due; to be called until there is none. `samples` is the time of the last ones.
     pub(super) fn command(&mut self, now: Millis, samples: Option<Millis>) -> Option<Command> {
         let due = |last: Option<Millis>, period| {
             last.is_none_or(|last| now.elapsed_since(last) >= period)
@@ -59,13 +59,13 @@ impl Schedule {
         None
     }
 
-    /// The board restarted: alignment and armband may be others.
+    /// Asks for alignment and binding again after a restart of the board.
     pub(super) fn restart(&mut self) {
         self.align = None;
         self.bind = None;
     }
 
-    /// The board says which armband it follows.
+    /// Records which armband the board follows.
     pub(super) fn follows(&mut self, following: Following) {
         self.is_unbound = matches!(following, Following::Nobody | Following::Pairing);
     }

@@ -41,7 +41,7 @@ fn heard(dialogue: &mut Dialogue, text: &[u8]) -> Vec<Heard> {
     all
 }
 
-/// Samples missing before each notification that was heard.
+/// Number of samples missing before each notification that was heard.
 fn missing(dialogue: &mut Dialogue, lines: &[String]) -> Vec<Option<u32>> {
     let heard = heard(dialogue, lines.concat().as_bytes());
     let missing = heard.into_iter().filter_map(|heard| match heard {
@@ -74,7 +74,7 @@ fn a_restarted_board_begins_another_stream_and_nothing_is_missing() {
     let found = heard(&mut dialogue, lines.concat().as_bytes());
     assert!(found.contains(&Heard::Restart));
     assert_eq!(dialogue.losses(), Losses::default());
-    // Its samples are told from lost ones even if the line of its start is lost.
+    // The stream counts as new even if the line of its start is lost.
     assert_eq!(missing(&mut dialogue, &[emg(0)]), [None]);
 }
 
@@ -174,7 +174,7 @@ fn a_board_that_follows_nobody_is_asked_every_second_and_a_bound_one_seldom() {
 fn five_seconds_without_a_line_are_a_silence() {
     let mut dialogue = dialogue();
     assert!(!dialogue.is_silent(Millis(4_999)) && dialogue.is_silent(Millis(5_000)));
-    // Noise is no board.
+    // Noise does not count as a board.
     dialogue.bytes(Millis(4_000), 0.0, b"login: \xff\r\n", |_| {});
     assert!(!dialogue.has_heard() && dialogue.is_silent(Millis(5_000)));
     dialogue.bytes(Millis(6_000), 0.0, report(0).as_bytes(), |_| {});
@@ -204,7 +204,7 @@ proptest! {
             }
         }
         prop_assert_eq!(last, Some(100));
-        // Those before the first line that was heard are not known to be missing.
+        // Losses before the first heard line are unknown.
         let Losses { samples, .. } = dialogue.losses();
         prop_assert!(received + samples <= 102 && received >= 60, "{received} {samples}");
         if from > 60 {

@@ -14,9 +14,9 @@ use presets::schedule::LrSchedule;
 /// Learns `y = 2 x`. Its validation loss is lowest at `y = x`, so the best epoch is in the middle.
 struct Line {
     device: Device,
-    /// Losses computed.
+    /// Number of losses computed.
     losses: AtomicUsize,
-    /// The user's stop, after so many of them.
+    /// Interrupt of the user after this many losses.
     stop: Option<(Interrupt, usize)>,
 }
 
@@ -79,14 +79,14 @@ const CONFIG: TrainConfig = TrainConfig {
     seed: 1,
 };
 
-/// The final model's weight and the lines of metrics.
+/// Trains to the end. Returns the final model's weight and the lines of metrics.
 fn trained(folder: &Path, resume: bool, checkpoint_every: Duration) -> (Vec<f32>, String) {
     let weight = run(folder, resume, checkpoint_every, None).unwrap();
     let metrics = std::fs::read_to_string(folder.join("line.jsonl")).unwrap();
     (weight, metrics)
 }
 
-/// The final model's weight of a training that is stopped after so many losses.
+/// Trains until `stop` interrupts. Returns the final model's weight.
 fn run(
     folder: &Path,
     resume: bool,
@@ -121,7 +121,7 @@ fn a_training_killed_at_any_write_resumes_to_the_same_model() {
     let folder = tempfile::tempdir().unwrap();
     let whole = trained(&folder.path().join("whole"), false, CHECKPOINT_EVERY);
     assert_eq!(whole.1.lines().count(), CONFIG.epochs);
-    // After every epoch, and after every step.
+    // With a checkpoint after every epoch, and after every step.
     for every in [CHECKPOINT_EVERY, Duration::ZERO] {
         let mut kills = 0;
         loop {
@@ -148,7 +148,7 @@ fn a_stop_loses_no_step() {
         let path = folder.path().join(after.to_string());
         let stopped = run(&path, false, CHECKPOINT_EVERY, Some(after));
         assert!(matches!(stopped, Err(RunError::Interrupted { .. })));
-        // As many steps as are left, and none again: with one more loss it would stop.
+        // Only the remaining steps are computed: one more loss would interrupt.
         let left = run(&path, true, CHECKPOINT_EVERY, Some(steps - after + 1));
         assert_eq!(left.unwrap(), whole.0, "stopped after {after} steps");
         let metrics = std::fs::read_to_string(path.join("line.jsonl")).unwrap();

@@ -10,9 +10,9 @@
 /// next term is below `(ln 2 / 2)^7 / 7! = 1.2e-7`.
 #[inline(always)]
 pub(crate) fn exp_negative(x: f32) -> f32 {
-    /// 1.5 * 2^23: the lowest bits of a small number plus this are the nearest integer.
+    /// Constant 1.5 * 2^23: the lowest bits of a small number plus this are the nearest integer.
     const ROUND: f32 = 12_582_912.0;
-    /// ln 2 in two parts, the first with few significant bits, so that its multiples are exact.
+    /// Constant ln 2 in two parts, the first with few significant bits, so that its multiples are exact.
     const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
     let x = if x > -87.0 { x } else { -87.0 };
     let shifted = x * std::f32::consts::LOG2_E + ROUND;

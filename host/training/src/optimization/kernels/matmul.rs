@@ -5,29 +5,29 @@
 
 use pulp::{Simd, WithSimd};
 
-/// Rows are padded to a multiple of this many values: whole vectors on every processor.
+/// Multiple that rows are padded to, in values: whole vectors on every processor.
 const PAD: usize = 16;
 
-/// Rows of a result that are computed together.
+/// Number of rows of a result that are computed together.
 const TILE: usize = 8;
 
-/// Rows that are computed together where fewer than [`TILE`] are left.
+/// Number of rows that are computed together when fewer than [`TILE`] are left.
 const HALF: usize = 4;
 
-/// A number of values, padded.
+/// Rounds a number of values up to the padding.
 pub(crate) const fn padded(values: usize) -> usize {
     values.next_multiple_of(PAD)
 }
 
-/// The left operand of a product.
+/// Left operand of a product.
 pub(crate) trait Left: Copy {
-    /// `M` rows from row `row` on, the first `depth` columns of each.
+    /// Returns the first `depth` columns of the `M` rows from `row` on.
     fn rows<const M: usize>(self, row: usize, depth: usize) -> impl Columns<M>;
 }
 
 /// Columns of `M` rows of a left operand.
 pub(crate) trait Columns<const M: usize>: Copy {
-    /// The `M` values of a column.
+    /// Returns the `M` values of a column.
     fn column(self, column: usize) -> [f32; M];
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct RowsMut<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The matrix that begins at a row and a column of this one.
+    /// Returns the submatrix that begins at a row and a column.
     #[inline(always)]
     pub(crate) fn from(self, row: usize, column: usize) -> Self {
         let first = row * self.stride + column;
@@ -55,7 +55,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// The first `width` values of a row.
+    /// Returns the first `width` values of a row.
     #[inline(always)]
     pub(crate) fn row(self, row: usize, width: usize) -> &'a [f32] {
         &self.values[row * self.stride..][..width]
@@ -63,7 +63,7 @@ impl<'a> Rows<'a> {
 }
 
 impl RowsMut<'_> {
-    /// The matrix that begins at a row and a column of this one.
+    /// Returns the submatrix that begins at a row and a column.
     #[inline(always)]
     pub(crate) fn from(&mut self, row: usize, column: usize) -> RowsMut<'_> {
         let first = row * self.stride + column;
@@ -158,7 +158,7 @@ impl<L: Left, const ADD: bool> WithSimd for Product<'_, L, ADD> {
         let vectors = width / S::F32_LANES;
         let mut vector = 0;
         while vector < vectors {
-            // Two vectors at a time, where there are two.
+            // Two vectors at a time, if two are left.
             let wide = vector + 2 <= vectors;
             let column = vector * S::F32_LANES;
             let mut row = 0;
@@ -180,7 +180,7 @@ impl<L: Left, const ADD: bool> WithSimd for Product<'_, L, ADD> {
 }
 
 impl<L: Left, const ADD: bool> Product<'_, L, ADD> {
-    /// `M` rows of `V` vectors of the product; returns `M`.
+    /// Computes `M` rows of `V` vectors of the product. Returns `M`.
     #[inline(always)]
     fn tile<S: Simd, const M: usize, const V: usize>(
         &mut self,
@@ -217,7 +217,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, WithSimd};
 
-    /// The product written and then added: twice the product.
+    /// Writes a product and then adds it: twice the product.
     struct Twice<'a, L: Left>(&'a mut [f32], L, &'a [f32], [usize; 3]);
 
     impl<L: Left> WithSimd for Twice<'_, L> {
@@ -251,7 +251,7 @@ mod tests {
             let [rows, depth, width] = sizes;
             let left: Vec<f32> = (0..rows * depth).map(value).collect();
             let right: Vec<f32> = (0..depth * width).map(|i| value(i + 5)).collect();
-            // Whole numbers, so that no order of the sums rounds.
+            // Integers, so that no order of the sums rounds.
             let expected = |at: usize, left_at: &dyn Fn(usize, usize) -> usize| {
                 let (row, column) = (at / width, at % width);
                 let sum: f32 = (0..depth)

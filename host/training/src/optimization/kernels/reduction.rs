@@ -1,9 +1,9 @@
 //! Sums and maxima of a row, as loops that the compiler vectorizes.
 
-/// Independent partial sums of a row: without them each addition would wait for the one before.
+/// Number of independent partial sums of a row: without them each addition would wait for the one before.
 const LANES: usize = 16;
 
-/// Sum of the products of two rows.
+/// Dot product of two rows.
 #[inline(always)]
 pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut lanes = [0.0; LANES];
@@ -18,7 +18,7 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     lanes.iter().sum::<f32>() + rest
 }
 
-/// All values of a row joined, in an order of its own.
+/// Folds the values of a row, in a fixed order that is not the order of the row.
 #[inline(always)]
 pub(crate) fn fold(row: &[f32], start: f32, join: impl Fn(f32, f32) -> f32) -> f32 {
     let mut lanes = [start; LANES];

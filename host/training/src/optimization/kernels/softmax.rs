@@ -5,12 +5,12 @@ use super::reduction::{dot, fold};
 
 /// Softmax statistics of a row of scores `x`, whose weights are `exp((x - max) * scale) * inverse_sum`.
 ///
-/// Two numbers, because their sum as one logarithm, in f32, would not reproduce the weights.
+/// The sum in logarithmic form, one f32 number, would not reproduce the weights.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RowStatistics {
     /// The largest score.
     pub max: f32,
-    /// One over the sum of the exponentials.
+    /// Reciprocal of the sum of the exponentials.
     pub inverse_sum: f32,
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn exponentials(row: &mut [f32], scale: f32) -> RowStatistics {
 /// Backward pass of a row: replaces the scores by the weights after dropout, and the gradients of these
 /// weights by the gradients of the scores.
 ///
-/// `factors` are those of dropout, 0 where a weight is dropped.
+/// `factors` are the factors of dropout, 0 where a weight is dropped.
 #[inline(always)]
 pub(crate) fn backward(
     scores: &mut [f32],
@@ -41,7 +41,7 @@ pub(crate) fn backward(
         *x = exp_negative((*x - statistics.max) * scale) * statistics.inverse_sum;
         *gradient *= factor;
     }
-    // With the weights before dropout: the gradients of a row then add up to 0 but for rounding.
+    // Uses the weights before dropout: the gradients of a row then add up to 0 but for rounding.
     let mean = dot(scores, gradients);
     for ((weight, gradient), factor) in scores.iter_mut().zip(gradients).zip(factors) {
         *gradient = *weight * (*gradient - mean) * scale;

@@ -1,4 +1,4 @@
-//! Why a model cannot be tuned on a person's recordings.
+//! Errors of tuning a model on a person's recordings.
 
 use shared::model::file::ModelError;
 use thiserror::Error;
@@ -13,15 +13,15 @@ pub enum PersonalizeError {
     /// The recordings are of several people.
     #[error("the recordings are of {}: say whose the model shall be with --subject", .found.join(", "))]
     SeveralPeople {
-        /// The people.
+        /// Names of the people.
         found: Vec<String>,
     },
-    /// Nobody has this name.
+    /// No person has this name.
     #[error("no recording of {wanted}; there are recordings of {}", .found.join(", "))]
     UnknownPerson {
         /// The name given.
         wanted: String,
-        /// The people.
+        /// Names of the people.
         found: Vec<String>,
     },
     /// The recordings have no labels.
@@ -32,7 +32,7 @@ pub enum PersonalizeError {
         /// The person.
         subject: String,
     },
-    /// The labels are of other gestures than the model's.
+    /// The labels are of gestures that the model does not have.
     #[error(
         "the model tells {} apart, the recordings have {} alone: give a model of these gestures",
         .expected.join(", "),
@@ -44,7 +44,7 @@ pub enum PersonalizeError {
         /// Classes of the recordings.
         found: Vec<&'static str>,
     },
-    /// A class of the model is never made.
+    /// No recording has a class of the model.
     #[error(
         "no recording has {missing}, which the model would unlearn: record each of {} several times",
         .expected.join(", ")
@@ -55,22 +55,22 @@ pub enum PersonalizeError {
         /// The model's classes.
         expected: Vec<&'static str>,
     },
-    /// A part of the recordings has too little of a class.
+    /// A class is too rare in a part of the recordings.
     #[error(
         "too short: the part of the recordings that is {part} has {class} {found} times, {expected} are needed; two thirds are tuned on, the rest is held back, so record each gesture {} times or more",
         3 * .expected
     )]
     TooShort {
-        /// What the part is for.
+        /// Purpose of the part.
         part: &'static str,
         /// The class.
         class: &'static str,
-        /// How often it has to be there.
+        /// Number of labelled stretches needed.
         expected: usize,
-        /// How often it is.
+        /// Number of labelled stretches found.
         found: usize,
     },
-    /// The recordings have nothing to be joined from.
+    /// The recordings have neither changes of the label nor holds to splice.
     #[error(
         "the recordings have neither a change of the label nor two steady holds: record rest and gestures in turn"
     )]
@@ -81,10 +81,10 @@ pub enum PersonalizeError {
     /// The user interrupted.
     #[error("interrupted; nothing was written")]
     Interrupted,
-    /// The model file is invalid, or of a format that this program does not read.
+    /// The model file is invalid, or its format is unknown to this program.
     #[error("the model file is refused")]
     Model(#[from] ModelError),
-    /// The tuned weights make no model file.
+    /// The tuned weights give no valid model file.
     #[error("the tuned weights make no model file; nothing was written")]
     Tuned(#[source] ModelError),
     /// The training diverged.
@@ -108,7 +108,7 @@ impl PersonalizeError {
         matches!(self, Self::Interrupted)
     }
 
-    /// Whether the answer is to go on with the old model.
+    /// Whether the old model is to be kept.
     #[must_use]
     pub const fn keeps_the_old(&self) -> bool {
         matches!(self, Self::Exchanged(_))
@@ -122,15 +122,15 @@ impl PersonalizeError {
     .classes[0], .classes[1], within(.recordings)
 )]
 pub struct Exchange {
-    /// Names of the two.
+    /// Names of the two classes.
     pub classes: [&'static str; 2],
-    /// Whether each of the two is taken for the other more often than for itself; else one of them alone.
+    /// Whether each of the two is mostly taken for the other; otherwise only one of them is.
     pub is_mutual: bool,
-    /// Names of the recordings in which they are; empty if they are exchanged in all of them together.
+    /// Names of the recordings with the exchange; empty if it was found over all of them together.
     pub recordings: Vec<String>,
-    /// Balanced accuracy of the model on these recordings as they are labelled.
+    /// Balanced accuracy of the model on these recordings, as labelled.
     pub before: f64,
-    /// Its balanced accuracy with the two exchanged.
+    /// Balanced accuracy of the model with the two classes exchanged.
     pub exchanged: f64,
 }
 

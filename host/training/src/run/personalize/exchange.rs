@@ -1,4 +1,4 @@
-//! Whether two classes are exchanged in the labels of a person's recordings.
+//! Detection of two classes that are exchanged in the labels of a person's recordings.
 
 use std::slice;
 
@@ -10,14 +10,13 @@ use evaluation::integer_candidate;
 use evaluation::model_evaluation::look_ahead;
 use evaluation::{Candidate, Trial, confusion};
 
-/// Balanced accuracy that an exchange has to explain.
+/// Gain of balanced accuracy that an exchange has to explain.
 const EXPLAINED: f64 = 0.1;
 
-/// The two classes that a model takes for each other in a person's recordings, in all of them or in single ones; none if no
+/// Finds two classes that the model takes for each other in a person's recordings, in all of them or in single ones; none if no
 /// exchange of two explains a tenth of balanced accuracy.
 ///
-/// Labels are those that were published: compensation for their lag drops what no muscle follows, so rest that is labelled as a
-/// gesture.
+/// Uses the published labels: lag compensation drops labels that no muscle follows, such as rest labelled as a gesture.
 ///
 /// # Errors
 /// When the model is refused.
@@ -53,7 +52,8 @@ pub fn exchange(file: &[u8], person: &Person) -> Result<Option<Exchange>, Person
     if let Some(found) = exchanged(&counts(candidate.logits.clone(), &trials)?) {
         return Ok(Some(named(found, Vec::new())));
     }
-    // Sittings are labelled one by one, so single ones may be exchanged; the first such pair is named, with all of its recordings.
+    // Each session is labelled separately, so single ones may be exchanged. The first such pair is returned, with all its
+    // recordings.
     let mut own: Vec<(Found, &Trial)> = Vec::new();
     for (trial, logits) in trials.iter().zip(&candidate.logits) {
         let found = exchanged(&counts(vec![logits.clone()], slice::from_ref(trial))?);
@@ -86,7 +86,7 @@ struct Found {
     exchanged: f64,
 }
 
-/// The pair of classes whose exchange explains most, of `counts[truth][prediction]`.
+/// Pair of classes whose exchange explains most of `counts[truth][prediction]`.
 fn exchanged(counts: &[Vec<u64>]) -> Option<Found> {
     let share = |truth: usize, prediction: usize| {
         let all: u64 = counts[truth].iter().sum();
@@ -120,7 +120,7 @@ fn exchanged(counts: &[Vec<u64>]) -> Option<Found> {
 mod tests {
     use super::*;
 
-    /// The predictions of each class, in percent; the last column is no label. The pair, and whether it is mutual.
+    /// Finds the exchange in counts in percent (last column: no label). Returns the pair, and whether it is mutual.
     fn found(counts: &[&[u64]]) -> Option<([usize; 2], bool)> {
         let counts: Vec<Vec<u64>> = counts.iter().map(|row| row.to_vec()).collect();
         exchanged(&counts).map(|found| (found.classes, found.is_mutual))
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_model_that_understands_a_person_badly_has_nothing_exchanged() {
-        // Always relax; one gesture for both.
+        // Cases: always relax; one gesture for both.
         assert_eq!(
             found(&[&[100, 0, 0, 0], &[100, 0, 0, 0], &[100, 0, 0, 0]]),
             None
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn an_exchange_that_explains_one_of_the_two_is_said_to_be_doubtful() {
-        // Close as labelled is taken for close all the same: an open hand that the model takes for a fist.
+        // Labels of `close` are mostly recognised: only the open hand is taken for a fist.
         let counts: [&[u64]; 3] = [&[97, 0, 3, 0], &[0, 0, 100, 0], &[4, 26, 70, 0]];
         assert_eq!(found(&counts), Some(([1, 2], false)));
     }

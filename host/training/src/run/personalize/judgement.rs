@@ -1,4 +1,4 @@
-//! The old model and the new one on what was held back.
+//! Scores of the old and the new model on the part held back.
 
 use shared::intent::Vocabulary;
 use shared::model::file::Model;
@@ -10,7 +10,7 @@ use evaluation::integer_candidate;
 use evaluation::model_evaluation::look_ahead;
 use evaluation::{Candidate, LookAhead, Score, Trial, Truth, constant, score};
 
-/// Scores of a model file, `name` in tables, on a part of a person's recordings: integer arithmetic, its own look-ahead,
+/// Scores a model file, `name` in tables, on a part of a person's recordings: integer arithmetic, the model's own look-ahead,
 /// lag-compensated labels.
 ///
 /// # Errors
@@ -24,7 +24,7 @@ pub fn judge(name: &str, file: &[u8], part: &Part<'_>) -> Result<Score, Personal
     only(&candidate, &trials, vocabulary, look_ahead)
 }
 
-/// Scores of always saying relax.
+/// Scores a constant label, relax.
 ///
 /// # Errors
 /// As [`judge`].
@@ -41,6 +41,6 @@ fn only(
 ) -> Result<Score, PersonalizeError> {
     let truth = Truth::LagCompensated;
     let mut scores = score(candidate, trials, vocabulary, look_ahead, truth)?;
-    // One row: a person's recordings are of one data set.
+    // One row: all recordings of a person are of one data set.
     scores.pop().ok_or(StepError::NoTrials.into())
 }

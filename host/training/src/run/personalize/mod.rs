@@ -1,7 +1,7 @@
-//! A model file fine-tuned on one person's own recordings.
+//! Fine-tuning of a model file on one person's own recordings.
 //!
-//! The recordings are divided: a part is tuned on, a part is held back, on which the old and the new integer model are
-//! judged as `evaluate --model` judges. Measured in docs/personalization.md.
+//! A part of the recordings is tuned on. The rest is held back, and the old and the new integer model are judged on it as by
+//! `evaluate --model`. Measured in docs/personalization.md.
 
 mod error;
 mod exchange;
@@ -27,30 +27,30 @@ use execution::interrupt::Interrupt;
 use execution::progress;
 use recordings::Library;
 
-/// What is said of a model that does not understand the person before it is tuned.
+/// Warning about a model that does not understand the person before it is tuned.
 const CONSTANT_BEFORE: &str = "the model before is hardly better than always saying relax on these recordings: look at them with `myointent data inspect`, above all at their scale, at hum and at the labels";
 
-/// What came of it.
+/// Result of a personalization.
 #[derive(Clone, Debug)]
 pub struct Personalized {
-    /// The new model file.
+    /// Bytes of the new model file.
     pub bytes: Vec<u8>,
-    /// The person, as `data-set/subject`.
+    /// Name of the person, as `data-set/subject`.
     pub subject: String,
-    /// Whether the old model was trained on this person already or validated with: its scores are too good.
+    /// Whether the old model was trained on or validated with this person: its scores are then too good.
     pub seen_before: bool,
-    /// Seconds that were tuned on.
+    /// Seconds of the part that was tuned on.
     pub tuned_seconds: f64,
-    /// Seconds that were held back.
+    /// Seconds of the part that was held back.
     pub judged_seconds: f64,
-    /// What makes the recordings doubtful, in words; empty if nothing does.
+    /// Doubts about the recordings, in words; empty if there are none.
     pub doubt: String,
     /// Scores on the part held back: the old model, the new one, and always relax.
     pub scores: [Score; 3],
 }
 
 impl Personalized {
-    /// Why the new model is worse than the old one ([`worse`]); none if it is not.
+    /// Reason why the new model is worse than the old one ([`worse`]); none if it is not.
     #[must_use]
     pub fn worse(&self) -> Option<Worse> {
         let [old, new, constant] = &self.scores;
@@ -58,10 +58,10 @@ impl Personalized {
     }
 }
 
-/// Fine-tunes a model file on the recordings of a person, and judges it on the part of them that is held back.
+/// Fine-tunes a model file on a part of a person's recordings, and judges it on the part held back.
 ///
-/// Without a name the recordings have to be one person's. `report` is told after each step how many of
-/// [`TuningSettings::steps`] are taken.
+/// Without a name, the recordings must be of one person. After each step, `report` gets the number of steps done, of
+/// [`TuningSettings::steps`].
 ///
 /// # Errors
 /// When the model is refused, the recordings do not allow it, two classes of their labels seem exchanged, the training

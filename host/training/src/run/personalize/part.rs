@@ -1,4 +1,4 @@
-//! Parts of a person's recordings: what is tuned on, and what is held back.
+//! Parts of a person's recordings: one to tune on, one to hold back.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -11,22 +11,22 @@ use super::person::Person;
 use evaluation::Trial;
 use recordings::{Movement, Recording, runs};
 
-/// Share that is held back: one over this.
+/// Divisor of the share that is held back.
 const HELD_BACK: usize = 3;
-/// Samples between what is tuned on and what is held back of one recording: a window, all that a model remembers.
+/// Samples between the two parts of one recording: a window, the memory of a model.
 const GAP: usize = WINDOW;
-/// How often each class has to be in either part.
+/// Least number of stretches of each class in either part.
 const FEWEST: usize = 2;
 
-/// Samples of one recording.
+/// Piece of one recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Piece {
-    /// Place of the recording.
+    /// Index of the recording.
     recording: usize,
     range: Range<usize>,
 }
 
-/// Pieces of a person's recordings, in order.
+/// Part of a person's recordings: pieces, in order.
 #[derive(Clone)]
 pub struct Part<'p> {
     person: &'p Person,
@@ -34,7 +34,7 @@ pub struct Part<'p> {
 }
 
 impl Person {
-    /// All of the recordings.
+    /// Part with all of the recordings.
     #[must_use]
     pub fn whole(&self) -> Part<'_> {
         let all = self.recordings.iter().enumerate();
@@ -53,22 +53,22 @@ impl<'p> Part<'p> {
         Self { person, pieces }
     }
 
-    /// The person.
+    /// Person whose recordings these are.
     pub(super) const fn person(&self) -> &'p Person {
         self.person
     }
 
-    /// Seconds of it.
+    /// Duration in seconds.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         let samples: usize = self.pieces.iter().map(|piece| piece.range.len()).sum();
         samples as f64 / f64::from(SAMPLE_RATE_HZ)
     }
 
-    /// The part to tune on, and the part to hold back.
+    /// Divides the part into one to tune on and one to hold back.
     ///
-    /// Pieces with the same gestures are divided together. The last ones are held back, as few of them as make three tenths
-    /// of the time, so that of three of about the same length it is one: they were recorded after those that are tuned on. Where there is one alone, its last third is held back,
+    /// Pieces with the same gestures are divided together. The last ones, recorded after the others, are held back: as few
+    /// as make three tenths of the time, so one of three of similar length. Of a single piece, the last third is held back,
     /// less a window of 3 s between the two.
     ///
     /// # Errors
@@ -104,15 +104,15 @@ impl<'p> Part<'p> {
         Ok((tuned, judged))
     }
 
-    /// The first seconds of it, of pieces with different gestures the same time each, as far as they have it. Pieces
-    /// without a gesture of the model are left out.
+    /// Takes the first `seconds`. Pieces with different gestures get the same time each, as far as they have it; pieces without a
+    /// gesture of the model are left out.
     #[must_use]
     pub fn first(&self, seconds: f64) -> Self {
         let mut kinds = self.by_gestures();
         kinds.retain(|gestures, _| !gestures.is_empty());
         let mut kinds: Vec<Vec<&Piece>> = kinds.into_values().collect();
         let time = |pieces: &[&Piece]| pieces.iter().map(|piece| piece.range.len()).sum::<usize>();
-        // The shortest first: what it does not have is shared by the others.
+        // The shortest first: the others share the time that it lacks.
         kinds.sort_by_key(|pieces| time(pieces));
         #[expect(
             clippy::cast_possible_truncation,
@@ -134,7 +134,7 @@ impl<'p> Part<'p> {
         Self::new(self.person, first)
     }
 
-    /// The recordings with the labels of this part alone, as they are evaluated: a model sees what comes before.
+    /// Trials for an evaluation: whole recordings, which a model sees, with the labels of this part alone.
     #[must_use]
     pub fn trials(&self) -> Vec<Trial> {
         let mut trials: Vec<Trial> = Vec::new();
@@ -156,7 +156,7 @@ impl<'p> Part<'p> {
         trials
     }
 
-    /// The pieces as recordings of their own.
+    /// Cuts the pieces into recordings of their own.
     pub(super) fn recordings(&self) -> Vec<Recording> {
         let cut = |piece: &Piece| {
             let own = &self.person.recordings[piece.recording].recording;
@@ -170,7 +170,7 @@ impl<'p> Part<'p> {
         self.pieces.iter().map(cut).collect()
     }
 
-    /// The pieces by the gestures in them.
+    /// Groups the pieces by the gestures in them.
     fn by_gestures(&self) -> BTreeMap<BTreeSet<Intent>, Vec<&Piece>> {
         let mut kinds: BTreeMap<BTreeSet<Intent>, Vec<&Piece>> = BTreeMap::new();
         for piece in &self.pieces {
@@ -185,7 +185,7 @@ impl<'p> Part<'p> {
         &self.person.recordings[piece.recording].recording.labels[piece.range.clone()]
     }
 
-    /// Refuses a part that has a class of the model too seldom.
+    /// Refuses a part in which a class of the model is too rare.
     fn refuse_too_short(&self, part: &'static str) -> Result<(), PersonalizeError> {
         for intent in self.person.vocabulary.intents() {
             let pieces = self.pieces.iter();
@@ -208,7 +208,7 @@ impl<'p> Part<'p> {
 }
 
 impl Piece {
-    /// Other samples of the same recording.
+    /// Piece of the same recording with other samples.
     const fn with(&self, range: Range<usize>) -> Self {
         Self {
             recording: self.recording,
@@ -216,7 +216,7 @@ impl Piece {
         }
     }
 
-    /// What of movements is in it, counted from a sample.
+    /// Cuts movements to the piece; positions count from `origin`.
     fn cut(&self, movements: &[Movement], origin: usize) -> Vec<Movement> {
         let Range { start, end } = self.range;
         let inside = |movement: &Movement| {

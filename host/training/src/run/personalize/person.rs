@@ -1,4 +1,4 @@
-//! A person's recordings as a model sees them.
+//! Recordings of a person as a model sees them.
 
 use shared::intent::{Intent, Vocabulary};
 use shared::model::file::Header;
@@ -12,20 +12,20 @@ use recordings::labels::set_lag::Lag;
 use recordings::split::circles;
 use recordings::{DataSet, Library, Recording};
 
-/// One recording, in both forms that are needed.
+/// Recording in the two forms that are needed.
 pub(super) struct Own {
     /// Samples as the model's input before preprocessing; labels in its vocabulary, lag-compensated; other movement is all
     /// outside the vocabulary.
     pub(super) recording: Recording,
-    /// As it is evaluated.
+    /// Recording for an evaluation.
     pub(super) trial: Trial,
 }
 
-/// A person's labelled recordings, in path order, as a model sees them: in its vocabulary, normalized to the wearer or not,
-/// labels compensated for their lag.
+/// Labelled recordings of a person, in path order, as a model sees them: in its vocabulary, normalized to the wearer if the model
+/// is, with labels compensated for their lag.
 ///
-/// As `evaluate --model` does: by each cue's own lag, or by one constant. It is estimated on training people whom the model has
-/// seen; where the set has none, on all of the person's own recordings, the part held back too, and said so.
+/// The lag is that of `evaluate --model`: each cue's own, or one constant. It is estimated on training people whom the model has
+/// seen. If the set has none, it is estimated on all of the person's own recordings, held-back ones included, and reported so.
 pub struct Person {
     subject: String,
     pub(super) vocabulary: Vocabulary,
@@ -36,10 +36,10 @@ pub struct Person {
 }
 
 impl Person {
-    /// The recordings of a person (`data-set/subject`, or the part after the slash); without a name those of the only one.
+    /// Selects the recordings of a person (`data-set/subject`, or the part after the slash); without a name, of the only person.
     ///
     /// # Errors
-    /// When there are several people or none of this name, no labels, or none of a class of the model.
+    /// When there are several people or none of this name, no labels, or a class of the model is missing.
     pub fn new(
         library: &Library,
         subject: Option<&str>,
@@ -108,26 +108,26 @@ impl Person {
         })
     }
 
-    /// The person, as `data-set/subject`.
+    /// Name of the person, as `data-set/subject`.
     #[must_use]
     pub fn subject(&self) -> &str {
         &self.subject
     }
 
-    /// How the labels are compensated for their lag.
+    /// Compensation of the labels for their lag.
     #[must_use]
     pub const fn lag(&self) -> &Lag {
         &self.lag
     }
 
-    /// Gestures in the recordings that the model does not have.
+    /// Names of gestures in the recordings that the model does not have.
     #[must_use]
     pub fn outside(&self) -> &[&'static str] {
         &self.outside
     }
 }
 
-/// A recording as the model sees it.
+/// Converts a recording to the model's view.
 fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag: &Lag) -> Own {
     let align = |samples: &mut Vec<Sample>| recording.data_set.align(samples);
     let trial = trial(recording, align, vocabulary, lag.of_recording(recording));
@@ -148,7 +148,7 @@ fn as_seen(recording: &Recording, vocabulary: Vocabulary, normalized: bool, lag:
     }
 }
 
-/// The person of that name.
+/// Finds the person of a name.
 fn person(library: &Library, wanted: Option<&str>) -> Result<String, PersonalizeError> {
     let found = library.subjects();
     let Some(wanted) = wanted else {

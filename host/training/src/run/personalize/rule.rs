@@ -1,4 +1,4 @@
-//! The rule that chooses between the old model and the new one.
+//! Rule that chooses between the old model and the new one.
 
 use thiserror::Error;
 
@@ -6,23 +6,23 @@ use evaluation::metric::event::activation::Rate;
 use evaluation::metric::event::summary::Raised;
 use evaluation::{Measure, Score};
 
-/// Measures none of which may fall.
+/// Measures that must not fall.
 const NEVER_LOWER: [(Measure, &str); 3] = [
     (Measure::BalancedAccuracy, "balanced accuracy"),
     (Measure::TransitionAccuracy, "transition accuracy"),
     (Measure::Recognition, "the share of gestures recognised"),
 ];
-/// Balanced accuracy that a model needs beyond always saying relax.
+/// Gain of balanced accuracy over always saying relax that a model needs.
 pub const ABOVE_CONSTANT: f64 = 0.2;
-/// False activations a minute of rest that the new model may have more than the old one.
+/// Additional false activations a minute of rest that are allowed.
 const MORE_AT_REST: f64 = 2.0;
-/// Share of the other movements that may raise a label with the new model and did not with the old one.
+/// Additional share of other movements that may raise a label.
 const MORE_RAISED: f64 = 0.1;
 
 /// Why the new model is not written.
 #[derive(Clone, Copy, PartialEq, Debug, Error)]
 pub enum Worse {
-    /// It is hardly better than a label that never changes.
+    /// The new model is hardly better than a constant label.
     #[error(
         "the tuned model is hardly better than always saying relax: its balanced accuracy is {found:.3}, always relax has {constant:.3}, at least {:.3} is needed; look at the recordings with `myointent data inspect`, above all at their scale, at hum and at the labels",
         .constant + ABOVE_CONSTANT
@@ -33,7 +33,7 @@ pub enum Worse {
         /// Balanced accuracy of always saying relax.
         constant: f64,
     },
-    /// One of the measures that may not fall is lower.
+    /// A measure that must not fall is lower.
     #[error("{measure} fell from {old:.3} to {new:.3}")]
     Lower {
         /// Name of the measure.
@@ -43,36 +43,35 @@ pub enum Worse {
         /// Value of the new model; 0 if it has none.
         new: f64,
     },
-    /// Rest raises more labels.
+    /// The new model raises too many labels at rest.
     #[error(
         "false activations at rest rose from {old:.1} to {new:.1} a minute, expected at most {MORE_AT_REST} more"
     )]
     Rest {
-        /// A minute, with the old model.
+        /// False activations a minute with the old model.
         old: f64,
-        /// A minute, with the new model.
+        /// False activations a minute with the new model.
         new: f64,
     },
-    /// More movements outside the vocabulary raise a label.
+    /// The new model raises labels for too many movements outside the vocabulary.
     #[error(
         "{new} of {movements} other movements raise a label, {old} did before; expected at most a tenth of them more"
     )]
     Other {
-        /// Movements outside the vocabulary.
+        /// Number of movements outside the vocabulary.
         movements: usize,
-        /// Those that raise a label with the old model.
+        /// Number of them that raise a label with the old model.
         old: usize,
-        /// Those that raise a label with the new model.
+        /// Number of them that raise a label with the new model.
         new: usize,
     },
 }
 
-/// Why a new model is worse than an old one; none if it is not, and may replace it.
+/// Reason why a new model is worse than an old one; none if it may replace it.
 ///
-/// It is not worse if it is better than always saying relax by [`ABOVE_CONSTANT`] of balanced accuracy; if neither
-/// balanced accuracy nor transition accuracy nor the share of gestures recognised is lower; and if rest and other
-/// movement raise not many more labels: 2 a minute of rest, a tenth of the other movements. A single label decides nothing,
-/// because what is held back is short.
+/// It is not worse if it is better than always saying relax by [`ABOVE_CONSTANT`] of balanced accuracy, if neither balanced
+/// accuracy nor transition accuracy nor the share of gestures recognised is lower, and if it raises few more labels: 2 a
+/// minute of rest, and for a tenth of the other movements. The part held back is short, so a single label must not decide.
 #[must_use]
 pub fn worse(old: &Score, new: &Score, constant: &Score) -> Option<Worse> {
     if is_constant(new, constant) {
@@ -142,14 +141,14 @@ mod tests {
     use evaluation::metric::event::summary::SubjectEvents;
     use evaluation::metric::summary::SubjectScore;
 
-    /// What a person's score is of.
+    /// Values that make a score in these tests.
     #[derive(Clone)]
     struct Scored {
-        /// Balanced accuracy, transition accuracy, recognition.
+        /// Balanced accuracy, transition accuracy, and share recognised.
         measures: [Option<f64>; 3],
-        /// False activations in a minute of rest.
+        /// Number of false activations in a minute of rest.
         rest: usize,
-        /// How many of twenty other movements raise a label; none if there is no other movement.
+        /// Number of twenty other movements that raise a label; none if there is no other movement.
         raised: Option<usize>,
     }
 
@@ -196,7 +195,7 @@ mod tests {
         }
     }
 
-    /// Why the new one is worse; always saying relax has a third.
+    /// Reason why the new model is worse, where always saying relax has a third.
     fn found(old: &Scored, new: &Scored) -> Option<Worse> {
         let constant = Scored::of([Some(1.0 / 3.0), Some(0.0), Some(0.0)]);
         worse(&old.score(), &new.score(), &constant.score())

@@ -1,4 +1,4 @@
-//! What is tuned on and held back, what is refused, and what a tuned file keeps.
+//! Division of recordings, refusals, and contents of a tuned file.
 
 use rayon::ThreadPoolBuilder;
 use shared::intent::{Intent, Vocabulary};
@@ -15,7 +15,7 @@ const R: Option<Intent> = Some(Intent::Relax);
 const O: Option<Intent> = Some(Intent::Open);
 const C: Option<Intent> = Some(Intent::Close);
 
-/// A small model, as quick to tune as one can be.
+/// Smallest model, quick to tune.
 fn parts(vocabulary: Vocabulary) -> ModelParts {
     let dimensions = Dimensions {
         width: 16,
@@ -35,7 +35,7 @@ fn file() -> Vec<u8> {
     parts(Vocabulary::Three).to_bytes().unwrap()
 }
 
-/// A recording of runs of labels; its set has no lag.
+/// Recording of runs of labels; its set has no lag.
 fn recording(runs: &[(Option<Intent>, usize)]) -> Recording {
     let labels: Vec<_> = runs
         .iter()
@@ -61,12 +61,12 @@ fn person(library: &Library, subject: Option<&str>) -> Result<Person, Personaliz
     Person::new(library, subject, &Model::parse(&file).unwrap().header)
 }
 
-/// Rest and both gestures in turn, so often.
+/// Recording that repeats rest, open, rest, close.
 fn turns(times: usize) -> Recording {
     recording(&[(R, 400), (O, 400), (R, 400), (C, 400)].repeat(times))
 }
 
-/// Numbers of the samples of each recording that have a label in a part.
+/// Bounds of the labelled samples of each recording in a part: the first, and one past the last.
 fn labelled(part: &Part<'_>) -> Vec<(usize, usize)> {
     let span = |trial: &evaluation::Trial| {
         let labels = &trial.lag_compensated;
@@ -109,7 +109,7 @@ fn recordings_of_one_gesture_are_divided_gesture_by_gesture() {
     let cut = 6400 - 6400 / 3;
     assert_eq!(labelled(&tuned), [(0, 6400), (0, 6400), (0, cut)]);
     assert_eq!(labelled(&judged), [(0, 6400), (cut + WINDOW, 6400)]);
-    // The first seconds have the same time of either gesture, as far as there is.
+    // Both gestures get the same time, as far as there is.
     assert_eq!(labelled(&tuned.first(20.0)), [(0, 2000), (0, 2000)]);
     let most = (cut + 6400 + 600) as f64 / 200.0;
     assert_eq!(
@@ -150,7 +150,7 @@ fn what_cannot_teach_is_refused_by_name() {
     let waves = recording(&[(R, 400), (Some(Intent::WaveIn), 400)].repeat(9));
     let vocabulary = refused(vec![waves], None);
     assert!(matches!(vocabulary, PersonalizeError::Vocabulary { .. }));
-    // The part held back has one opening.
+    // The part held back has only one opening.
     let short = refused(vec![turns(3)], None);
     let PersonalizeError::TooShort { part, found, .. } = short else {
         panic!("{short}");
@@ -171,7 +171,7 @@ fn a_person_is_named_with_or_without_the_data_set() {
     }
 }
 
-/// Recordings of one synthetic person.
+/// Library of one synthetic person.
 fn synthetic() -> Library {
     let options = SynthOptions {
         subjects: 1,

@@ -24,20 +24,20 @@ use recordings::splice::{SpliceOptions, splice};
 const NAME: &str = "personalize";
 /// Seconds of the spliced recording that excerpts are drawn from.
 const SPLICED_SECONDS: usize = 300;
-/// Standard deviation of the logarithm of the gain of an excerpt.
+/// Standard deviation of the logarithm of an excerpt's gain.
 const GAIN: f64 = 0.1;
 
-/// How a model is tuned.
+/// Settings of the tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TuningSettings {
-    /// Steps.
+    /// Number of optimizer steps.
     pub steps: usize,
-    /// Excerpts of 6 s a step.
+    /// Number of excerpts of 6 s in a step.
     pub batch: usize,
     /// Peak learning rate of AdamW.
     pub learning_rate: f64,
     /// Share of the old model's own outputs in the targets, 0 to 1 (learning without forgetting, Li and Hoiem, IEEE TPAMI
-    /// 40(12), 2018): without them rest raises labels in people whose recordings are steady holds.
+    /// 40(12), 2018). Without them, rest raises labels in people whose recordings are steady holds.
     pub keep: f64,
     /// Seed of all draws.
     pub seed: u64,
@@ -55,8 +55,8 @@ impl Default for TuningSettings {
     }
 }
 
-/// The model file tuned on a part of a person's recordings. All but the weights and the provenance is as it was. `report` is
-/// told after each step how many of [`TuningSettings::steps`] are taken.
+/// Tunes a model file on a part of a person's recordings. Only the weights and the provenance change. After each step,
+/// `report` gets the number of steps done, of [`TuningSettings::steps`].
 ///
 /// # Errors
 /// When the model is refused, the part has nothing to learn from, the training diverges or the user interrupts.
@@ -119,8 +119,8 @@ pub fn tune(
     .map_err(PersonalizeError::Tuned)
 }
 
-/// The person's gestures in random order and of random length, so that the order of a protocol cannot be learnt. Movement
-/// outside the vocabulary is a class where it is one for the model (`other`).
+/// Splices the person's gestures in random order and of random length, so that the order of a protocol cannot be learnt. Movement
+/// outside the vocabulary is a class if the model has one for it (`other`).
 fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, PersonalizeError> {
     let recordings = part.recordings();
     let options = SpliceOptions {
@@ -143,7 +143,7 @@ fn spliced(part: &Part<'_>, other: bool, seed: u64) -> Result<Corpus, Personaliz
     })
 }
 
-/// Where the tuned model comes from: the people of the old one and this person. Its scores were the old weights'.
+/// Provenance of the tuned model: the people of the old one and this person. It has no scores: they are of the old weights.
 fn provenance(old: ProvenanceParts, part: &Part<'_>, settings: &TuningSettings) -> ProvenanceParts {
     let person = part.person();
     let subject = person.subject().to_owned();

@@ -1,8 +1,7 @@
 //! Local causal attention of one sequence, for each head in blocks of queries.
 //!
-//! Scores are computed for the keys that some query of the block attends to. A row of a table, which a
-//! query reads at an offset of its own, has the relative-position bias of each key and blocks the
-//! others.
+//! Scores are computed for the keys that some query of the block attends to. A query reads a row of a table at its own
+//! offset: it has the relative-position bias of each key and blocks the others.
 
 use pulp::Simd;
 
@@ -13,33 +12,33 @@ use crate::optimization::kernels::matmul::{RowsMut, Transposed, padded, product}
 use crate::optimization::kernels::reduction::dot;
 use crate::optimization::kernels::softmax::{RowStatistics, exponentials};
 
-/// Queries in a block.
+/// Number of queries in a block.
 const BLOCK: usize = 16;
 
-/// Buffers, and the table of the head that they are used for.
+/// Buffers, and the table of the present head.
 pub(super) struct Buffers {
     sizes: Sizes,
     tokens: usize,
     /// Transposed keys or values of a head, `[width, padded tokens + a vector]`; zeros at the end.
     keys: Vec<f32>,
     values: Vec<f32>,
-    /// `[BLOCK, padded keys]`.
+    /// Weights, `[BLOCK, padded keys]`.
     weights: Vec<f32>,
     gradients: Vec<f32>,
     /// Bias by distance, the farthest first; minus infinity where a query does not attend to a key.
     table: Vec<f32>,
-    /// 1 where a query attends to a key.
+    /// Mask with 1 where a query attends to a key.
     inside: Vec<f32>,
     /// Gradient of the table.
     table_gradient: Vec<f32>,
 }
 
-/// A block's queries and the keys that they attend to.
+/// Queries of a block and the keys that they attend to.
 struct Block {
-    /// First query.
+    /// Index of the first query.
     query: usize,
     queries: usize,
-    /// First key.
+    /// Index of the first key.
     key: usize,
     keys: usize,
     /// Padded number of keys.
@@ -66,12 +65,12 @@ impl Buffers {
         }
     }
 
-    /// Columns of the transposed matrices.
+    /// Number of columns of the transposed matrices.
     fn stride(&self) -> usize {
         padded(self.tokens) + padded(1)
     }
 
-    /// The place of a distance in the tables.
+    /// Index of a distance in the tables.
     fn place(&self, distance: usize) -> usize {
         self.sizes.span + BLOCK - distance
     }
@@ -159,8 +158,8 @@ impl Buffers {
                     let found = exponentials(weights, 1.0);
                     let inside = &self.inside[place..][..columns];
                     for (weight, inside) in weights.iter_mut().zip(inside) {
-                        // In this order: the exponential of a blocked key times the inverse would be
-                        // a subnormal number, which is slow.
+                        // The order matters: the exponential of a blocked key times the inverse would be a subnormal
+                        // number, which is slow.
                         *weight = *weight * inside * found.inverse_sum;
                     }
                     statistics[head * self.tokens + query] = found;
@@ -180,7 +179,7 @@ impl Buffers {
         }
     }
 
-    /// Writes the gradient of queries, keys and values, and adds the one of the bias.
+    /// Writes the gradients of queries, keys and values, and adds the gradient of the bias.
     #[inline(always)]
     pub(super) fn backward<S: Simd>(
         &mut self,
@@ -195,7 +194,7 @@ impl Buffers {
         let part = heads * width;
         let stride = self.stride();
         let qkv_of = matrix(qkv, 3 * part);
-        // Keys and values are attended to from several blocks, which add to their gradients.
+        // Several blocks attend to a key and add to its gradients.
         qkv_gradient.fill(0.0);
         for head in 0..heads {
             self.load(qkv, bias, head);
@@ -249,8 +248,8 @@ impl Buffers {
         }
     }
 
-    /// Replaces a row's scores by the weights, and the gradients of these weights by those of the product
-    /// of query and keys.
+    /// Replaces a row's scores by the weights, and the gradients of these weights by the gradients of the product of query
+    /// and keys.
     #[inline(always)]
     fn softmax_backward(&mut self, row: usize, block: &Block, statistics: RowStatistics) {
         let scale = 1.0 / (self.sizes.head() as f32).sqrt();

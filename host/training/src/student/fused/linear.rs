@@ -37,7 +37,7 @@ pub(super) fn linear<S: Simd, const ADD: bool>(
     );
 }
 
-/// Adds the gradients of a linear layer's parameters, given the one of its output.
+/// Adds the gradients of a linear layer's parameters, given the gradient of its output.
 #[inline(always)]
 pub(super) fn linear_parameters<S: Simd>(
     simd: S,
@@ -74,12 +74,12 @@ pub(super) fn linear_input<S: Simd>(
     product::<S, false>(simd, matrix_mut(to, inputs), gradient, transpose, sizes);
 }
 
-/// What a layer norm's backward pass needs.
+/// Values that a layer norm's backward pass needs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Normalized {
-    /// Tokens of mean 0 and variance 1, `[tokens, d]`.
+    /// Normalized tokens, of mean 0 and variance 1, `[tokens, d]`.
     values: Vec<f32>,
-    /// One over the standard deviation of each token before.
+    /// Reciprocal of each token's standard deviation before normalization.
     inverse: Vec<f32>,
 }
 
@@ -122,8 +122,8 @@ impl Normalized {
         }
     }
 
-    /// Adds the gradients of the norm's parameters and of its input (to `to`), given the one of its
-    /// output, which is overwritten.
+    /// Adds the gradients of the norm's parameters, and of its input (to `to`), given the gradient of its output, which is
+    /// overwritten.
     #[inline(always)]
     pub(super) fn backward(
         &self,

@@ -1,4 +1,4 @@
-//! The operation and its backward pass, groups of sequences in parallel.
+//! Fused operation and its backward pass, groups of sequences in parallel.
 
 use burn::backend::autodiff::checkpoint::base::Checkpointer;
 use burn::backend::autodiff::checkpoint::strategy::CheckpointStrategy;
@@ -14,14 +14,14 @@ use rayon::prelude::*;
 use super::parameters::{Parameters, Sizes, Transposes};
 use super::sequence::{Saved, Scratch};
 
-/// Sequences whose gradients are summed one after the other; the sums of the groups are then added in order.
+/// Number of sequences whose gradients are summed one after the other; the sums of the groups are then added in order.
 const GROUP: usize = 8;
 
 /// The student as one operation: EMG, `[b, patches, inputs]`, and all parameters to logits,
 /// `[b, patches, outputs]`.
 #[backend_extension(Flex, Autodiff)]
 pub trait FusedStudent: Backend {
-    /// See [`Sizes`] for the parameters. EMG gets no gradient.
+    /// Computes the logits; see [`Sizes`] for the parameters. EMG gets no gradient.
     fn fused_student(
         emg: FloatTensor<Self>,
         parameters: FloatTensor<Self>,
@@ -74,7 +74,7 @@ impl ops::Backward<Flex, 1> for FusedBackward {
     }
 }
 
-/// One batch and the parameters; contiguous.
+/// One batch and the parameters, in contiguous tensors.
 #[derive(Clone, Debug)]
 struct Pass {
     emg: FlexTensor,
@@ -105,7 +105,7 @@ impl Pass {
         values(&self.emg, sequence, self.patches * self.sizes.inputs)
     }
 
-    /// Logits, and what the backward pass needs (`save`).
+    /// Computes the logits; with `save` also returns the values for the backward pass.
     fn forward(&self, save: bool) -> (FlexTensor, Vec<Saved>) {
         let parameters = Parameters::parts_of(self.parameters(), self.sizes);
         let size = self.patches * self.sizes.outputs;
@@ -127,7 +127,7 @@ impl Pass {
         (FlexTensor::from_data(TensorData::new(output, dims)), saved)
     }
 
-    /// Gradients of all parameters.
+    /// Computes the gradients of all parameters.
     fn backward(&self, gradient: &FlexTensor, saved: &[Saved]) -> FlexTensor {
         let parameters = Parameters::parts_of(self.parameters(), self.sizes);
         let transposes = Transposes::of(&parameters);
@@ -160,7 +160,7 @@ impl Pass {
 struct Forward<'a> {
     pass: &'a Pass,
     parameters: &'a Parameters<&'a [f32]>,
-    /// First sequence.
+    /// Index of the first sequence.
     first: usize,
     output: &'a mut [f32],
     save: bool,
@@ -193,9 +193,9 @@ struct Backward<'a> {
     pass: &'a Pass,
     parameters: &'a Parameters<&'a [f32]>,
     transposes: &'a Transposes,
-    /// First sequence.
+    /// Index of the first sequence.
     first: usize,
-    /// Of all logits.
+    /// Gradient of all logits of the batch.
     gradient: &'a FlexTensor,
     saved: &'a [Saved],
 }
@@ -220,7 +220,7 @@ impl WithSimd for Backward<'_> {
     }
 }
 
-/// The `size` values of a part of a contiguous tensor.
+/// Slice of a contiguous tensor: part `part` of `size` values.
 fn values(of: &FlexTensor, part: usize, size: usize) -> &[f32] {
     &of.storage()[of.layout().start_offset() + part * size..][..size]
 }

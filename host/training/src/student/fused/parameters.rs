@@ -1,4 +1,4 @@
-//! The network's sizes and its parameters as parts of one row of values.
+//! Sizes of the network, and its parameters as parts of one row of values.
 
 use std::mem;
 
@@ -7,19 +7,19 @@ use crate::optimization::kernels::matmul::padded;
 /// Sizes of the network. Widths of heads and the number of outputs are padded with zeros to whole vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes {
-    /// Values of a patch.
+    /// Number of values of a patch.
     pub inputs: usize,
-    /// Width of a token, of whole vectors.
+    /// Width of a token, whole vectors.
     pub d: usize,
-    /// Attention heads.
+    /// Number of attention heads.
     pub heads: usize,
-    /// Encoder layers.
+    /// Number of encoder layers.
     pub layers: usize,
-    /// Patches that a patch attends to.
+    /// Number of patches that a patch attends to.
     pub span: usize,
-    /// Logits of a patch.
+    /// Number of logits of a patch.
     pub outputs: usize,
-    /// Whether the root of the input is taken first.
+    /// Whether the square root of the input is taken first.
     pub square_root: bool,
 }
 
@@ -51,7 +51,7 @@ impl Sizes {
     }
 }
 
-/// Weight, inputs by outputs, and bias.
+/// Linear layer: weight, inputs by outputs, and bias.
 pub(super) struct Linear<T> {
     pub weight: T,
     pub bias: T,
@@ -67,7 +67,7 @@ pub(super) struct Norm<T> {
 pub(super) struct Layer<T> {
     pub norm1: Norm<T>,
     pub qkv: Linear<T>,
-    /// `[heads, span]`.
+    /// Relative-position bias, `[heads, span]`.
     pub relative_bias: T,
     pub out: Linear<T>,
     pub norm2: Norm<T>,
@@ -84,7 +84,7 @@ pub(super) struct Parameters<T> {
 }
 
 impl<T: Row> Parameters<T> {
-    /// The parts of a row of [`Sizes::parameters`] values, in the order of the network.
+    /// Splits a row of [`Sizes::parameters`] values into parts, in the order of the network.
     pub(super) fn parts_of(row: T, sizes: Sizes) -> Self {
         let Sizes { d, .. } = sizes;
         let mut rest = Rest(row);
@@ -109,9 +109,9 @@ impl<T: Row> Parameters<T> {
     }
 }
 
-/// Values that can be split.
+/// Row of values that can be split.
 pub(super) trait Row: Default {
-    /// The first values and the others.
+    /// Splits the row into the first `at` values and the others.
     fn split(self, at: usize) -> (Self, Self);
 }
 
@@ -127,7 +127,7 @@ impl Row for &mut [f32] {
     }
 }
 
-/// Values that have no part yet.
+/// Values of the row not yet assigned to a part.
 struct Rest<T>(T);
 
 impl<T: Row> Rest<T> {
@@ -152,13 +152,13 @@ impl<T: Row> Rest<T> {
     }
 }
 
-/// The weights of each linear layer, outputs by inputs, with which the backward pass multiplies.
+/// Transposed weights of each linear layer, outputs by inputs, for the backward pass.
 pub(super) struct Transposes {
     pub layers: Vec<LayerTransposes>,
     pub head: Vec<f32>,
 }
 
-/// The transposed weights of a layer.
+/// Transposed weights of a layer.
 pub(super) struct LayerTransposes {
     pub qkv: Vec<f32>,
     pub out: Vec<f32>,

@@ -1,4 +1,4 @@
-//! The network on one sequence, forward and backward; all buffers together fit into the cache of a core.
+//! Forward and backward pass of the network on one sequence; all buffers together fit into the cache of a core.
 
 use pulp::Simd;
 
@@ -9,14 +9,14 @@ use super::parameters::{Layer, Parameters, Sizes, Transposes};
 use crate::optimization::kernels::matmul::padded;
 use crate::optimization::kernels::softmax::RowStatistics;
 
-/// What the backward pass of a sequence needs.
+/// Values that the backward pass of a sequence needs.
 #[derive(Clone, Debug)]
 pub(super) struct Saved {
     layers: Vec<SavedLayer>,
     final_norm: Normalized,
 }
 
-/// What the backward pass of a layer needs.
+/// Values that the backward pass of a layer needs.
 #[derive(Clone, Debug)]
 struct SavedLayer {
     norm1: Normalized,
@@ -24,7 +24,7 @@ struct SavedLayer {
     statistics: Vec<RowStatistics>,
     attended: Vec<f32>,
     norm2: Normalized,
-    /// Before the activation.
+    /// Input of the activation.
     hidden: Vec<f32>,
 }
 
@@ -46,23 +46,23 @@ impl Saved {
     }
 }
 
-/// Buffers that one sequence after the other uses.
+/// Buffers that are reused from sequence to sequence.
 pub(super) struct Scratch {
     sizes: Sizes,
     attention: Buffers,
     input: Vec<f32>,
-    /// The residual stream, or its gradient.
+    /// Residual stream, or its gradient.
     x: Vec<f32>,
     /// Output of a norm, or its gradient.
     normalized: Vec<f32>,
     normalized_gradient: Vec<f32>,
-    /// After the activation, and the activation's slope.
+    /// Output and slope of the activation.
     activated: Vec<f32>,
     slope: Vec<f32>,
     hidden_gradient: Vec<f32>,
     attended_gradient: Vec<f32>,
     qkv_gradient: Vec<f32>,
-    /// Padded.
+    /// Logits with padding.
     logits: Vec<f32>,
 }
 
@@ -132,7 +132,7 @@ impl Scratch {
         }
     }
 
-    /// Adds the gradients of the parameters, given those of a sequence's logits.
+    /// Adds the gradients of the parameters, given the gradients of a sequence's logits.
     #[inline(always)]
     pub(super) fn backward<S: Simd>(
         &mut self,
@@ -145,7 +145,7 @@ impl Scratch {
         let outputs = padded(self.sizes.outputs);
         let rows = self.logits.chunks_exact_mut(outputs);
         for (to, from) in rows.zip(logits.chunks_exact(self.sizes.outputs)) {
-            // The padding's gradients are 0, as they were when the buffer was made.
+            // The padding's gradients stay 0, as when the buffer was created.
             to[..from.len()].copy_from_slice(from);
         }
         let (norm, gradient) = (&parameters.final_norm, &mut self.normalized_gradient);
@@ -172,7 +172,7 @@ impl Scratch {
         linear_parameters(simd, &mut gradients.embed, &self.input, &self.x);
     }
 
-    /// The backward pass of a layer's feed-forward block, from the residual stream's gradient to itself.
+    /// Backward pass of a layer's feed-forward block; updates the residual stream's gradient.
     #[inline(always)]
     fn feed_forward_backward<S: Simd>(
         &mut self,
@@ -200,7 +200,7 @@ impl Scratch {
             .backward(&layer.norm2, &mut gradients.norm2, gradient, x);
     }
 
-    /// The backward pass of a layer's attention, from the residual stream's gradient to itself.
+    /// Backward pass of a layer's attention; updates the residual stream's gradient.
     #[inline(always)]
     fn attention_backward<S: Simd>(
         &mut self,

@@ -23,7 +23,7 @@ fn config(d_model: usize, layers: usize, span: usize) -> StudentConfig {
     }
 }
 
-/// A student without gradients, none of whose parameters is 0 or 1, as some are at the start of training.
+/// Student without gradients; none of its parameters is 0 or 1, as some are at the start of training.
 fn student(config: &StudentConfig) -> Student {
     let rng = ChaCha8Rng::seed_from_u64(3);
     let device = Device::flex().autodiff();
@@ -41,7 +41,7 @@ impl ModuleMapper for RandomParameters {
     }
 }
 
-/// Values from 0 to 1.
+/// Random values from 0 to 1.
 fn random<const D: usize>(dims: [usize; D], rng: &mut ChaCha8Rng) -> Tensor<D> {
     let values = (0..dims.iter().product()).map(|_| rng.random_range(0.0..1.0_f32));
     Tensor::from_data(TensorData::new(values.collect(), dims), &Device::flex())
@@ -54,11 +54,11 @@ fn inputs(batch: usize, patches: usize) -> (Tensor<3>, Tensor<4>) {
     (emg, random([batch, patches, LOOK_BACK, CLASSES], &mut rng))
 }
 
-/// Equal up to rounding, relative to the largest value.
+/// Asserts equality up to rounding, relative to the largest value.
 fn assert_close(found: &[f32], expected: &[f32], what: &str) {
     assert_eq!(found.len(), expected.len(), "{what}");
     let largest = expected.iter().fold(0.0_f32, |a, b| a.max(b.abs()));
-    // The bias of a single key has no effect: rounding errors alone are left of its gradient.
+    // The bias of a single key has no effect: its gradient is only rounding errors.
     let largest = largest.max(0.01);
     for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
         assert!(
@@ -68,7 +68,7 @@ fn assert_close(found: &[f32], expected: &[f32], what: &str) {
     }
 }
 
-/// Logits, and the gradient of each parameter.
+/// Computes the logits, and the gradient of each parameter.
 fn run(
     student: &Student,
     (emg, weights): &(Tensor<3>, Tensor<4>),
@@ -130,7 +130,7 @@ fn both_agree(config: &StudentConfig, batch: usize, patches: usize) {
 
 #[test]
 fn one_layer_gives_the_same_as_burns_operations() {
-    // A whole block of queries, one query more, fewer patches than the span, a single one.
+    // Cases: a whole block of queries, one query more, fewer patches than the span, a single one.
     for patches in [16, 17, 5, 1] {
         both_agree(&config(32, 1, 7), 2, patches);
     }

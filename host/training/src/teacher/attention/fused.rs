@@ -20,18 +20,18 @@ use crate::optimization::kernels::softmax::RowStatistics;
 /// Parameters of attention.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Heads.
+    /// Number of heads.
     pub heads: usize,
-    /// Whether the second half of a window's tokens is blocked, window by window; empty: nowhere.
+    /// Whether the second half of a window's tokens is blocked, for each window; empty if none is.
     pub blocked: Vec<bool>,
     /// Dropout of the attention weights.
     pub mask: Option<Mask>,
 }
 
-/// Attention as one operation: `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`.
+/// Attention as one operation, from `[b, tokens, 3 d]` (queries, keys, values) to `[b, tokens, d]`.
 #[backend_extension(Flex, Autodiff)]
 pub trait FusedAttention: Backend {
-    /// Heads are contiguous parts of `d`; see [`Settings`].
+    /// Computes attention. Heads are contiguous parts of `d`; see [`Settings`].
     fn fused_attention(qkv: FloatTensor<Self>, settings: Settings) -> FloatTensor<Self>;
 }
 
@@ -58,7 +58,7 @@ impl<C: CheckpointStrategy> FusedAttention for Autodiff<Flex, C> {
 struct FusedBackward;
 
 impl ops::Backward<Flex, 1> for FusedBackward {
-    /// The batch and its softmax statistics.
+    /// State for the backward pass: the batch and its softmax statistics.
     type State = (Pass, Vec<RowStatistics>);
 
     fn backward(
@@ -74,10 +74,10 @@ impl ops::Backward<Flex, 1> for FusedBackward {
     }
 }
 
-/// One batch of queries, keys and values.
+/// Batch of queries, keys and values.
 #[derive(Clone, Debug)]
 struct Pass {
-    /// Contiguous.
+    /// Queries, keys and values in a contiguous tensor.
     qkv: FlexTensor,
     settings: Settings,
     windows: usize,
@@ -116,12 +116,12 @@ impl Pass {
         }
     }
 
-    /// Number of values of a window's output, and of its queries over all heads.
+    /// Number of values of a window's output, and number of its queries over all heads.
     fn sizes(&self) -> (usize, usize) {
         (self.tokens * self.d, self.settings.heads * self.tokens)
     }
 
-    /// Attention, `[b, tokens, d]`, and its softmax statistics, `[b, heads, tokens]`.
+    /// Computes attention, `[b, tokens, d]`, and its softmax statistics, `[b, heads, tokens]`.
     fn forward(&self) -> (FlexTensor, Vec<RowStatistics>) {
         let (values, queries) = self.sizes();
         let mut output = vec![0.0_f32; self.windows * values];
@@ -142,7 +142,7 @@ impl Pass {
         (output, statistics)
     }
 
-    /// Gradients of queries, keys and values, `[b, tokens, 3 d]`; all tensors contiguous.
+    /// Computes the gradients of queries, keys and values, `[b, tokens, 3 d]`; all tensors are contiguous.
     fn backward(&self, gradient: &FlexTensor, statistics: &[RowStatistics]) -> FlexTensor {
         let (values, queries) = self.sizes();
         let mut gradients = vec![0.0_f32; 3 * self.windows * values];
@@ -162,7 +162,7 @@ impl Pass {
     }
 }
 
-/// The `size` values of a window in a contiguous tensor.
+/// Slice of a contiguous tensor: the `size` values of a window.
 fn part(of: &FlexTensor, window: usize, size: usize) -> &[f32] {
     &of.storage()[of.layout().start_offset() + window * size..][..size]
 }

@@ -18,7 +18,7 @@ fn mask() -> Mask {
     dropout.mask(0.15).expect("a probability above 0")
 }
 
-/// Equal up to rounding, relative to the largest value.
+/// Asserts equality up to rounding, relative to the largest value.
 fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
     let (found, expected) = (read_back(found), read_back(expected));
     let largest = expected.iter().fold(1.0_f32, |a, b| a.max(b.abs()));
@@ -30,7 +30,7 @@ fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
     }
 }
 
-/// Both implementations, and two windows at a time, on the same numbers, forward and backward.
+/// Compares both implementations, and groups of two windows, on the same numbers, forward and backward.
 fn both_agree(tokens: usize, blocked: Option<&[f32]>, mask: Option<Mask>) {
     let device = Device::flex().autodiff();
     let batch = 3;
@@ -80,7 +80,7 @@ fn the_second_half_of_a_blocked_window_is_ignored() {
 
 #[test]
 fn several_blocks_give_the_same_as_the_whole() {
-    // 600 queries of 600 keys take three blocks, the last one short.
+    // Queries of 600 keys: 600 of them take three blocks, the last one short.
     both_agree(600, Some(&[0.0, 0.0, 1.0]), Some(mask()));
 }
 

@@ -10,21 +10,21 @@ use crate::optimization::dropout::Mask;
 use crate::optimization::kernels::matmul::{Rows, RowsMut, Transposed, padded, product};
 use crate::optimization::kernels::softmax::{self, RowStatistics};
 
-/// Scores in a block: with their gradients, half of a cache of 2 MiB.
+/// Number of scores in a block: with their gradients, they take half of a 2 MiB cache.
 const BLOCK: usize = 128 * 1024;
 
 /// Queries, keys and values of one window.
 #[derive(Clone, Copy)]
 pub(super) struct Window<'a> {
-    /// `[tokens, 3 d]`.
+    /// Queries, keys and values, `[tokens, 3 d]`.
     pub qkv: &'a [f32],
-    /// Tokens that attend and are attended to: the first ones.
+    /// Number of tokens, from the first, that attend and are attended to.
     pub attending: usize,
-    /// Tokens.
+    /// Number of tokens.
     pub tokens: usize,
     /// Width of a token.
     pub d: usize,
-    /// Heads; each is a contiguous part of a token.
+    /// Number of heads; each is a contiguous part of a token.
     pub heads: usize,
     /// Dropout of the attention weights, and the mask's row of the first head's first query.
     pub mask: Option<(Mask, usize)>,
@@ -33,9 +33,9 @@ pub(super) struct Window<'a> {
 /// The forward pass of a window.
 pub(super) struct Forward<'a> {
     pub window: Window<'a>,
-    /// Where the output goes, `[tokens, d]`, zeros before.
+    /// Output, `[tokens, d]`; must be zeros before.
     pub output: &'a mut [f32],
-    /// Where the softmax statistics of each query go, `[heads, tokens]`.
+    /// Softmax statistics of each query, `[heads, tokens]`.
     pub statistics: &'a mut [RowStatistics],
 }
 
@@ -46,7 +46,7 @@ pub(super) struct Backward<'a> {
     pub statistics: &'a [RowStatistics],
     /// Gradient of the output, `[tokens, d]`.
     pub gradient: &'a [f32],
-    /// Where the gradients of queries, keys and values go, `[tokens, 3 d]`, zeros before.
+    /// Gradients of queries, keys and values, `[tokens, 3 d]`; must be zeros before.
     pub gradients: &'a mut [f32],
 }
 
@@ -59,12 +59,12 @@ impl<'a> Window<'a> {
         1.0 / (self.width() as f32).sqrt()
     }
 
-    /// Queries in a block.
+    /// Number of queries in a block.
     fn block(&self) -> usize {
         (BLOCK / padded(self.attending).max(1)).clamp(1, self.attending.max(1))
     }
 
-    /// A head's queries (part 0), keys (1) or values (2), not copied.
+    /// View of a head's queries (part 0), keys (1) or values (2), not copied.
     #[inline(always)]
     fn part(&self, head: usize, part: usize) -> Rows<'a> {
         head_of(self.qkv, part * self.d + head * self.width(), 3 * self.d)

@@ -9,13 +9,13 @@ use super::{POSITION, POSITION_AGAIN};
 /// Why a checkpoint of the reference cannot be read or written.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
-    /// The file's extension is that of no known format.
+    /// The file's extension is unknown.
     #[error("{path}: expected a name that ends in .pth, .pt or .safetensors")]
     Format {
         /// The file.
         path: PathBuf,
     },
-    /// The file is not of the format that its extension says.
+    /// The file's format is not that of its extension.
     #[error(
         "{path}: expected a checkpoint of the reference's trainer (model_info, model_state_dict) or its \
          tensors as safetensors, found: {reason}"
@@ -23,7 +23,7 @@ pub enum CheckpointError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// The reader's message.
+        /// Message of the reader.
         reason: String,
     },
     /// The file cannot be written.
@@ -31,7 +31,7 @@ pub enum CheckpointError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// The writer's message.
+        /// Message of the writer.
         reason: String,
     },
     /// The file lacks tensors.
@@ -42,7 +42,7 @@ pub enum CheckpointError {
     Missing {
         /// The file.
         path: PathBuf,
-        /// Their names in the reference.
+        /// Names of the tensors in the reference.
         names: Vec<String>,
     },
     /// The file has tensors that the teacher does not have.
@@ -54,7 +54,7 @@ pub enum CheckpointError {
     Unknown {
         /// The file.
         path: PathBuf,
-        /// Their names in the file.
+        /// Names of the tensors in the file.
         names: Vec<String>,
     },
     /// A tensor has another shape.
@@ -65,7 +65,7 @@ pub enum CheckpointError {
     Shape {
         /// The file.
         path: PathBuf,
-        /// Its name in the reference.
+        /// Name of the tensor in the reference.
         name: String,
         /// Shape in a checkpoint of this teacher.
         expected: Vec<usize>,

@@ -27,7 +27,7 @@ fn teacher(config: &TeacherConfig) -> Teacher {
     Teacher::new(config, CLASSES, &Device::default())
 }
 
-/// A checkpoint of [`config`] whose tensors `change` has edited.
+/// Checkpoint of [`config`] whose tensors `change` has edited.
 fn changed(change: impl Fn(&mut BTreeMap<String, (Vec<usize>, Vec<f32>)>)) -> (TempDir, PathBuf) {
     let folder = tempdir().unwrap();
     let path = folder.path().join("teacher.safetensors");
@@ -178,7 +178,7 @@ fn the_same_teacher_gives_the_same_bytes() {
         std::fs::read(path).unwrap()
     };
     let first = written("first.safetensors");
-    // The order of a map's keys is drawn anew each time.
+    // The order of a map's keys is random each time.
     for _ in 0..8 {
         assert!(written("again.safetensors") == first);
     }
