@@ -263,5 +263,7 @@ fn split(
     Ok(split)
 }
 
+#[cfg(any(test, feature = "testing"))]
+pub mod fixture;
 #[cfg(test)]
 mod tests;

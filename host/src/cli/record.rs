@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Which recording, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
     #[arg(long, requires = "replay")]
     name: Option<String>,
-    /// Whose muscles: letters, digits and hyphens.
+    /// Name of the person who is recorded: letters, digits and hyphens.
     ///
     /// The name of the folder and the beginning of the files' names.
     #[arg(long, value_parser = person)]

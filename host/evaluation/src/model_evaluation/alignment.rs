@@ -36,7 +36,7 @@ pub struct Worn {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Turn {
-    /// The same number for all, 0 to 7.
+    /// Number of places that everybody is turned by, 0 to 7.
     By(u8),
     /// 0 to 7 in turn, from person to person in alphabetical order.
     Any,

@@ -1,50 +1,9 @@
-use std::path::PathBuf;
-
 use shared::intent::Intent;
 use shared::stream::alignment::{Alignment, Profile};
 
+use super::fixture::{library, people, preset, resolve};
 use super::*;
 use recordings::DataSet;
-
-/// People 1, 2, 3... of a data set, one labelled recording each.
-fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
-    (1..=count)
-        .map(|person| Recording {
-            data_set,
-            subject: format!("{}/p{person}", data_set.name()),
-            name: "r".into(),
-            path: PathBuf::new(),
-            samples: vec![[0; 8]; 20],
-            labels: vec![Some(Intent::Relax); 20],
-            other_movement: Vec::new(),
-            notes: Vec::new(),
-            timing: recordings::Timing::Cues,
-            findings: Vec::new(),
-            wearer: shared::stream::normalizer::Normalizer::new(),
-        })
-        .collect()
-}
-
-/// Two data sets of the user's own.
-fn library() -> Library {
-    Library {
-        recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
-        ..Library::default()
-    }
-}
-
-fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
-    let mut preset = Preset::find("quickstart").unwrap();
-    preset.data.data_sets.clear();
-    let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-    preset.data.held_out = owned(held_out);
-    preset.data.validation = owned(validation);
-    preset
-}
-
-fn resolve(held_out: &[&str], validation: &[&str]) -> Result<ResolvedConfig, ConfigError> {
-    ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
-}
 
 #[test]
 fn a_misspelt_name_is_refused_with_the_nearest_known_one() {

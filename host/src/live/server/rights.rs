@@ -34,7 +34,7 @@ pub(super) enum Right {
     All,
     /// The viewer who leads the session; the first to ask does.
     Leader,
-    /// Nobody; with the reason.
+    /// Refusal for everybody, with the reason.
     Nobody(&'static str),
 }
 

@@ -1,0 +1,61 @@
+//! Configurations of made-up people, for tests.
+
+use std::path::PathBuf;
+
+use recordings::{DataSet, Library, Recording};
+use shared::intent::Intent;
+
+use super::ConfigError;
+use crate::Preset;
+use crate::config::ResolvedConfig;
+
+/// Recordings of people p1, p2, p3... of a data set, one labelled recording each.
+#[must_use]
+pub fn people(data_set: DataSet, count: usize) -> Vec<Recording> {
+    (1..=count)
+        .map(|person| Recording {
+            data_set,
+            subject: format!("{}/p{person}", data_set.name()),
+            name: "r".into(),
+            path: PathBuf::new(),
+            samples: vec![[0; 8]; 20],
+            labels: vec![Some(Intent::Relax); 20],
+            other_movement: Vec::new(),
+            notes: Vec::new(),
+            timing: recordings::Timing::Cues,
+            findings: Vec::new(),
+            wearer: shared::stream::normalizer::Normalizer::new(),
+        })
+        .collect()
+}
+
+/// Library with two data sets of the user's own.
+#[must_use]
+pub fn library() -> Library {
+    Library {
+        recordings: [people(DataSet::ReactEmg, 5), people(DataSet::Synthetic, 4)].concat(),
+        ..Library::default()
+    }
+}
+
+/// Preset `quickstart` of all data sets, with these people held out and these to validate with.
+///
+/// # Panics
+/// If the preset is not built in.
+#[must_use]
+pub fn preset(held_out: &[&str], validation: &[&str]) -> Preset {
+    let mut preset = Preset::find("quickstart").unwrap();
+    preset.data.data_sets.clear();
+    let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    preset.data.held_out = owned(held_out);
+    preset.data.validation = owned(validation);
+    preset
+}
+
+/// Configuration of [`preset`] on [`library`].
+///
+/// # Errors
+/// As [`ResolvedConfig::new`].
+pub fn resolve(held_out: &[&str], validation: &[&str]) -> Result<ResolvedConfig, ConfigError> {
+    ResolvedConfig::new(preset(held_out, validation), &library(), None, false, None)
+}
