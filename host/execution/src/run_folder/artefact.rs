@@ -8,6 +8,7 @@
 //! ```
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -153,7 +154,10 @@ impl RunFolder {
     /// # Errors
     /// When the file is missing or damaged.
     pub fn load_artefact(&self, path: &Path) -> Result<Artefact, RunError> {
-        let bytes = fs::read(path).map_err(|source| RunError::io(path, source))?;
+        let bytes = fs::read(path).map_err(|source| match source.kind() {
+            ErrorKind::NotFound => RunError::NotTrained { path: path.into() },
+            _ => RunError::io(path, source),
+        })?;
         Artefact::decode(&bytes).map_err(|reason| RunError::content(path, reason))
     }
 

@@ -15,6 +15,12 @@ pub enum RunError {
         /// The cause.
         source: std::io::Error,
     },
+    /// A model has not been trained.
+    #[error("{path}: not trained yet; `myointent train --run {run} --resume` trains the models of a run", run = .path.parent().unwrap_or(.path).display())]
+    NotTrained {
+        /// File of the model's weights.
+        path: PathBuf,
+    },
     /// A file does not have the expected content.
     #[error(
         "{path}: {reason}; it was written by another version or is damaged, run the step again"

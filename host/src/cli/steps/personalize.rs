@@ -65,9 +65,6 @@ pub(super) enum NotWritten {
     },
 }
 
-/// Exit code if the old model is kept.
-pub(super) const KEPT: u8 = 3;
-
 /// Tunes the model, judges it, and writes it unless it is worse.
 ///
 /// # Errors

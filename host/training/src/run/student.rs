@@ -1,4 +1,4 @@
-//! Step 2: trains the student on the labels and, if the preset says so, on soft targets of the teacher or of an ensemble.
+//! Training of the student on the labels and, if the preset says so, on soft targets of the teacher or of an ensemble.
 
 use burn::module::Module as _;
 use shared::units::CleanSample;
@@ -11,24 +11,8 @@ use crate::optimization::fit::fit;
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
-use presets::distillation::{self, MEMBERS};
+use presets::distillation::MEMBERS;
 use recordings::corpus::Corpus;
-
-/// Trains the student. First trains the ensemble that it learns from, if there is one.
-///
-/// # Errors
-/// When the teacher is missing, the folder cannot be written or the user interrupts.
-pub fn distill(context: &RunContext) -> Result<(), StepError> {
-    train(context, distillation::NAME)
-}
-
-/// Trains a second student on the labels alone, to measure the effect of distillation.
-///
-/// # Errors
-/// When the folder cannot be written or the user interrupts.
-pub fn train_on_labels(context: &RunContext) -> Result<(), StepError> {
-    train(context, distillation::LABELS_ONLY)
-}
 
 /// Streams of a run's students.
 struct Streams {
@@ -36,14 +20,14 @@ struct Streams {
     validation: Corpus,
 }
 
-fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
+/// Trains the student of this name. First trains the ensemble that it learns from, if there is one.
+///
+/// # Errors
+/// When the teacher is missing or another run's, the folder cannot be written or the user interrupts.
+pub(super) fn train_student(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let config = context.config.distillation(name);
     refuse_impossible(&context.config.preset, &context.inference_device())?;
     if config.needs_teacher() {
-        if !context.has(presets::teacher_training::NAME) {
-            let path = context.folder.weights_path(presets::teacher_training::NAME);
-            return Err(StepError::NoTeacher { path });
-        }
         // A teacher of another run is refused before the streams are made.
         context.config.teaching_weights(&context.folder)?;
     }
