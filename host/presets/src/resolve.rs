@@ -16,7 +16,7 @@ use execution::revision::revision;
 use execution::run_folder::RunError;
 use recordings::folds::{self, Protocol};
 use recordings::labels::set_lag::lags;
-use recordings::split::{self, Assignment, Role, Split, SplitError, circles};
+use recordings::split::{self, Assignment, Role, Split, SplitError, predefined};
 use recordings::{Library, Recording};
 
 /// A fold of a cross-validation, before the number of folds is known.
@@ -202,7 +202,9 @@ pub fn fold_people(preset: &Preset, library: &Library, folds: usize) -> Vec<Vec<
 pub fn test_people(preset: &Preset, library: &Library) -> Vec<String> {
     let labelled = with_labels(preset, library).into_iter();
     let people = labelled.map(|recording| recording.subject.clone());
-    let people: BTreeSet<String> = people.filter(|subject| circles::is_test(subject)).collect();
+    let people: BTreeSet<String> = people
+        .filter(|subject| predefined::is_test(subject))
+        .collect();
     people.into_iter().collect()
 }
 
@@ -220,7 +222,7 @@ fn developers<'r>(recordings: &[&'r Recording]) -> impl Iterator<Item = &'r Reco
     recordings
         .iter()
         .copied()
-        .filter(|recording| !circles::is_test(&recording.subject))
+        .filter(|recording| !predefined::is_test(&recording.subject))
 }
 
 /// Roles of the subjects. With a fold, the preset's lists become the fold's, so that they are saved with the run.
@@ -241,7 +243,7 @@ fn split(
         held_out_share: data.held_out_share,
         validation: &data.validation,
         validation_share: data.validation_share,
-        circles: fold.is_none(),
+        predefined: fold.is_none(),
     };
     let mut split = split::assign(recordings.iter().copied(), &assignment)?;
     if data.most_subjects > 0 {

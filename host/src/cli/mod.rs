@@ -40,7 +40,7 @@ use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
 use execution::{bounded_read, progress};
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 #[cfg(feature = "train")]
 use training::run::StepError;
 #[cfg(feature = "train")]

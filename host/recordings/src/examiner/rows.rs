@@ -11,7 +11,7 @@ use super::FEWEST;
 use super::clock::{Clock, Says};
 use super::repeats::{Repeats, first_of_each, judge, standstill};
 use super::signal::{Signal, mean};
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
 use crate::recording::Recording;
 
 /// Largest deviation of a clock's rate, as a share, that is not reported: the armband's own is within 2 %.

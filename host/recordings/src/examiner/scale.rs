@@ -1,6 +1,6 @@
 //! Scale of values that should be counts: -128 to 127, whole.
 
-use crate::finding::{Finding, Scale};
+use crate::examiner::finding::{Finding, Scale};
 
 /// Maximum number of rows whose values are kept to find their step.
 const KEPT: usize = 4096;

@@ -210,7 +210,7 @@ mod tests {
 
     use super::*;
     use crate::labels::runs::runs;
-    use crate::movement::MovementKind;
+    use crate::recording::movement::MovementKind;
 
     const REST: i8 = 3;
 

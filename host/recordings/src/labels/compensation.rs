@@ -6,8 +6,8 @@ use super::cued::follow;
 use super::lag;
 use super::motion::{Motion, Truth, motions};
 use super::runs::runs;
-use crate::movement::Movement;
 use crate::recording::Recording;
+use crate::recording::movement::Movement;
 
 /// Minimum length in samples of an unknown stretch between two rests that counts as a movement: 0.5 s.
 const MOVEMENT: usize = 100;
@@ -118,8 +118,8 @@ mod tests {
     use shared::intent::Intent;
 
     use super::*;
-    use crate::movement::MovementKind;
     use crate::recording::DataSet;
+    use crate::recording::movement::MovementKind;
 
     const R: Option<Intent> = Some(Intent::Relax);
     const O: Option<Intent> = Some(Intent::Open);

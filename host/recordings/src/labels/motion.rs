@@ -2,7 +2,7 @@
 
 use shared::intent::Intent;
 
-use crate::movement::{Movement, MovementKind};
+use crate::recording::movement::{Movement, MovementKind};
 
 /// Motion at one sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -12,7 +12,7 @@ use shared::units::SAMPLE_PERIOD_MS;
 use super::compensation::Compensation;
 use super::lag::{LabelLag, LagEstimate, estimate};
 use crate::recording::{DataSet, Recording, Timing};
-use crate::split::circles::Circles;
+use crate::split::predefined::PredefinedSplit;
 
 /// People on whose recordings a constant lag was estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -146,7 +146,7 @@ fn measured(
     }
     // Nobody in a user's own recordings has a role.
     if training.is_empty()
-        && Circles::of(data_set).is_none()
+        && PredefinedSplit::of(data_set).is_none()
         && let Some(found) = estimate(recordings)
     {
         return (Basis::PeopleAtHand(people(recordings)), Some(found));

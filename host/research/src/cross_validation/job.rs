@@ -19,7 +19,7 @@ use presets::resolve::{FoldChoice, fold_people, test_people};
 use recordings::Library;
 use recordings::folds::Protocol;
 use recordings::split::Role;
-use recordings::split::circles::is_test;
+use recordings::split::predefined::is_test;
 use training::run::StepError;
 use training::run::context::RunContext;
 

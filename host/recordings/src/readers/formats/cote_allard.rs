@@ -9,9 +9,9 @@ use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
 use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, stem};
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording, Timing};
 
 const ROW_BYTES: usize = 2 * CHANNELS;
@@ -109,7 +109,7 @@ const fn motion(class: usize) -> Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::movement::Movement;
+    use crate::recording::movement::Movement;
 
     const PATH: &str = "/d/EvaluationDataset/Male3/Test0/classe_13.dat";
 

@@ -9,8 +9,8 @@ use shared::units::Sample;
 
 use super::react_emg::own;
 use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
 use crate::readers::error::Damage;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 use execution::bounded_read;
 

@@ -10,12 +10,12 @@ use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
 use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::Matrix;
 use crate::readers::npy::{self, Array, Values};
 use crate::readers::path::{numbered, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 
 /// Samples around a pulse that are no rest.

@@ -14,13 +14,13 @@ use shared::stream::alignment::Alignment;
 use shared::stream::normalizer::Normalizer;
 use shared::units::{CHANNELS, Sample};
 
-use crate::readers::beside::Beside;
-use crate::readers::columns::Columns;
+use crate::readers::error::excerpt::excerpt;
 use crate::readers::error::{Damage, Fault};
-use crate::readers::excerpt::excerpt;
-use crate::readers::labels::{from_number, from_text};
+use crate::readers::label_file::{from_number, from_text};
 use crate::readers::npy::{Array, Values};
 use crate::readers::path::{is_number, left_arm, stem};
+use crate::readers::table::beside::Beside;
+use crate::readers::table::columns::Columns;
 use crate::readers::table::{self, Samples};
 use crate::recording::{DataSet, Recording, Timing};
 

@@ -9,10 +9,10 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
 use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{numbered, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording, Timing};
 
 /// First sample of the motion, and of the rest after it.
@@ -104,7 +104,7 @@ fn truth(motion: usize, samples: usize) -> Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::movement::Movement;
+    use crate::recording::movement::Movement;
 
     fn text(rows: usize) -> String {
         "-0.015625,0.9921875,-1,0,0,0,0,0.0546875\n".repeat(rows)

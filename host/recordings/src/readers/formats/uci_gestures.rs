@@ -10,10 +10,10 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
 use crate::labels::motion::{Motion, Truth};
-use crate::movement::MovementKind;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, stem};
 use crate::readers::table;
+use crate::recording::movement::MovementKind;
 use crate::recording::{DataSet, Recording};
 
 /// Largest gap between two rows, in ms: 175 in the published files.

@@ -4,10 +4,10 @@ use shared::units::Sample;
 
 use crate::examiner::bands::{Devices, is_device};
 use crate::examiner::clock::{Clock, column};
+use crate::examiner::finding::Finding;
 use crate::examiner::rows::Rows;
-use crate::finding::Finding;
-use crate::readers::columns::Columns;
-use crate::readers::separator::Separator;
+use crate::readers::table::columns::Columns;
+use crate::readers::table::separator::Separator;
 
 /// Column of recordings by `myointent record` that says which samples were filled in.
 const FILLED_IN: &str = "bridged";

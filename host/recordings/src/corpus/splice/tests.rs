@@ -9,7 +9,7 @@ use super::holds::HOLD;
 use super::{SpliceOptions, splice};
 use crate::labels::compensation::Compensation;
 use crate::labels::runs::{Run, runs};
-use crate::movement::{Movement, MovementKind, mask};
+use crate::recording::movement::{Movement, MovementKind, mask};
 use crate::recording::{DataSet, Recording};
 
 const R: Option<Intent> = Some(Intent::Relax);

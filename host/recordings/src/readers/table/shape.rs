@@ -3,7 +3,7 @@
 use shared::units::CHANNELS;
 
 use super::separator::Separator;
-use super::table;
+use crate::readers::table;
 
 /// Rows that are examined; one damaged row among the first must not hide the format.
 const FIRST: usize = 20;

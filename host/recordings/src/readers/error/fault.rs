@@ -1,8 +1,8 @@
 //! Faults of a file of recordings, in words: what was expected, what was found, what to do.
 
 use super::excerpt::excerpt;
-use super::separator::Separator;
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
+use crate::readers::table::separator::Separator;
 use execution::file_kind::FileKind;
 
 /// Fault of a file.

@@ -10,7 +10,7 @@ use crate::recording::DataSet;
 /// The people of one data set outside training, as the data set names them.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Circles {
+pub struct PredefinedSplit {
     /// Development people who choose the checkpoint and the aggregation mode.
     #[serde(default)]
     pub checkpoint: Vec<String>,
@@ -22,11 +22,11 @@ pub struct Circles {
     pub test: Vec<String>,
 }
 
-static COMMITTED: LazyLock<BTreeMap<String, Circles>> = LazyLock::new(|| {
+static COMMITTED: LazyLock<BTreeMap<String, PredefinedSplit>> = LazyLock::new(|| {
     toml::from_str(include_str!("../../people.toml")).expect("a test reads the file")
 });
 
-impl Circles {
+impl PredefinedSplit {
     /// Development and test people of a data set; none for sets that the file does not name.
     #[must_use]
     pub fn of(data_set: DataSet) -> Option<&'static Self> {
@@ -46,25 +46,29 @@ pub fn is_test(subject: &str) -> bool {
     let (set, _) = subject.split_once('/').unwrap_or_default();
     COMMITTED
         .get(set)
-        .is_some_and(|circles| in_circle(&circles.test, subject))
+        .is_some_and(|predefined| is_listed(&predefined.test, subject))
 }
 
 /// Whether a subject (`data-set/subject`) is a training person: in none of the lists of a set that the file names.
 #[must_use]
 pub fn is_training(subject: &str) -> bool {
     let (set, _) = subject.split_once('/').unwrap_or_default();
-    COMMITTED.get(set).is_some_and(|circles| {
-        let lists = [&circles.checkpoint, &circles.settings, &circles.test];
-        !lists.iter().any(|circle| in_circle(circle, subject))
+    COMMITTED.get(set).is_some_and(|predefined| {
+        let lists = [
+            &predefined.checkpoint,
+            &predefined.settings,
+            &predefined.test,
+        ];
+        !lists.iter().any(|list| is_listed(list, subject))
     })
 }
 
 /// Whether a list names a subject (`data-set/subject`).
-pub(super) fn in_circle(circle: &[String], subject: &str) -> bool {
+pub(super) fn is_listed(list: &[String], subject: &str) -> bool {
     let person = subject
         .split_once('/')
         .map_or(subject, |(_, person)| person);
-    circle.iter().any(|name| name == person)
+    list.iter().any(|name| name == person)
 }
 
 #[cfg(test)]
@@ -72,9 +76,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nobody_is_in_two_circles() {
-        for (set, circles) in Circles::all() {
-            let mut people = [&circles.checkpoint[..], &circles.settings, &circles.test].concat();
+    fn nobody_is_listed_twice() {
+        for (set, predefined) in PredefinedSplit::all() {
+            let mut people = [
+                &predefined.checkpoint[..],
+                &predefined.settings,
+                &predefined.test,
+            ]
+            .concat();
             let all = people.len();
             assert!(all > 0, "{set}");
             people.sort_unstable();

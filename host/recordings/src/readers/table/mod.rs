@@ -1,11 +1,16 @@
 //! Rows of numbers: what the text formats share, and arrays and matrices as samples.
 
+pub(crate) mod beside;
+pub(crate) mod columns;
+pub(crate) mod separator;
+pub(crate) mod shape;
+
 use shared::units::{CHANNELS, Sample};
 
-use super::error::{Damage, Fault};
-use super::mat::Matrix;
-use super::npy::{Array, Values};
 use crate::examiner::scale::Judge;
+use crate::readers::error::{Damage, Fault};
+use crate::readers::mat::Matrix;
+use crate::readers::npy::{Array, Values};
 
 /// The rows of a text, each with its line number; empty lines at the end are no rows.
 ///

@@ -3,7 +3,7 @@
 use rand::RngExt as _;
 use shared::units::Sample;
 
-use super::seed::generator;
+use crate::seed::generator;
 
 /// Samples of a notification.
 const NOTIFICATION: usize = 2;

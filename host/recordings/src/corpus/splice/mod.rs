@@ -22,8 +22,8 @@ use rand_chacha::ChaCha8Rng;
 use self::holds::Holds;
 use self::source::{Joined, Source};
 use self::transitions::Piece;
-use super::recording::Recording;
-use super::seed;
+use crate::recording::Recording;
+use crate::seed;
 
 /// Length, number and seed of spliced recordings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use shared::intent::Intent;
 use shared::units::Sample;
 
-use crate::movement::Movement;
 use crate::recording::Recording;
+use crate::recording::movement::Movement;
 
 /// A recording with the labels that the pieces carry.
 pub(super) struct Source<'a> {

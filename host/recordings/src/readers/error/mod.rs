@@ -1,11 +1,14 @@
 //! Errors of reading recordings, and the place of a fault.
 
+pub mod excerpt;
+mod fault;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::excerpt::printable;
-pub use super::fault::Fault;
-use crate::finding::Finding;
+use crate::examiner::finding::Finding;
+use excerpt::printable;
+pub use fault::Fault;
 
 /// Place of a fault in its file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

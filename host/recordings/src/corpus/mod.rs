@@ -1,12 +1,14 @@
 //! Corpus of a training: streams of cleaned EMG with labels.
 
+pub mod splice;
+
 use std::ops::Range;
 
 use shared::intent::{Intent, Vocabulary};
 use shared::stream::preprocess::{Median, clean};
-use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample};
+use shared::units::{CleanSample, PATCH, SAMPLE_RATE_HZ, Sample, WINDOW};
 
-use super::recording::Recording;
+use crate::recording::Recording;
 
 /// One continuous stream: a recording, or pieces of one subject's recordings joined.
 #[derive(Clone, Debug)]
@@ -116,6 +118,28 @@ fn patch_label(labels: &[Option<Intent>]) -> Option<Intent> {
 #[must_use]
 pub fn patch_labels(labels: &[Option<Intent>]) -> Vec<Option<Intent>> {
     labels.chunks_exact(PATCH).map(patch_label).collect()
+}
+
+/// Stream with a full window in front: its first patch of 10 samples, sixty times.
+///
+/// Every model then has an output for every sample of a short recording. The lead-in is the first patch, which every
+/// output of a model knows, so no output depends on samples after its own patch. docs/decisions.md has what was
+/// measured.
+#[must_use]
+pub fn padded(emg: &[CleanSample]) -> Vec<CleanSample> {
+    lead_in(emg, WINDOW)
+}
+
+/// Stream of any kind with `length` samples in front: its first patch, repeated.
+#[must_use]
+pub fn lead_in<T: Copy>(samples: &[T], length: usize) -> Vec<T> {
+    let lead = &samples[..samples.len().min(PATCH)];
+    lead.iter()
+        .cycle()
+        .take(if lead.is_empty() { 0 } else { length })
+        .chain(samples)
+        .copied()
+        .collect()
 }
 
 #[cfg(test)]

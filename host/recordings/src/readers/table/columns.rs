@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 
 use shared::units::CHANNELS;
 
-use super::error::Fault;
 use super::separator::Separator;
 use super::shape::Shape;
-use super::table;
+use crate::readers::error::Fault;
+use crate::readers::table;
 
 /// Names of columns that hold labels; the first is ReactEMG's and goes before the others.
 const LABELS: [&str; 14] = [

@@ -2,7 +2,7 @@
 
 use shared::units::{CHANNELS, Sample};
 
-use super::recording::{DataSet, Recording};
+use crate::recording::{DataSet, Recording};
 
 /// Order of a set's channels on the arm: channel c of the common frame is channel `c - rotation` of the set's, or
 /// `rotation - c` where the ring runs the other way round (modulo 8).
