@@ -1,6 +1,6 @@
 //! The alignment template of a model file, made anew from the people whom the model has seen.
 
-use presets::template::opens;
+use presets::resolve::opens;
 use recordings::alignment::{FEWEST_PEOPLE, template};
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::lags;

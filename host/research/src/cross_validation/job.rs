@@ -171,10 +171,7 @@ impl CrossValidation<'_> {
                 contender,
                 fold: job.fold,
             });
-            if !path
-                .join(weights_file(presets::teacher_training::NAME))
-                .exists()
-            {
+            if !path.join(weights_file(presets::teacher::NAME)).exists() {
                 let only = start.name();
                 return Err(JobError::NoStart { path, only });
             }

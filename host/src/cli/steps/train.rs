@@ -90,7 +90,7 @@ pub(in crate::cli) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ));
     log_labels(&context.config);
     train::train(&context)?;
-    let weights = context.folder.weights_path(presets::teacher_training::NAME);
+    let weights = context.folder.weights_path(presets::teacher::NAME);
     writeln!(std::io::stdout(), "{}", weights.display())?;
     Ok(())
 }

@@ -40,8 +40,8 @@ fn train(context: &RunContext, name: &'static str) -> Result<(), StepError> {
     let config = context.config.distillation(name);
     refuse_impossible(&context.config.preset, &context.inference_device())?;
     if config.needs_teacher() {
-        if !context.has(presets::teacher_training::NAME) {
-            let path = context.folder.weights_path(presets::teacher_training::NAME);
+        if !context.has(presets::teacher::NAME) {
+            let path = context.folder.weights_path(presets::teacher::NAME);
             return Err(StepError::NoTeacher { path });
         }
         // A teacher of another run is refused before the streams are made.

@@ -44,7 +44,7 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
     if preset.teacher_training.epochs == 0 {
         context
             .folder
-            .save_model(presets::teacher_training::NAME, made_from, &model)?;
+            .save_model(presets::teacher::NAME, made_from, &model)?;
         return Ok(());
     }
     let learner = TeacherLearner::new(
@@ -63,11 +63,7 @@ pub fn train(context: &RunContext) -> Result<(), StepError> {
 fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
         let (folder, origin) = RunContext::find(start)?;
-        return Ok(folder.load_model(
-            presets::teacher_training::NAME,
-            origin.teacher_lineage(),
-            model,
-        )?);
+        return Ok(folder.load_model(presets::teacher::NAME, origin.teacher_lineage(), model)?);
     }
     Ok(teacher::checkpoint::load(start, model)?)
 }

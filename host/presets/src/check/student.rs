@@ -1,10 +1,35 @@
-//! Validity of the settings of a student's training.
+//! Validity of a student's dimensions, and of the settings of its training.
 
-use super::{Invalid, require};
+use super::{Invalid, are_heads, require};
 use crate::Preset;
 use crate::distillation::MEMBERS;
+use shared::units::{LOOK_BACK, WINDOW_PATCHES};
 
 impl Preset {
+    /// The first dimension that no student can have, if there is one.
+    pub(super) fn invalid_student(&self) -> Option<Invalid> {
+        let student = &self.student;
+        [
+            require(
+                are_heads(student.heads, student.d_model),
+                "student.heads",
+                student.heads,
+                "a divisor of d_model",
+            ),
+            require(
+                student.span > 0
+                    && student.layers > 0
+                    && student.receptive_field() <= WINDOW_PATCHES + 1 - LOOK_BACK,
+                "student.span",
+                student.receptive_field(),
+                "layers * (span - 1) + 1 of at most 55 patches",
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .next()
+    }
+
     /// The first setting that no student can be trained with, if there is one.
     pub(super) fn invalid_distillation(&self) -> Option<Invalid> {
         let distillation = &self.distillation;

@@ -7,7 +7,7 @@
 
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
-use super::Preset;
+use crate::Preset;
 
 /// Maximum memory of a step in bytes: 64 GiB. The preset `paper` needs a third of it, on the memory of a large GPU.
 pub(super) const LIMIT: f64 = 64.0 * (1_u64 << 30) as f64;
@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn every_built_in_preset_fits_and_the_papers_is_the_largest() {
         let paper = Preset::find("paper").unwrap();
-        for (name, _) in super::super::BUILT_IN {
+        for (name, _) in crate::BUILT_IN {
             let preset = Preset::find(name).unwrap();
             assert!(preset.teacher_bytes() <= paper.teacher_bytes(), "{name}");
             assert!(preset.student_bytes() < LIMIT, "{name}");
