@@ -108,7 +108,7 @@ impl Distillation {
 
     /// Settings for a student that learns from the labels alone.
     #[must_use]
-    pub fn on_labels(&self) -> Self {
+    pub(crate) fn on_labels(&self) -> Self {
         Self {
             teacher_share: 0.0,
             ensemble: None,

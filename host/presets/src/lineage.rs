@@ -58,7 +58,7 @@ struct StudentInputs<'a> {
 
 /// Inputs that decide the scores of a run's models.
 #[derive(Serialize)]
-struct Everything<'a> {
+struct ResultInputs<'a> {
     variant: &'a str,
     fold: Option<Fold>,
     teacher: TeacherInputs<'a>,
@@ -71,7 +71,7 @@ impl ResolvedConfig {
     /// Fingerprint of what results are made from: the whole configuration.
     #[must_use]
     pub fn fingerprint(&self) -> Fingerprint {
-        Fingerprint::of(&Everything {
+        Fingerprint::of(&ResultInputs {
             variant: &self.variant,
             fold: self.fold,
             teacher: self.teacher_inputs(),

@@ -85,9 +85,9 @@ pub(crate) struct Clock {
     times: Vec<f64>,
 }
 
-/// Judgement of a clock.
+/// Timebase that a clock gives.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) enum Says {
+pub(crate) enum Timebase {
     /// Rate of the rows, and gaps between them.
     Rate {
         /// Rows per second, gaps left out.
@@ -96,7 +96,7 @@ pub(crate) enum Says {
         gaps: Vec<(usize, f64)>,
     },
     /// No rate: the times do not rise, or no unit fits.
-    Nothing,
+    Unclear,
 }
 
 /// Kind of a column.
@@ -204,10 +204,10 @@ impl Clock {
     }
 
     /// Rate and gaps of the rows by this clock.
-    pub fn says(&self) -> Says {
+    pub fn timebase(&self) -> Timebase {
         let times = self.unwrapped();
         let Some(period) = period(&times).filter(|period| *period > 0.0) else {
-            return Says::Nothing;
+            return Timebase::Unclear;
         };
         let per_second = if self.counts() {
             f64::from(SAMPLE_RATE_HZ)
@@ -216,13 +216,13 @@ impl Clock {
         } else {
             let fits = |(_, per_second): &&(&[&str], f64)| PERIODS.contains(&(period / per_second));
             let Some((_, per_second)) = UNITS.iter().find(fits) else {
-                return Says::Nothing;
+                return Timebase::Unclear;
             };
             *per_second
         };
         let seconds: Vec<f64> = times.iter().map(|time| time / per_second).collect();
         let period = period / per_second;
-        Says::Rate {
+        Timebase::Rate {
             hz: 1.0 / period,
             gaps: gaps(&seconds, period),
         }

@@ -29,7 +29,7 @@ static COMMITTED: LazyLock<BTreeMap<String, PredefinedSplit>> = LazyLock::new(||
 impl PredefinedSplit {
     /// Development and test people of a data set; none for sets that the file does not name.
     #[must_use]
-    pub fn of(data_set: DataSet) -> Option<&'static Self> {
+    pub(crate) fn of(data_set: DataSet) -> Option<&'static Self> {
         COMMITTED.get(data_set.name())
     }
 

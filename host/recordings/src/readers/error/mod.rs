@@ -41,7 +41,7 @@ pub struct Damage {
 }
 
 impl Damage {
-    pub const fn at(place: Place, fault: Fault) -> Self {
+    pub(crate) const fn at(place: Place, fault: Fault) -> Self {
         Self {
             place,
             fault,
@@ -49,25 +49,25 @@ impl Damage {
         }
     }
 
-    pub const fn at_line(line: usize, fault: Fault) -> Self {
+    pub(crate) const fn at_line(line: usize, fault: Fault) -> Self {
         Self::at(Place::Line(line), fault)
     }
 
-    pub const fn at_byte(byte: u64, fault: Fault) -> Self {
+    pub(crate) const fn at_byte(byte: u64, fault: Fault) -> Self {
         Self::at(Place::Byte(byte), fault)
     }
 
-    pub const fn of_file(fault: Fault) -> Self {
+    pub(crate) const fn of_file(fault: Fault) -> Self {
         Self::at(Place::File, fault)
     }
 
     /// Damage of a file without meaning.
-    pub const fn refused(finding: Finding) -> Self {
+    pub(crate) const fn refused(finding: Finding) -> Self {
         Self::of_file(Fault::Refused { finding })
     }
 
     /// Error of this damage in a known file.
-    pub fn in_file(self, path: &Path) -> LoadError {
+    pub(crate) fn in_file(self, path: &Path) -> LoadError {
         LoadError::Damaged {
             path: path.to_owned(),
             place: self.place,

@@ -8,7 +8,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
-use crate::labels::motion::{Motion, Truth};
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, stem};
 use crate::recording::movement::MovementKind;
@@ -57,7 +57,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Recording, Damage> {
         }
         samples.push(sample);
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = samples.iter().map(|_| motion(class)).collect();

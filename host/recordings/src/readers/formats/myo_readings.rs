@@ -13,7 +13,7 @@ use shared::units::Sample;
 
 use crate::examiner::finding::Finding;
 use crate::examiner::repeats::first_of_each;
-use crate::labels::motion::{Motion, Truth};
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, left_arm, stem};
 use crate::readers::table;
@@ -133,7 +133,7 @@ fn recording(path: &Path, text: &str) -> Result<Recording, Damage> {
     if gestures && WEAK.contains(&person) {
         notes.push("little muscle signal in the gestures".to_owned());
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();

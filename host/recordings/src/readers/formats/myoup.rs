@@ -9,7 +9,7 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::{SAMPLE_RATE_HZ, Sample};
 
-use crate::labels::motion::{Motion, Truth};
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::mat::Matrix;
 use crate::readers::npy::{self, Array, Values};
@@ -145,7 +145,7 @@ fn recording(path: &Path, person: &str, samples: Vec<Sample>, gestures: &[usize]
         }
         start = end;
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();

@@ -9,7 +9,7 @@ use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 use shared::units::CHANNELS;
 
-use crate::labels::motion::{Motion, Truth};
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault, LoadError};
 use crate::readers::npy::{self, Array, Values};
 use crate::readers::path::stem;
@@ -44,7 +44,7 @@ pub(crate) fn read(path: &Path, array: &Array) -> Result<Recording, LoadError> {
     let samples = table::samples(array).map_err(damage)?;
     let (partner, annotations) = npy::partner(path, &format!("{name}_ann.npy"))?;
     let motions = motions(&annotations).map_err(|damage| damage.in_file(&partner))?;
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();

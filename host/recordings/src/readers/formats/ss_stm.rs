@@ -8,7 +8,7 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::stream::normalizer::Normalizer;
 
-use crate::labels::motion::{Motion, Truth};
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{numbered, stem};
 use crate::readers::table;
@@ -41,7 +41,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
             samples.len()
         ));
     }
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = truth(motion, samples.len());
@@ -78,7 +78,7 @@ fn motion_number(name: &str) -> Option<usize> {
     motion.parse().ok().filter(|m| (1..=8).contains(m))
 }
 
-fn truth(motion: usize, samples: usize) -> Truth {
+fn truth(motion: usize, samples: usize) -> GroundTruth {
     let (gesture, after) = match motion {
         1 => (Motion::RELAX, Motion::RELAX),
         2 => (Motion::Intent(Intent::WaveIn), Motion::RELAX),

@@ -9,7 +9,7 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS, Sample};
 
-use crate::labels::motion::{Motion, Truth};
+use crate::labels::motion::{GroundTruth, Motion};
 use crate::readers::error::{Damage, Fault};
 use crate::readers::path::{folder, is_number, stem};
 use crate::readers::table;
@@ -64,7 +64,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Recording, Damage> {
         .into_iter()
         .map(|row| (row.sample, motion(row.class)))
         .unzip();
-    let Truth {
+    let GroundTruth {
         labels,
         other_movement,
     } = motions.into_iter().collect();

@@ -65,7 +65,7 @@ fn encoded(
             (beginning_of_utf8(bytes), Damage::at_byte(at, Fault::Text))
         }
     };
-    let is_meant = Columns::of(&text).map_or_else(|unlike| unlike.is_meant, |_| true);
+    let is_meant = Columns::of(&text).map_or_else(|error| error.is_meant, |_| true);
     // Control characters are in no text of one byte a character.
     let is_text = || kind == FileKind::Utf16 || !bytes.iter().any(|byte| matches!(byte, 0..=8));
     if is_meant || request.alone && is_text() {
@@ -134,8 +134,8 @@ pub(super) fn of_text(
             react_emg::read_csv(path, text, &columns).map_err(damage)
         }),
         Err(_) if !(request.wants)(DataSet::ReactEmg) => Ok(Found::Nothing(SkipReason::NotWanted)),
-        Err(unlike) if request.alone || unlike.is_meant => {
-            Err(damage(Damage::at_line(unlike.line, unlike.fault)))
+        Err(error) if request.alone || error.is_meant => {
+            Err(damage(Damage::at_line(error.line, error.fault)))
         }
         Err(_) => Ok(Found::Nothing(SkipReason::Layout)),
     }

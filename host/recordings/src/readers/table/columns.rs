@@ -52,7 +52,7 @@ pub(crate) struct Columns {
 
 /// Reason why a text is no table that is read.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Unlike {
+pub(crate) struct TableError {
     /// Fault: what was found and what was expected.
     pub fault: Fault,
     /// Line of the fault.
@@ -63,10 +63,10 @@ pub(crate) struct Unlike {
 
 impl Columns {
     /// The columns of a text.
-    pub fn of(text: &str) -> Result<Self, Unlike> {
+    pub fn of(text: &str) -> Result<Self, TableError> {
         let mut rows = table::rows(text).skip_while(|(_, row)| is_preface(row));
         let Some((line, first)) = rows.next() else {
-            return Err(Unlike {
+            return Err(TableError {
                 fault: Fault::Empty,
                 line: 1,
                 is_meant: false,
@@ -79,13 +79,13 @@ impl Columns {
         if is_header(separator, &fields) || counts_up(&fields) && second != Some(first) {
             let named = Self::named(separator, &fields, line, first);
             let has_rows = second.is_some_and(|row| !is_header(separator, &separator.fields(row)));
-            named.map_err(|unlike| Unlike {
-                fault: if has_rows || unlike.is_meant {
-                    unlike.fault
+            named.map_err(|error| TableError {
+                fault: if has_rows || error.is_meant {
+                    error.fault
                 } else {
                     Fault::NoTable
                 },
-                ..unlike
+                ..error
             })
         } else {
             Self::bare(text, line)
@@ -102,8 +102,8 @@ impl Columns {
         names: &[&str],
         line: usize,
         header: &str,
-    ) -> Result<Self, Unlike> {
-        let unlike = |found: String, is_meant| Unlike {
+    ) -> Result<Self, TableError> {
+        let error = |found: String, is_meant| TableError {
             fault: Fault::Channels {
                 header: header.to_owned(),
                 separator,
@@ -118,7 +118,7 @@ impl Columns {
             .any(|group| group.is_muscle() || group.channels().is_some());
         let channels = match channels(&groups) {
             Ok(channels) => channels,
-            Err(found) => return Err(unlike(found, is_meant)),
+            Err(found) => return Err(error(found, is_meant)),
         };
         let known: Vec<String> = names.iter().map(|name| plain(name)).collect();
         let labels: Vec<usize> = (0..known.len())
@@ -135,7 +135,7 @@ impl Columns {
                     "several columns of labels, {}, of which none is gt,",
                     found.join(", ")
                 );
-                return Err(unlike(found, true));
+                return Err(error(found, true));
             }
         };
         Ok(Self {
@@ -149,9 +149,9 @@ impl Columns {
     }
 
     /// Columns of a table without names.
-    fn bare(text: &str, line: usize) -> Result<Self, Unlike> {
+    fn bare(text: &str, line: usize) -> Result<Self, TableError> {
         let Some(shape) = Shape::of(text) else {
-            return Err(Unlike {
+            return Err(TableError {
                 fault: Fault::NoTable,
                 line,
                 is_meant: false,
@@ -163,7 +163,7 @@ impl Columns {
             _ => None,
         };
         let Some(start) = start else {
-            return Err(Unlike {
+            return Err(TableError {
                 fault: Fault::Headerless {
                     columns: shape.columns,
                     separator: shape.separator,

@@ -1,13 +1,13 @@
 //! Rows of numbers: what the text formats share, and arrays and matrices as samples.
 
-pub(crate) mod beside;
+pub(crate) mod auxiliary;
 pub(crate) mod columns;
 pub(crate) mod separator;
 pub(crate) mod shape;
 
 use shared::units::{CHANNELS, Sample};
 
-use crate::examiner::scale::Judge;
+use crate::examiner::scale::ScaleDetector;
 use crate::readers::error::{Damage, Fault};
 use crate::readers::mat::Matrix;
 use crate::readers::npy::{Array, Values};
@@ -93,7 +93,7 @@ pub(crate) fn sample(counts: &[f64], first_field: usize) -> Result<Sample, Fault
 /// reported.
 #[derive(Default)]
 pub(crate) struct Samples {
-    judge: Judge,
+    scale: ScaleDetector,
     samples: Vec<Sample>,
     fault: Option<Damage>,
 }
@@ -101,7 +101,7 @@ pub(crate) struct Samples {
 impl Samples {
     /// Adds a row's counts; `first_field` is where they start, and `at` adds the place to a fault.
     pub fn push(&mut self, counts: &[f64], first_field: usize, at: impl FnOnce(Fault) -> Damage) {
-        self.judge.push(counts);
+        self.scale.push(counts);
         match sample(counts, first_field) {
             Ok(sample) => self.samples.push(sample),
             Err(fault) => {
@@ -115,7 +115,7 @@ impl Samples {
     /// # Errors
     /// A scale other than counts; else the first value that is no count; else that there are no samples.
     pub fn finish(self) -> Result<Vec<Sample>, Damage> {
-        self.judge.finish().map_err(Damage::refused)?;
+        self.scale.finish().map_err(Damage::refused)?;
         match self.fault {
             Some(fault) => Err(fault),
             None if self.samples.is_empty() => Err(Damage::of_file(Fault::Empty)),

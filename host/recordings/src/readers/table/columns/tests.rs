@@ -1,6 +1,6 @@
 use super::*;
 
-fn columns(header: &str) -> Result<Columns, Unlike> {
+fn columns(header: &str) -> Result<Columns, TableError> {
     Columns::of(&format!("{header}\n1,2,3\n"))
 }
 

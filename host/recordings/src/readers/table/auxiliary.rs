@@ -14,7 +14,7 @@ const FILLED_IN: &str = "bridged";
 
 /// Columns of times and of devices, as rows are read.
 #[derive(Default)]
-pub(crate) struct Beside {
+pub(crate) struct AuxiliaryColumns {
     /// The clock by its name, or all candidates where columns have no names.
     clocks: Vec<(usize, Clock)>,
     devices: Option<(usize, Devices)>,
@@ -22,7 +22,7 @@ pub(crate) struct Beside {
     filled_in: bool,
 }
 
-impl Beside {
+impl AuxiliaryColumns {
     /// Finds clocks and devices among the columns that are neither channel nor label.
     pub fn find(columns: &Columns) -> Self {
         let taken = |at: &usize| columns.channels.contains(at) || columns.label == Some(*at);
