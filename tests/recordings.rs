@@ -20,7 +20,7 @@ use recordings::labels::set_lag::Lag;
 use recordings::splice::{SpliceOptions, splice};
 use recordings::split::predefined::{self, PredefinedSplit, is_test};
 use recordings::{
-    Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
+    Damage, Fault, Finding, Library, LoadError, LoadOptions, Place, Recording, Timing, load, runs,
 };
 use shared::intent::{Intent, MAX_CLASSES, Vocabulary};
 use shared::model::file::Model;
@@ -179,9 +179,12 @@ fn myo_readings_leaves_out_its_four_broken_files_and_says_where() {
         .iter()
         .map(|error| match error {
             LoadError::Damaged {
-                place: Place::Line(line),
-                fault,
-                as_published: true,
+                damage:
+                    Damage {
+                        place: Place::Line(line),
+                        fault,
+                        as_published: true,
+                    },
                 ..
             } => {
                 assert!(matches!(fault, Fault::Fields { .. } | Fault::Number { .. }));

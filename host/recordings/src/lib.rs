@@ -29,7 +29,7 @@ pub use examiner::finding::{Finding, Scale, Severity};
 pub use labels::runs::{Run, runs};
 pub use library::{Ignored, Library, LoadOptions, load};
 pub use readers::error::excerpt::printable;
-pub use readers::error::{Fault, LoadError, Place};
+pub use readers::error::{Damage, Fault, LoadError, Place};
 pub use readers::npy;
 pub use readers::open::SkipReason;
 pub use recording::by_data_set;

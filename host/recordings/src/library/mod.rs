@@ -194,10 +194,9 @@ fn passed_over(ignored: &[Ignored]) -> String {
 /// The path, absolute so that folder names are known, and the files at or below it in path order, or why one cannot be
 /// read.
 fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), LoadError> {
-    let root = path.canonicalize().map_err(|source| LoadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let root = path
+        .canonicalize()
+        .map_err(|source| LoadError::io(path, source))?;
     let mut files = Vec::new();
     for entry in walkdir::WalkDir::new(&root)
         .follow_links(true)
@@ -208,10 +207,13 @@ fn files(path: &Path) -> Result<(PathBuf, Vec<Result<PathBuf, LoadError>>), Load
             Ok(entry) if !entry.file_type().is_dir() => files.push(Ok(entry.into_path())),
             Ok(_) => {}
             // A dangling link, a circle of links, or an unreadable folder.
-            Err(error) => files.push(Err(LoadError::Io {
-                path: error.path().unwrap_or(path).to_owned(),
-                source: error.into(),
-            })),
+            Err(error) => {
+                let path = error.path().unwrap_or(path).to_owned();
+                files.push(Err(LoadError::Io {
+                    path,
+                    source: error.into(),
+                }));
+            }
         }
     }
     Ok((root, files))

@@ -43,11 +43,8 @@ impl Purpose {
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the line or byte of the first invalid label.
 pub fn read(path: &Path, purpose: Purpose) -> Result<Vec<Option<Intent>>, LoadError> {
-    let bytes =
-        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+    let bytes = bounded_read::read(path, bounded_read::RECORDING)
+        .map_err(|source| LoadError::io(path, source))?;
     // A byte order mark, as some editors write it.
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     parse(bytes, purpose).map_err(|damage| damage.in_file(path))

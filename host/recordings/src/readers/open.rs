@@ -73,10 +73,7 @@ pub(crate) fn open(
         return Ok(Found::Nothing(SkipReason::Ending));
     }
     let bytes = bounded_read::read(path, bounded_read::RECORDING);
-    let bytes = bytes.map_err(|source| LoadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = bytes.map_err(|source| LoadError::io(path, source))?;
     of_bytes(path, &bytes, request)
 }
 

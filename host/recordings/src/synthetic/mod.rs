@@ -77,10 +77,7 @@ pub fn write(options: &SynthOptions, folder: &Path) -> Result<Vec<PathBuf>, RunE
             let person = recording.subject.rsplit('/').next().unwrap_or_default();
             let folder = folder.join(person);
             if let Err(source) = std::fs::create_dir_all(&folder) {
-                return Err(RunError::Io {
-                    path: folder,
-                    source,
-                });
+                return Err(RunError::io(&folder, source));
             }
             let path = folder.join(format!("{}.csv", recording.name));
             write_whole(&path, csv(&recording, &muscle).as_bytes())?;

@@ -31,12 +31,15 @@ impl fmt::Display for Place {
     }
 }
 
-/// A fault and its place, before the file is known.
-#[derive(Clone, PartialEq, Debug)]
+/// Fault of a file, and its place in the file.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+#[error("{place}: {fault}{}", if *as_published { " (damaged as published)" } else { "" })]
 pub struct Damage {
+    /// Place in the file.
     pub place: Place,
+    /// Fault at that place.
     pub fault: Fault,
-    /// Whether the published copy has it too.
+    /// Whether the published copy has the same damage, so that downloading it again does not help.
     pub as_published: bool,
 }
 
@@ -70,9 +73,7 @@ impl Damage {
     pub(crate) fn in_file(self, path: &Path) -> LoadError {
         LoadError::Damaged {
             path: path.to_owned(),
-            place: self.place,
-            fault: self.fault,
-            as_published: self.as_published,
+            damage: self,
         }
     }
 }
@@ -101,24 +102,24 @@ pub enum LoadError {
         found: String,
     },
     /// A damaged file.
-    #[error(
-        "{}, {place}: {fault}{}",
-        path.display(),
-        if *as_published { " (damaged as published)" } else { "" }
-    )]
+    #[error("{}, {damage}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Place in the file.
-        place: Place,
-        /// Fault at that place.
-        fault: Fault,
-        /// Whether the published copy has the same damage, so that downloading it again does not help.
-        as_published: bool,
+        /// Fault and its place.
+        damage: Damage,
     },
 }
 
 impl LoadError {
+    /// Error of the file system at a path.
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
     /// Whether the file was not even read.
     pub(crate) const fn is_refusal(&self) -> bool {
         matches!(self, Self::Io { .. })

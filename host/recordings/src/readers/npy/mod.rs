@@ -83,11 +83,8 @@ impl Array {
 /// # Errors
 /// [`LoadError::Io`], or [`LoadError::Damaged`] with the byte of the fault.
 pub fn read(path: &Path) -> Result<Array, LoadError> {
-    let bytes =
-        bounded_read::read(path, bounded_read::RECORDING).map_err(|source| LoadError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+    let bytes = bounded_read::read(path, bounded_read::RECORDING)
+        .map_err(|source| LoadError::io(path, source))?;
     parse(&bytes).map_err(|damage| damage.in_file(path))
 }
 
