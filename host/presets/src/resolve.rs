@@ -31,7 +31,7 @@ pub struct FoldChoice {
     pub number: usize,
 }
 
-/// Why a preset cannot be resolved.
+/// Error of resolving a preset.
 #[derive(Debug, Error)]
 pub enum ConfigError {
     /// The split cannot be made.

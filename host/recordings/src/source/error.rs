@@ -1,4 +1,4 @@
-//! Why recordings were not fetched.
+//! Errors of downloading and unpacking recordings.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::checksum::Checksum;
 use execution::file_kind::FileKind;
 
-/// Why recordings were not fetched.
+/// Error of downloading or unpacking recordings.
 #[derive(Debug, thiserror::Error)]
 pub enum FetchError {
     /// The server cannot be reached.

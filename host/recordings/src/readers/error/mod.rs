@@ -78,7 +78,7 @@ impl Damage {
     }
 }
 
-/// Why recordings could not be loaded.
+/// Error of loading recordings.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file system refused, or the file is no regular one or too large.
