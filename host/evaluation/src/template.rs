@@ -1,10 +1,10 @@
 //! The alignment template of a model file, made anew from the people whom the model has seen.
 
-use presets::template::opens;
+use presets::resolve::opens;
 use recordings::alignment::{FEWEST_PEOPLE, template};
 use recordings::labels::lag::LabelLag;
 use recordings::labels::set_lag::lags;
-use recordings::split::circles;
+use recordings::split::predefined;
 use recordings::{Library, Recording};
 use shared::model::file::Model;
 
@@ -29,7 +29,7 @@ pub fn model_with_template(
         .iter()
         .filter(|recording| seen.contains(&recording.subject.as_str()))
         .collect();
-    let lags = lags(&own, LabelLag::default(), &circles::is_training);
+    let lags = lags(&own, LabelLag::default(), &predefined::is_training);
     let opens = opens(own.iter().copied(), |recording| {
         let lag = &lags[&recording.data_set];
         (recording.aligned_samples(), lag.of_recording(recording))

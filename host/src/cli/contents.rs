@@ -13,7 +13,7 @@ use evaluation::report::Table;
 use recordings::Library;
 use recordings::finding::Group;
 pub use recordings::library::inspection::{Files, Inspection, SetInspection};
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 
 /// Greatest number of files listed with the same finding; `--json` lists all.
 const SHOWN: usize = 4;

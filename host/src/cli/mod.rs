@@ -40,7 +40,7 @@ use ::presets::PresetError;
 use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
 use execution::{bounded_read, progress};
-pub use recordings::readers::excerpt::printable;
+pub use recordings::printable;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]

@@ -8,7 +8,7 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 use super::assembly::{Part, Take};
 use recordings::Severity;
 pub use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
-pub use recordings::labels::cued::Follow;
+pub use recordings::labels::cued::Reaction;
 use recordings::runs;
 use recordings::statistics::median;
 
@@ -210,9 +210,9 @@ fn gestures(take: &Take, classes: &[Intent], findings: &mut Vec<Finding>) {
             for (_, &contrast) in cued.filter(|((_, own), _)| own.label() == Some(intent)) {
                 of += 1;
                 contrasts.push(contrast);
-                match hold.follow {
-                    Follow::Followed(samples) => late.push(f64::from(samples)),
-                    Follow::Weak | Follow::Elsewhere => unfollowed += 1,
+                match hold.reaction {
+                    Reaction::Followed(samples) => late.push(f64::from(samples)),
+                    Reaction::Weak | Reaction::Elsewhere => unfollowed += 1,
                 }
             }
         }

@@ -5,7 +5,7 @@ use shared::model::file::{Model, ModelError};
 use shared::model::{Encode, LookBackLogits};
 use shared::units::{CleanSample, PATCH, Patch, WINDOW_PATCHES};
 
-use recordings::lead_in::padded;
+use recordings::corpus::padded;
 
 /// Logits after each of the patches of a stream, from its beginning.
 ///

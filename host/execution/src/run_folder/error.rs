@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why a run folder cannot be used, or a run cannot go on.
+/// Error of a run folder, or of a run that cannot go on.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// A file cannot be read or written.

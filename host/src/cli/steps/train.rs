@@ -11,7 +11,7 @@ use execution::progress;
 use execution::run_folder::RunFolder;
 use presets::config::ResolvedConfig;
 use presets::resolve::FoldChoice;
-use presets::{Preset, distillation, teacher_training};
+use presets::{Preset, distillation, teacher};
 use recordings::Library;
 use recordings::folds::Protocol;
 use training::backend::BackendArguments;
@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     log_labels(&context.config);
     let name = if arguments.teacher_only {
         train_teacher(&context)?;
-        teacher_training::NAME
+        teacher::NAME
     } else {
         let extra = Extra {
             teacher: arguments.teacher,

@@ -44,7 +44,7 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
     if preset.teacher_training.epochs == 0 {
         context
             .folder
-            .save_model(presets::teacher_training::NAME, made_from, &model)?;
+            .save_model(presets::teacher::NAME, made_from, &model)?;
         return Ok(());
     }
     let learner = TeacherLearner::new(
@@ -64,7 +64,7 @@ fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
         let (folder, origin) = RunContext::find(start)?;
         return Ok(folder.load_model(
-            presets::teacher_training::NAME,
+            presets::teacher::NAME,
             origin.teacher_lineage(),
             model,
         )?);
