@@ -2,13 +2,15 @@
 
 mod install;
 
-pub use self::install::{ModelFile, Unfit, install};
+use self::install::REGION_BYTES;
+pub use self::install::{ModelFile, install};
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serial2::SerialPort;
+use shared::model::file::ModelError;
 use shared::uart_line::alignment::{AlignmentReport, AlignmentState};
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
@@ -99,6 +101,17 @@ pub enum BoardError {
     /// The caller stopped the installation.
     #[error("stopped before the board had all of it")]
     Stopped,
+    /// The file is no model file, or no board has room for the model.
+    #[error("no board can run this file, and nothing was sent: {0}")]
+    Unfit(#[from] ModelError),
+    /// The file is longer than a board's flash region.
+    #[error(
+        "{length} bytes, a board has room for {REGION_BYTES}, and nothing was sent: train a smaller model"
+    )]
+    Long {
+        /// Length of the file in bytes.
+        length: usize,
+    },
 }
 
 fn runs(model: Option<u32>) -> String {

@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 
 use shared::installation::{BLOCK_BYTES, Block, PAGE_BYTES, Progress, Transfer};
 use shared::model::encoder::DeviceEncoder;
-use shared::model::file::{Model, ModelError};
+use shared::model::file::Model;
 use shared::uart_line::answer::{Answer, Refusal};
 use shared::uart_line::command::Command;
 
 use super::{Board, BoardError};
 
 /// Size of a board's flash region in bytes, as in `memory.x`.
-const REGION_BYTES: usize = 160 * 1024;
+pub(super) const REGION_BYTES: usize = 160 * 1024;
 /// Time without progress after which a lost board is given up.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Begins without progress after which a board is given up: it restarts each time.
@@ -24,22 +24,6 @@ const MOST_BLOCKS: u32 = MOST_BEGINS * (1 + (PAGE_BYTES / BLOCK_BYTES) as u32);
 const MOST_DOUBTS: u32 = 3;
 /// Pause between two attempts to open the port.
 const AGAIN: Duration = Duration::from_millis(100);
-
-/// Why a file is not sent.
-#[derive(Debug, thiserror::Error)]
-pub enum Unfit {
-    /// The file is no model file, or no board has room for the model.
-    #[error("no board can run this file, and nothing was sent: {0}")]
-    Model(#[from] ModelError),
-    /// The file is longer than a board's flash region.
-    #[error(
-        "{length} bytes, a board has room for {REGION_BYTES}, and nothing was sent: train a smaller model"
-    )]
-    Length {
-        /// Length of the file in bytes.
-        length: usize,
-    },
-}
 
 /// Model file that a board can run.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +37,7 @@ impl<'f> ModelFile<'f> {
     ///
     /// # Errors
     /// When a board would refuse the file.
-    pub fn new(bytes: &'f [u8]) -> Result<Self, Unfit> {
+    pub fn new(bytes: &'f [u8]) -> Result<Self, BoardError> {
         let model = Model::parse(bytes)?;
         DeviceEncoder::new(&model)?;
         let bytes = &bytes[..model.length];
@@ -66,7 +50,7 @@ impl<'f> ModelFile<'f> {
                     checksum: u32::from_le_bytes(checksum),
                 },
             }),
-            _ => Err(Unfit::Length {
+            _ => Err(BoardError::Long {
                 length: bytes.len(),
             }),
         }

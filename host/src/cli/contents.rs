@@ -7,7 +7,7 @@ use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
-use crate::record::told::Told;
+use crate::record::quality::FindingText;
 use crate::record::{Recorded, recorded};
 use evaluation::report::Table;
 use recordings::Library;
@@ -35,7 +35,7 @@ struct Guided {
     good: bool,
     /// Number of labelled stretches of each class.
     counts: BTreeMap<&'static str, usize>,
-    findings: Vec<Told>,
+    findings: Vec<FindingText>,
 }
 
 impl Recordings {
@@ -59,7 +59,7 @@ impl From<Recorded> for Guided {
             files,
             seconds: quality.seconds,
             good: quality.is_good_enough(),
-            findings: quality.findings.iter().map(Told::from).collect(),
+            findings: quality.findings.iter().map(FindingText::from).collect(),
             counts: quality.counts,
         }
     }
@@ -84,7 +84,7 @@ impl fmt::Display for Guided {
             self.files,
             counts.join(", ")
         )?;
-        for Told {
+        for FindingText {
             severity,
             text,
             advice,

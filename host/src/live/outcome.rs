@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::told::Told;
+use crate::record::quality::FindingText;
 
 /// Result of a session that was kept.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -15,7 +15,7 @@ pub(crate) struct Kept {
     pub(crate) counts: Vec<(&'static str, usize)>,
     /// Number of trials that are not used.
     pub(crate) bad: usize,
-    pub(crate) findings: Vec<Told>,
+    pub(crate) findings: Vec<FindingText>,
     pub(crate) inspect: String,
     pub(crate) personalize: String,
     pub(crate) install: String,

@@ -1,17 +1,28 @@
 //! Conversion of a journal to recordings, at the end of a session or at the next start.
+//!
+//! Recordings have ReactEMG's csv layout, with further columns that its readers ignore. `gt` is the label of the muscle.
+//! Columns after the channels: `sample`, the index in the stream; `cue`; `trial`, the attempt; `used`, 0 if the trial is not
+//! used; `bridged`, 1 if the sample is missing and repeats the one before; `turn` and `mirrored`, the placement of the
+//! armband: the reader aligns the channels by it, as the board does.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use shared::units::{SAMPLE_RATE_HZ, Sample};
+use shared::intent::Intent;
+use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
 
-use super::assembly::assemble;
-use super::journal::{ENDING, JournalError, open};
-use super::layout::csv;
+use super::RecordError;
+use super::assembly::{Part, Take, assemble};
+use super::journal::{ENDING, open};
 use super::quality::{Quality, judge};
-use execution::run_folder::{RunError, write_whole};
-use recordings::{LoadError, LoadOptions, load};
+use execution::run_folder::write_whole;
+use recordings::readers::formats::react_emg::{
+    MIRRORED_COLUMN, MUSCLE_COLUMN, RECORDER_COLUMNS, TURN_COLUMN,
+};
+use recordings::{LoadOptions, load};
 
 /// File extension of a journal that the disk has damaged.
 const DAMAGED: &str = "journal.damaged";
@@ -34,57 +45,11 @@ pub struct Kept {
     pub left_off: usize,
 }
 
-/// Why a journal is not made into recordings. It stays where it is.
-#[derive(Debug, thiserror::Error)]
-pub enum KeepError {
-    /// The journal is refused.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-    /// A recording cannot be written.
-    #[error("{}: the recordings cannot be written ({error}). Nothing is lost: free the disk, then start `myointent record` for this person again", journal.display())]
-    Write {
-        /// The journal.
-        journal: PathBuf,
-        /// Error of the write.
-        error: RunError,
-    },
-    /// Another file of that name exists.
-    #[error("{} exists already and is left as it is: move it, then start `myointent record` for this person again", path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The recording was written, but no command would read it.
-    #[error("the recording is written and cannot be used; the journal is kept: {reason}")]
-    Refused {
-        /// Finding, with the file.
-        reason: String,
-    },
-    /// The recording reads back differently.
-    #[error("{} is not read as it was written; the journal is kept", path.display())]
-    Unlike {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The recording cannot be read back.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// The journal cannot be removed or renamed.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Error of the operating system.
-        #[source]
-        source: io::Error,
-    },
-}
-
 /// Makes recordings beside a journal, reads them back, and removes the journal.
 ///
 /// # Errors
-/// See [`KeepError`]. The journal stays where it is, and the next start tries again.
-pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
+/// See [`RecordError`]. The journal stays where it is, and the next start tries again.
+pub fn keep(journal: &Path) -> Result<Kept, RecordError> {
     let (lock, header, contents) = open(journal)?;
     let take = assemble(&contents.entries);
     let mut files = Vec::new();
@@ -102,16 +67,16 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
         // A program that was killed half-way may have written the file before.
         let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
         if path.exists() && !is_own {
-            return Err(KeepError::Exists { path });
+            return Err(RecordError::Exists { path });
         }
-        write_whole(&path, text.as_bytes()).map_err(|error| KeepError::Write {
+        write_whole(&path, text.as_bytes()).map_err(|error| RecordError::Write {
             journal: journal.to_owned(),
             error,
         })?;
         let read = load(&path, &LoadOptions::default())?;
         if let (true, Some(refused)) = (read.recordings.is_empty(), read.skipped.first()) {
             let reason = refused.line();
-            return Err(KeepError::Refused { reason });
+            return Err(RecordError::Refused { reason });
         }
         let place = |at: usize| part.placements[at].apply(part.samples[at]);
         let samples: Vec<Sample> = piece.clone().map(place).collect();
@@ -119,7 +84,7 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
             recording.samples == samples && recording.labels == part.labels[piece]
         });
         if !same {
-            return Err(KeepError::Unlike { path });
+            return Err(RecordError::Unlike { path });
         }
         files.push(path);
     }
@@ -136,7 +101,7 @@ pub fn keep(journal: &Path) -> Result<Kept, KeepError> {
         fs::remove_file(journal)
     };
     drop(lock);
-    put_away.map_err(|source| KeepError::Io {
+    put_away.map_err(|source| RecordError::Io {
         path: journal.to_owned(),
         source,
     })?;
@@ -149,12 +114,55 @@ fn file(journal: &Path, number: usize) -> PathBuf {
     journal.with_file_name(format!("{stem}_{number}.csv"))
 }
 
+/// Formats samples of a part as csv; `synthetic` marks them as such.
+fn csv(take: &Take, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
+    let channels: String = (0..CHANNELS)
+        .map(|channel| format!(",emg_{channel}"))
+        .collect();
+    let muscle = if synthetic {
+        format!(",{MUSCLE_COLUMN}")
+    } else {
+        String::new()
+    };
+    let mut text = format!(
+        "gt{channels},{},{TURN_COLUMN},{MIRRORED_COLUMN}{muscle}\n",
+        RECORDER_COLUMNS.join(",")
+    );
+    let class = |label: Option<Intent>| match label {
+        Some(intent) => intent.class().to_string(),
+        None => "-1".to_owned(),
+    };
+    for place in samples {
+        text += &class(part.labels[place]);
+        for value in part.samples[place] {
+            // Writing to a string cannot fail.
+            let _ = write!(text, ",{value}");
+        }
+        let (trial, cue) = (part.trials[place], class(part.cues[place]));
+        let used = u8::from(!take.bad.contains_key(&trial));
+        let placement = part.placements[place];
+        let bridged = u8::from(part.bridged[place]);
+        let _ = write!(
+            text,
+            ",{},{cue},{trial},{used},{bridged},{},{}",
+            part.index[place],
+            placement.turn(),
+            u8::from(placement.mirrored())
+        );
+        if synthetic {
+            let _ = write!(text, ",{}", class(part.labels[place]));
+        }
+        text.push('\n');
+    }
+    text
+}
+
 /// Makes recordings of all journals in a person's folder that no session writes: their sessions were killed, or the disk was
 /// full. Returns the result for each.
 ///
 /// # Errors
 /// When the folder cannot be read. A missing folder has no journals.
-pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, KeepError>)>> {
+pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, RecordError>)>> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -170,9 +178,9 @@ pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, KeepError
     journals.sort();
     let kept = journals.into_iter().filter_map(|path| match keep(&path) {
         // Another session writes it, or was killed before its first line was complete.
-        Err(KeepError::Journal(JournalError::Busy { .. })) => None,
-        Err(KeepError::Journal(JournalError::Empty { .. })) => {
-            let removed = fs::remove_file(&path).map_err(|source| KeepError::Io {
+        Err(RecordError::Busy { .. }) => None,
+        Err(RecordError::Empty { .. }) => {
+            let removed = fs::remove_file(&path).map_err(|source| RecordError::Io {
                 path: path.clone(),
                 source,
             });

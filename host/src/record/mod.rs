@@ -9,14 +9,14 @@
 //! `live` drives a session: samples of its source go in, cues for its page come out.
 
 mod assembly;
+mod error;
 pub mod journal;
 mod keep;
-mod layout;
 pub mod protocol;
 pub mod quality;
 mod recorded;
 pub mod session;
-pub(crate) mod told;
 
-pub use self::keep::{KeepError, Kept, keep, recover};
+pub use self::error::RecordError;
+pub use self::keep::{Kept, keep, recover};
 pub use self::recorded::{Recorded, recorded};

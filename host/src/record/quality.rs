@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
@@ -132,6 +133,24 @@ impl Finding {
             Self::Late { .. } => "labels are where the muscle acts, so this costs nothing",
             Self::Early => "what was recorded is kept; record another session for the rest",
             Self::Damaged => "check the disk; the journal is kept beside the recordings",
+        }
+    }
+}
+
+/// Finding as text, with its severity.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub(crate) struct FindingText {
+    pub(crate) severity: Severity,
+    pub(crate) text: String,
+    pub(crate) advice: &'static str,
+}
+
+impl From<&Finding> for FindingText {
+    fn from(finding: &Finding) -> Self {
+        Self {
+            severity: finding.severity(),
+            text: finding.to_string(),
+            advice: finding.advice(),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::Recorder;
 use crate::live::outcome::Kept;
 use crate::record;
-use crate::record::told::Told;
+use crate::record::quality::FindingText;
 
 /// Describes what was kept, with the next commands.
 pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
@@ -24,7 +24,12 @@ pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
         files: kept.files.iter().map(name).collect(),
         counts: counts.map(|(&class, &count)| (class, count)).collect(),
         bad: kept.bad,
-        findings: kept.quality.findings.iter().map(Told::from).collect(),
+        findings: kept
+            .quality
+            .findings
+            .iter()
+            .map(FindingText::from)
+            .collect(),
         inspect: format!("myointent data inspect {data}"),
         personalize: format!(
             "myointent personalize --model {} --data {data} --out {}",

@@ -8,7 +8,8 @@ use shared::intent::Intent;
 use super::told::told;
 use super::{RecordOptions, Running, Unkept};
 use crate::live::event::Event;
-use crate::record::journal::{ENDING, Entry, Flushed, Header, Journal, WriteError};
+use crate::record::RecordError;
+use crate::record::journal::{ENDING, Entry, Flushed, Header, Journal};
 use crate::record::keep;
 use crate::record::protocol::Course;
 use crate::record::session::{Action, Held, Input, Output};
@@ -110,7 +111,7 @@ impl Running {
             }
             Err(error) => {
                 let held = match error {
-                    WriteError::Gone { .. } => Held::Gone,
+                    RecordError::Gone { .. } => Held::Gone,
                     _ => Held::Disk,
                 };
                 let trouble = format!(
@@ -160,7 +161,7 @@ impl Running {
             Ok(path) => self.keep(path),
             Err(error) => {
                 let told = match error {
-                    WriteError::Elsewhere { .. } => error.to_string(),
+                    RecordError::Elsewhere { .. } => error.to_string(),
                     _ => format!("{error}. {NEXT_START}"),
                 };
                 self.unkept.push(Unkept {

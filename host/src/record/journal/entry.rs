@@ -11,7 +11,7 @@ use crate::record::session::{Bad, Output};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
-pub(super) const FORMAT: u32 = 1;
+pub(in crate::record) const FORMAT: u32 = 1;
 
 /// Description of a session.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]

@@ -10,10 +10,12 @@ use std::path::{Path, PathBuf};
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::entry::FORMAT;
-use super::error::{JournalError, LARGEST, WriteError, folder};
 use super::name::{free, is_named, lock, name, unnamed};
 use super::{Contents, Entry, Header, Writer, read};
+use crate::record::error::{RecordError, folder};
 
+/// Greatest length of a journal in bytes: 20 hours.
+pub(in crate::record) const LARGEST: u64 = 256 << 20;
 /// Pause between two synchronizations to the disk: a power failure loses so much.
 const SYNC_MS: u32 = 1_000;
 /// Length in bytes at which a session has to end, so that data waiting for the disk still fits.
@@ -50,8 +52,8 @@ impl Journal {
     ///
     /// # Errors
     /// When a file of that name exists or the file cannot be written.
-    pub fn create(path: &Path, mut header: Header) -> Result<Self, JournalError> {
-        let failed = |source| JournalError::Io {
+    pub fn create(path: &Path, mut header: Header) -> Result<Self, RecordError> {
+        let failed = |source| RecordError::Io {
             path: path.to_owned(),
             source,
         };
@@ -100,7 +102,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more. Data not yet taken is kept for the next call.
-    pub fn flush(&mut self, now: Millis) -> Result<Flushed, WriteError> {
+    pub fn flush(&mut self, now: Millis) -> Result<Flushed, RecordError> {
         let mut flushed = Flushed::InPlace;
         if !is_named(self.writer.get_ref(), &self.path) {
             let gone = self.path.clone();
@@ -113,7 +115,7 @@ impl Journal {
                 self.write_anew(folder(&gone))
             };
             if let Err(source) = anew {
-                return Err(WriteError::Gone { path: gone, source });
+                return Err(RecordError::Gone { path: gone, source });
             }
             flushed = Flushed::Anew { gone };
         }
@@ -125,7 +127,7 @@ impl Journal {
             self.synced = Some(now);
         }
         let path = self.path.clone();
-        written.map_err(|source| WriteError::Disk { path, source })?;
+        written.map_err(|source| RecordError::Io { path, source })?;
         Ok(flushed)
     }
 
@@ -133,7 +135,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more: what was written before can be read.
-    pub fn close(mut self) -> Result<PathBuf, WriteError> {
+    pub fn close(mut self) -> Result<PathBuf, RecordError> {
         self.writer.close();
         let path = self.path.clone();
         let mut elsewhere = false;
@@ -142,14 +144,14 @@ impl Journal {
         {
             // The samples are saved elsewhere: they would be lost when the program ends.
             if self.write_anew(&std::env::temp_dir()).is_err() {
-                return Err(WriteError::Gone { path, source });
+                return Err(RecordError::Gone { path, source });
             }
             elsewhere = true;
         }
         let written = self.writer.flush();
         written
             .and_then(|()| self.writer.get_ref().sync_all())
-            .map_err(|source| WriteError::Cut {
+            .map_err(|source| RecordError::Cut {
                 path: self.path.clone(),
                 seconds: self.writer.pending().div_ceil(SECOND),
                 source,
@@ -158,7 +160,7 @@ impl Journal {
         let _ = self.writer.get_ref().unlock();
         let found = self.path;
         if elsewhere {
-            return Err(WriteError::Elsewhere { path, found });
+            return Err(RecordError::Elsewhere { path, found });
         }
         Ok(found)
     }
@@ -190,8 +192,8 @@ impl Journal {
 ///
 /// # Errors
 /// When it cannot be read, is being written, or is no journal of this format.
-pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
-    let failed = |source| JournalError::Io {
+pub fn open(path: &Path) -> Result<(File, Header, Contents), RecordError> {
+    let failed = |source| RecordError::Io {
         path: path.to_owned(),
         source,
     };
@@ -200,7 +202,7 @@ pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
     let found = file.metadata().map_err(failed)?.len();
     if found > LARGEST {
         let path = path.to_owned();
-        return Err(JournalError::Large { path, found });
+        return Err(RecordError::Large { path, found });
     }
     let mut bytes = Vec::new();
     // Read through the locked handle.
@@ -212,19 +214,19 @@ pub fn open(path: &Path) -> Result<(File, Header, Contents), JournalError> {
     if contents.entries.is_empty() {
         let path = path.to_owned();
         return Err(if contents.damaged {
-            JournalError::Headless { path }
+            RecordError::Headless { path }
         } else {
-            JournalError::Empty { path }
+            RecordError::Empty { path }
         });
     }
     match contents.entries.remove(0) {
         Entry::Begin(header) if header.format == FORMAT => Ok((file, header, contents)),
-        Entry::Begin(header) => Err(JournalError::Format {
+        Entry::Begin(header) => Err(RecordError::Format {
             path: path.to_owned(),
             found: header.format,
             version: header.version,
         }),
-        _ => Err(JournalError::Headless {
+        _ => Err(RecordError::Headless {
             path: path.to_owned(),
         }),
     }

@@ -2,13 +2,13 @@
 //! valid up to its last whole line. It becomes recordings at the end of the session or at the next start.
 
 mod entry;
-mod error;
 mod file;
 mod name;
 mod writer;
 
+pub(super) use self::entry::FORMAT;
 pub use self::entry::{Entry, Header};
-pub use self::error::{JournalError, WriteError};
+pub(super) use self::file::LARGEST;
 pub use self::file::{Flushed, Journal, open};
 pub use self::name::ENDING;
 pub use self::writer::Writer;

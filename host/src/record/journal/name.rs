@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::error::JournalError;
+use crate::record::RecordError;
 
 /// File extension of a journal.
 pub const ENDING: &str = "journal";
@@ -57,10 +57,10 @@ pub(super) fn is_named(_: &File, path: &Path) -> bool {
 }
 
 /// Locks a journal, so that no other start takes it.
-pub(super) fn lock(path: &Path, file: &File) -> Result<(), JournalError> {
+pub(super) fn lock(path: &Path, file: &File) -> Result<(), RecordError> {
     match file.try_lock() {
         Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(JournalError::Busy {
+        Err(TryLockError::WouldBlock) => Err(RecordError::Busy {
             path: path.to_owned(),
         }),
         // Not every file system has locks. Without them, the time in the names keeps two sessions apart.

@@ -6,6 +6,7 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
 use super::*;
+use crate::record::RecordError;
 use crate::record::session::{Bad, Output};
 
 fn header() -> Header {
@@ -189,9 +190,9 @@ fn a_journal_is_new_and_one_session_s_alone() {
     journal.flush(Millis(0)).unwrap();
     assert!(matches!(
         Journal::create(&path, header()),
-        Err(JournalError::Io { .. })
+        Err(RecordError::Io { .. })
     ));
-    assert!(matches!(open(&path), Err(JournalError::Busy { .. })));
+    assert!(matches!(open(&path), Err(RecordError::Busy { .. })));
     journal.close().unwrap();
     let (_lock, found, contents) = open(&path).unwrap();
     assert_eq!(
@@ -283,7 +284,7 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
         fs::remove_dir_all(&folder).unwrap();
         fs::write(&folder, "somebody's").unwrap();
         let refused = journal.flush(Millis(20)).unwrap_err();
-        assert!(matches!(refused, WriteError::Gone { .. }), "{refused}");
+        assert!(matches!(refused, RecordError::Gone { .. }), "{refused}");
         journal.samples(SampleIndex(20), &[sample(20); 20]);
         journal
     };
@@ -301,7 +302,7 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
 
     let name = format!("elsewhere-{}.journal", std::process::id());
     let ended = begin(&name).close().unwrap_err();
-    let WriteError::Elsewhere { found, .. } = &ended else {
+    let RecordError::Elsewhere { found, .. } = &ended else {
         panic!("{ended}");
     };
     assert!(ended.to_string().contains(found.to_str().unwrap()));

@@ -211,7 +211,7 @@ fn a_recording_that_is_there_is_never_overwritten() {
     let other = folder.path().join("anna_1_1.csv");
     fs::write(&other, "somebody's").unwrap();
     let error = keep(&journal).unwrap_err();
-    assert!(matches!(error, KeepError::Exists { .. }), "{error}");
+    assert!(matches!(error, RecordError::Exists { .. }), "{error}");
     assert_eq!(fs::read_to_string(&other).unwrap(), "somebody's");
     assert!(journal.exists());
     fs::remove_file(&other).unwrap();

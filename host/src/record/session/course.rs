@@ -16,7 +16,7 @@ impl Session {
         self.round += 1;
         let number = self.round;
         self.outputs.push_back(Output::Round { number, at });
-        self.guided.begin_round();
+        self.schedule.begin_round();
         self.before = None;
         self.ready(at);
     }
@@ -39,7 +39,7 @@ impl Session {
             self.free(at, Intent::Relax);
             return;
         }
-        match self.guided.begin_trial() {
+        match self.schedule.begin_block() {
             Some(step) => {
                 self.trials += 1;
                 let trial = self.trials;
@@ -49,7 +49,7 @@ impl Session {
                     end: Some(at.plus(step.samples)),
                 };
             }
-            None if self.round < self.guided.rounds() => {
+            None if self.round < self.schedule.rounds() => {
                 self.begin_round(at);
             }
             None => self.over(),
@@ -57,7 +57,7 @@ impl Session {
     }
 
     pub(super) fn next_step(&mut self, at: SampleIndex) {
-        if let Some(step) = self.guided.next_step() {
+        if let Some(step) = self.schedule.next_step() {
             let trial = self.trial;
             self.ask(at, Some(step.intent), trial);
             self.phase = Phase::Cued {
@@ -102,7 +102,7 @@ impl Session {
                 self.bad += 1;
                 let (trial, why) = (before, Bad::Person);
                 self.outputs.push_back(Output::Bad { trial, why });
-                self.guided.put_back_both();
+                self.schedule.put_back_both();
                 self.trial = 0;
             }
             _ => {
@@ -122,7 +122,7 @@ impl Session {
             self.bad += 1;
             let trial = self.trial;
             self.outputs.push_back(Output::Bad { trial, why });
-            self.guided.put_back();
+            self.schedule.put_back();
             self.before = None;
             self.trial = 0;
         }

@@ -10,8 +10,8 @@
 //! session is held while the stream stands still. The clock only tells that it does.
 
 mod course;
-mod guided;
 mod input;
+mod schedule;
 mod stream;
 pub mod view;
 
@@ -20,8 +20,8 @@ use std::collections::VecDeque;
 use shared::intent::Intent;
 use shared::units::{Millis, SampleIndex};
 
-use self::guided::Guided;
 pub use self::input::{Action, Bad, Held, Input, Output};
+use self::schedule::RoundSchedule;
 pub use self::stream::{BRIDGED, Continuity, Continuous};
 pub use self::view::View;
 use super::protocol::Protocol;
@@ -54,7 +54,7 @@ enum Phase {
 pub struct Session {
     protocol: Protocol,
     phase: Phase,
-    guided: Guided,
+    schedule: RoundSchedule,
     /// Current cue and number of the attempt.
     cue: Option<Intent>,
     trial: u32,
@@ -75,7 +75,7 @@ impl Session {
     #[must_use]
     pub fn new(protocol: Protocol) -> Self {
         Self {
-            guided: Guided::new(&protocol.course),
+            schedule: RoundSchedule::new(&protocol.course),
             protocol,
             phase: Phase::Waiting,
             cue: None,

@@ -66,8 +66,8 @@ impl Session {
             Phase::Held(why) => ("held", Some(why), None, None),
             Phase::Over => ("over", None, None, None),
         };
-        let (done, trials) = self.guided.progress();
-        let coming = self.guided.coming().take(AHEAD);
+        let (done, trials) = self.schedule.progress();
+        let coming = self.schedule.coming().take(AHEAD);
         View {
             phase,
             protocol: self.protocol.name.clone(),
@@ -89,7 +89,7 @@ impl Session {
                 })
                 .collect(),
             round: self.round,
-            rounds: self.guided.rounds(),
+            rounds: self.schedule.rounds(),
             done: if self.round == 0 { 0 } else { done },
             trials,
             bad: self.bad,
@@ -108,10 +108,10 @@ impl Session {
         if self.round == 0 {
             return Some(whole);
         }
-        let rest = u64::from(self.guided.rounds() - self.round);
-        let rounds = rest * (pause + self.guided.round_samples());
+        let rest = u64::from(self.schedule.rounds() - self.round);
+        let rounds = rest * (pause + self.schedule.round_samples());
         let round: u64 = self
-            .guided
+            .schedule
             .coming()
             .map(|step| u64::from(step.samples))
             .sum();
