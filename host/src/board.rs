@@ -261,7 +261,10 @@ impl Board {
     ///
     /// # Errors
     /// The port is lost.
-    pub fn aligned(&mut self, within: Duration) -> Result<Option<AlignmentReport>, BoardError> {
+    pub(crate) fn aligned(
+        &mut self,
+        within: Duration,
+    ) -> Result<Option<AlignmentReport>, BoardError> {
         // The report comes before the answer to the command.
         if let Some(report) = self.unavailable.take() {
             return Ok(Some(report));

@@ -196,7 +196,7 @@ fn bind(address: SocketAddr) -> anyhow::Result<(TcpListener, Access)> {
 /// # Errors
 /// When the model is refused, the address cannot be listened on, the source ends by an error or the output cannot be
 /// written. An output that its reader has closed is a [`std::io::ErrorKind::BrokenPipe`].
-pub fn print(
+pub(crate) fn print(
     source: Source,
     model: Option<Vec<u8>>,
     listen: Option<SocketAddr>,
@@ -236,8 +236,7 @@ impl Live {
     }
 
     /// Whether the source has ended by an error, or an unattended session is over.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         let recording = self.recording.as_ref();
         self.stream.source.is_finished()
             || recording.is_some_and(|(_, recorder)| recorder.is_finished())
@@ -268,7 +267,6 @@ impl Live {
 }
 
 /// Whether an address is reachable from this machine alone.
-#[must_use]
-pub const fn is_local(address: IpAddr) -> bool {
+pub(crate) const fn is_local(address: IpAddr) -> bool {
     address.to_canonical().is_loopback()
 }

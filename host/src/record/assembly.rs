@@ -22,41 +22,41 @@ const REST_AROUND: usize = 100;
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Part {
     /// Number of the round, from 1.
-    pub round: u32,
+    pub(crate) round: u32,
     /// Samples as received; a bridged one repeats the one before.
-    pub samples: Vec<Sample>,
+    pub(crate) samples: Vec<Sample>,
     /// Index in the stream.
-    pub index: Vec<u32>,
+    pub(crate) index: Vec<u32>,
     /// Whether the sample never came.
-    pub bridged: Vec<bool>,
+    pub(crate) bridged: Vec<bool>,
     /// Placement of the armband, as the board was aligned.
-    pub placements: Vec<Alignment>,
+    pub(crate) placements: Vec<Alignment>,
     /// Cue.
-    pub cues: Vec<Option<Intent>>,
+    pub(crate) cues: Vec<Option<Intent>>,
     /// Number of the attempt; 0 outside of trials.
-    pub trials: Vec<u32>,
+    pub(crate) trials: Vec<u32>,
     /// Label of the muscle; none if it is unknown or the trial is not used.
-    pub labels: Vec<Option<Intent>>,
+    pub(crate) labels: Vec<Option<Intent>>,
     /// Holds of the trials that are used.
-    pub holds: Vec<Hold>,
+    pub(crate) holds: Vec<Hold>,
 }
 
 /// Recordings of a session.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Take {
     /// Recordings in order; none is empty.
-    pub parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
     /// Trials that are not used, by their number, with the reason.
-    pub bad: BTreeMap<u32, Bad>,
+    pub(crate) bad: BTreeMap<u32, Bad>,
     /// Number of samples known to be missing.
-    pub lost: u64,
+    pub(crate) lost: u64,
     /// Whether the session came to its end.
-    pub complete: bool,
+    pub(crate) complete: bool,
 }
 
 impl Take {
     /// Classes that every model has, and those of the cues.
-    pub fn classes(&self) -> Vec<Intent> {
+    pub(crate) fn classes(&self) -> Vec<Intent> {
         let cues = self.parts.iter().flat_map(|part| &part.cues);
         let always = [Intent::Relax, Intent::Open, Intent::Close];
         let asked = always.iter().chain(cues.flatten());

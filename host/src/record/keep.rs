@@ -34,22 +34,22 @@ const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 #[derive(Clone, PartialEq, Debug)]
 pub struct Kept {
     /// Name of the person.
-    pub person: String,
+    pub(crate) person: String,
     /// Paths of the recordings, in order.
-    pub files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
     /// Quality of the recordings.
-    pub quality: Quality,
+    pub(crate) quality: Quality,
     /// Number of trials that are not used.
-    pub bad: usize,
+    pub(crate) bad: usize,
     /// Number of bytes of the journal after its last whole line.
-    pub left_off: usize,
+    pub(crate) left_off: usize,
 }
 
 /// Makes recordings beside a journal, reads them back, and removes the journal.
 ///
 /// # Errors
 /// See [`RecordError`]. The journal stays where it is, and the next start tries again.
-pub fn keep(journal: &Path) -> Result<Kept, RecordError> {
+pub(crate) fn keep(journal: &Path) -> Result<Kept, RecordError> {
     let (lock, header, contents) = open(journal)?;
     let take = assemble(&contents.entries);
     let mut files = Vec::new();

@@ -10,13 +10,14 @@
 
 mod assembly;
 mod error;
-pub mod journal;
+pub(crate) mod journal;
 mod keep;
 pub mod protocol;
-pub mod quality;
+pub(crate) mod quality;
 mod recorded;
-pub mod session;
+pub(crate) mod session;
 
 pub use self::error::RecordError;
-pub use self::keep::{Kept, keep, recover};
-pub use self::recorded::{Recorded, recorded};
+pub(crate) use self::keep::keep;
+pub use self::keep::{Kept, recover};
+pub(crate) use self::recorded::{Recorded, recorded};

@@ -15,7 +15,7 @@ use super::RecordError;
 use execution::bounded_read;
 
 /// Built-in protocols: name and TOML text.
-pub const BUILT_IN: [(&str, &str); 5] = [
+pub(crate) const BUILT_IN: [(&str, &str); 5] = [
     ("quick", include_str!("../../protocols/quick.toml")),
     (
         "quick-five",
@@ -38,23 +38,23 @@ const MOST_STEPS: usize = 500;
 
 /// Step of a cue block: a class and its duration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Step {
+pub(crate) struct Step {
     /// The class.
-    pub intent: Intent,
+    pub(crate) intent: Intent,
     /// Duration in samples.
-    pub samples: u32,
+    pub(crate) samples: u32,
 }
 
 /// Rest and the gestures after it; the last block of a round is only a rest.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct CueBlock {
+pub(crate) struct CueBlock {
     /// Steps: at least one, rest first.
-    pub steps: Vec<Step>,
+    pub(crate) steps: Vec<Step>,
 }
 
 /// Course of a session.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Course {
+pub(crate) enum Course {
     /// Cue blocks in order, in each of several rounds.
     Guided {
         /// Number of rounds, at least one.
@@ -73,11 +73,11 @@ pub enum Course {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Protocol {
     /// Name of the built-in protocol or of the file.
-    pub name: String,
+    pub(crate) name: String,
     /// Samples of pause before each round.
-    pub pause: u32,
+    pub(crate) pause: u32,
     /// Course of the session.
-    pub course: Course,
+    pub(crate) course: Course,
 }
 
 /// Keys of a protocol's TOML file.
@@ -96,7 +96,7 @@ impl Protocol {
     ///
     /// # Errors
     /// When there is no such protocol, or it is invalid.
-    pub fn find(name: &str) -> Result<Self, RecordError> {
+    pub(crate) fn find(name: &str) -> Result<Self, RecordError> {
         Self::parse(name, &text(name)?)
     }
 
@@ -121,8 +121,7 @@ impl Protocol {
     }
 
     /// Classes of the protocol, in class order.
-    #[must_use]
-    pub fn intents(&self) -> Vec<Intent> {
+    pub(crate) fn intents(&self) -> Vec<Intent> {
         let asked = |intent: &Intent| match &self.course {
             Course::Guided { blocks, .. } => {
                 let mut steps = blocks.iter().flat_map(|block| &block.steps);
@@ -134,8 +133,7 @@ impl Protocol {
     }
 
     /// Samples of the session without a repeated block; none if it is free.
-    #[must_use]
-    pub fn samples(&self) -> Option<u64> {
+    pub(crate) fn samples(&self) -> Option<u64> {
         let Course::Guided { rounds, blocks } = &self.course else {
             return None;
         };

@@ -8,8 +8,8 @@ use shared::units::{CHANNELS, SAMPLE_PERIOD_MS};
 
 use super::assembly::{Part, Take};
 use recordings::Severity;
-pub use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
-pub use recordings::labels::cued::Follow;
+use recordings::examiner::electrodes::{SATURATED, SILENT, levels, saturation};
+use recordings::labels::cued::Follow;
 use recordings::runs;
 use recordings::statistics::median;
 
@@ -25,7 +25,7 @@ const LEAST_CONTRAST: f64 = 0.4;
 
 /// Flaw of a session.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub enum Finding {
+pub(crate) enum Finding {
     /// No sample was recorded.
     #[error("nothing was recorded")]
     Nothing,
@@ -97,8 +97,7 @@ pub enum Finding {
 
 impl Finding {
     /// Severity of the finding.
-    #[must_use]
-    pub fn severity(&self) -> Severity {
+    pub(crate) fn severity(&self) -> Severity {
         match self {
             Self::Nothing | Self::Silent { .. } | Self::NoContrast { .. } => Severity::Serious,
             Self::Seldom { found, .. } if *found < FEWEST => Severity::Serious,
@@ -110,8 +109,7 @@ impl Finding {
     }
 
     /// Advice to the person.
-    #[must_use]
-    pub const fn advice(&self) -> &'static str {
+    pub(crate) const fn advice(&self) -> &'static str {
         match self {
             Self::Nothing => "begin the session and do what it asks for to its end",
             Self::Seldom { .. } => {
@@ -157,19 +155,18 @@ impl From<&Finding> for FindingText {
 
 /// Quality of recordings.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Quality {
+pub(crate) struct Quality {
     /// Findings, the worst first.
-    pub findings: Vec<Finding>,
+    pub(crate) findings: Vec<Finding>,
     /// Number of labelled stretches of each class.
-    pub counts: BTreeMap<&'static str, usize>,
+    pub(crate) counts: BTreeMap<&'static str, usize>,
     /// Duration of all recordings in seconds.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
 }
 
 impl Quality {
     /// Whether nothing serious was found.
-    #[must_use]
-    pub fn is_good_enough(&self) -> bool {
+    pub(crate) fn is_good_enough(&self) -> bool {
         let mut findings = self.findings.iter();
         findings.all(|finding| finding.severity() < Severity::Serious)
     }

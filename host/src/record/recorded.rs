@@ -10,25 +10,24 @@ use super::assembly::{Part, Take};
 use super::quality::{Quality, judge};
 use recordings::labels::cued::follow;
 use recordings::labels::motion::motions;
-pub use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
+use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
 use recordings::{DataSet, Library, Recording};
 
 /// Guided recordings of a person.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Recorded {
+pub(crate) struct Recorded {
     /// Data set and person.
-    pub person: String,
+    pub(crate) person: String,
     /// Number of files.
-    pub files: usize,
+    pub(crate) files: usize,
     /// Quality of all of them together.
-    pub quality: Quality,
+    pub(crate) quality: Quality,
 }
 
 /// Judges the guided recordings of a library, person by person in alphabetical order; skips other recordings.
 ///
 /// The files do not tell whether a session ended early, and of lost samples they have only the bridged ones.
-#[must_use]
-pub fn recorded(library: &Library) -> Vec<Recorded> {
+pub(crate) fn recorded(library: &Library) -> Vec<Recorded> {
     let mut people: BTreeMap<&str, Take> = BTreeMap::new();
     // Files of this layout are read as these sets: no other file is opened again.
     let is_own = |recording: &&Recording| {

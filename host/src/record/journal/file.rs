@@ -25,7 +25,7 @@ const SECOND: usize = 3_500;
 
 /// Result of a flush.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Flushed {
+pub(crate) enum Flushed {
     /// The file is where it was.
     InPlace,
     /// The file had lost its name and was written anew, under this name or another one.
@@ -37,7 +37,7 @@ pub enum Flushed {
 
 /// Journal that is being written.
 #[derive(Debug)]
-pub struct Journal {
+pub(crate) struct Journal {
     path: PathBuf,
     writer: Writer<File>,
     synced: Option<Millis>,
@@ -52,7 +52,7 @@ impl Journal {
     ///
     /// # Errors
     /// When a file of that name exists or the file cannot be written.
-    pub fn create(path: &Path, mut header: Header) -> Result<Self, RecordError> {
+    pub(crate) fn create(path: &Path, mut header: Header) -> Result<Self, RecordError> {
         let failed = |source| RecordError::Io {
             path: path.to_owned(),
             source,
@@ -76,24 +76,22 @@ impl Journal {
     }
 
     /// Path of the file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Takes samples; [`flush`](Self::flush) writes them, a tenth of a second at a time.
-    pub fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
+    pub(crate) fn samples(&mut self, first: SampleIndex, samples: &[Sample]) {
         self.writer.samples(first, samples);
     }
 
     /// Takes an entry of another kind.
-    pub fn entry(&mut self, entry: &Entry) {
+    pub(crate) fn entry(&mut self, entry: &Entry) {
         self.writer.entry(entry);
     }
 
     /// Whether the session has to end: a longer journal could not be read.
-    #[must_use]
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         let length = self.writer.get_ref().metadata();
         length.is_ok_and(|file| file.len() > FULL)
     }
@@ -102,7 +100,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more. Data not yet taken is kept for the next call.
-    pub fn flush(&mut self, now: Millis) -> Result<Flushed, RecordError> {
+    pub(crate) fn flush(&mut self, now: Millis) -> Result<Flushed, RecordError> {
         let mut flushed = Flushed::InPlace;
         if !is_named(self.writer.get_ref(), &self.path) {
             let gone = self.path.clone();
@@ -135,7 +133,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more: what was written before can be read.
-    pub fn close(mut self) -> Result<PathBuf, RecordError> {
+    pub(crate) fn close(mut self) -> Result<PathBuf, RecordError> {
         self.writer.close();
         let path = self.path.clone();
         let mut elsewhere = false;
@@ -192,7 +190,7 @@ impl Journal {
 ///
 /// # Errors
 /// When it cannot be read, is being written, or is no journal of this format.
-pub fn open(path: &Path) -> Result<(File, Header, Contents), RecordError> {
+pub(crate) fn open(path: &Path) -> Result<(File, Header, Contents), RecordError> {
     let failed = |source| RecordError::Io {
         path: path.to_owned(),
         source,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::record::RecordError;
 
 /// File extension of a journal.
-pub const ENDING: &str = "journal";
+pub(crate) const ENDING: &str = "journal";
 /// File extension until a journal is locked and has its first line: no start takes such a file.
 const UNNAMED: &str = "journal.new";
 

@@ -5,7 +5,7 @@ use shared::units::SampleIndex;
 
 /// Input of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Input {
+pub(crate) enum Input {
     /// Samples from the source.
     Samples {
         /// Index of the first sample.
@@ -23,7 +23,7 @@ pub enum Input {
 
 /// Action of the person.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Action {
+pub(crate) enum Action {
     /// Begin or continue.
     Begin,
     /// Reject the last trial and repeat it.
@@ -39,7 +39,7 @@ pub enum Action {
 /// Why a session waits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Held {
+pub(crate) enum Held {
     /// The person asked for it.
     Person,
     /// The leader has left the page.
@@ -59,7 +59,7 @@ pub enum Held {
 /// Why a trial is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Bad {
+pub(crate) enum Bad {
     /// The person rejected it.
     Person,
     /// The trial was interrupted.
@@ -70,7 +70,7 @@ pub enum Bad {
 
 /// Output for the journal.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Output {
+pub(crate) enum Output {
     /// Round: a new recording begins at a sample.
     Round {
         /// Number of the round, from 1.

@@ -13,17 +13,17 @@ mod course;
 mod input;
 mod schedule;
 mod stream;
-pub mod view;
+pub(crate) mod view;
 
 use std::collections::VecDeque;
 
 use shared::intent::Intent;
 use shared::units::{Millis, SampleIndex};
 
-pub use self::input::{Action, Bad, Held, Input, Output};
+pub(crate) use self::input::{Action, Bad, Held, Input, Output};
 use self::schedule::RoundSchedule;
-pub use self::stream::{BRIDGED, Continuity, Continuous};
-pub use self::view::View;
+pub(crate) use self::stream::{Continuity, Continuous};
+pub(crate) use self::view::View;
 use super::protocol::Protocol;
 
 /// Time without samples after which a session is held: longer than delays of a busy PC.
@@ -51,7 +51,7 @@ enum Phase {
 
 /// Recording session.
 #[derive(Debug)]
-pub struct Session {
+pub(crate) struct Session {
     protocol: Protocol,
     phase: Phase,
     schedule: RoundSchedule,
@@ -72,8 +72,7 @@ pub struct Session {
 
 impl Session {
     /// Creates a session that waits for its beginning.
-    #[must_use]
-    pub fn new(protocol: Protocol) -> Self {
+    pub(crate) fn new(protocol: Protocol) -> Self {
         Self {
             schedule: RoundSchedule::new(&protocol.course),
             protocol,
@@ -92,7 +91,7 @@ impl Session {
     }
 
     /// Takes an input. Drain [`poll`](Self::poll) before the next call.
-    pub fn handle(&mut self, now: Millis, input: Input) {
+    pub(crate) fn handle(&mut self, now: Millis, input: Input) {
         match input {
             Input::Samples { first, count } => self.samples(now, first, count),
             Input::Tick => {
@@ -115,32 +114,23 @@ impl Session {
     }
 
     /// Returns the next output.
-    pub fn poll(&mut self) -> Option<Output> {
+    pub(crate) fn poll(&mut self) -> Option<Output> {
         self.outputs.pop_front()
     }
 
     /// Whether samples are kept: from the countdown of a round on, but not while the session waits.
-    #[must_use]
-    pub const fn is_running(&self) -> bool {
+    pub(crate) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Ready { .. } | Phase::Cued { .. })
     }
 
     /// Whether samples have come, so that a session can begin.
-    #[must_use]
-    pub const fn has_stream(&self) -> bool {
+    pub(crate) const fn has_stream(&self) -> bool {
         self.stream.next().is_some()
     }
 
     /// Whether the session has ended.
-    #[must_use]
-    pub const fn is_over(&self) -> bool {
+    pub(crate) const fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Over)
-    }
-
-    /// Class of the current cue.
-    #[must_use]
-    pub const fn cue(&self) -> Option<Intent> {
-        self.cue
     }
 
     fn samples(&mut self, now: Millis, first: SampleIndex, count: u32) {

@@ -3,11 +3,11 @@
 use shared::units::SampleIndex;
 
 /// Greatest number of missing samples that are bridged by repeating the last one, as on a board.
-pub const BRIDGED: u32 = 5;
+const BRIDGED: u32 = 5;
 
 /// Relation of samples to those before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Continuity {
+pub(crate) enum Continuity {
     /// Samples follow without a gap, or are the first.
     Next,
     /// Samples follow a gap of this many, which is bridged.
@@ -20,17 +20,16 @@ pub enum Continuity {
 
 /// Index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Continuous(Option<SampleIndex>);
+pub(crate) struct Continuous(Option<SampleIndex>);
 
 impl Continuous {
     /// Index that is due; none before the first sample.
-    #[must_use]
-    pub const fn next(self) -> Option<SampleIndex> {
+    pub(crate) const fn next(self) -> Option<SampleIndex> {
         self.0
     }
 
     /// Takes consecutive samples and returns how they follow those before.
-    pub fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
+    pub(crate) fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
         let due = self.0.replace(first.plus(count));
         let Some(due) = due else {
             return Continuity::Next;
