@@ -10,9 +10,11 @@ use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::answer::{Binding, Counts, Identity};
 use shared::units::Sample;
 
-use super::lead::ViewerId;
 use super::outcome::{Installing, Kept, Tuning};
 use crate::record::session::View;
+
+/// Number of a viewer.
+pub(crate) type ViewerId = u64;
 
 /// Message to viewers. Times `at` are milliseconds of the server's clock; samples are numbered as on the UART.
 #[derive(Clone, PartialEq, Debug, Serialize)]

@@ -14,7 +14,6 @@
 
 mod event;
 mod hub;
-mod lead;
 mod lines;
 mod outcome;
 mod recorder;

@@ -21,8 +21,6 @@ const REST_AROUND: usize = 100;
 /// Recording; each list but `holds` has one entry a sample.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Part {
-    /// Number of the round, from 1.
-    pub(crate) round: u32,
     /// Samples as received; a bridged one repeats the one before.
     pub(crate) samples: Vec<Sample>,
     /// Index in the stream.
@@ -70,7 +68,6 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
     let mut take = Take::default();
     let mut stream = Continuous::default();
     let mut stretch = Stretch::default();
-    let mut round = 0;
     for entry in entries {
         match entry {
             Entry::Begin(_) => {}
@@ -86,9 +83,9 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                     }
                     Continuity::Lost(missing) => {
                         take.lost += u64::from(missing);
-                        take.parts.extend(stretch.end(&mut round));
+                        take.parts.extend(stretch.end());
                     }
-                    Continuity::Restart => take.parts.extend(stretch.end(&mut round)),
+                    Continuity::Restart => take.parts.extend(stretch.end()),
                 }
                 stretch.push(first, &samples);
             }
@@ -96,10 +93,10 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                 stretch.placement = Alignment::new(*turn, *mirrored);
             }
             Entry::Break => {
-                take.parts.extend(stretch.end(&mut round));
+                take.parts.extend(stretch.end());
                 stream = Continuous::default();
             }
-            Entry::Round { number, at } => stretch.rounds.push((*at, *number)),
+            Entry::Round { at, .. } => stretch.rounds.push(*at),
             Entry::Cue { at, cue, trial } => {
                 stretch
                     .cues
@@ -111,7 +108,7 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
             Entry::Over => take.complete = true,
         }
     }
-    take.parts.extend(stretch.end(&mut round));
+    take.parts.extend(stretch.end());
     for part in &mut take.parts {
         part.label(&take.bad);
     }
@@ -128,7 +125,8 @@ struct Stretch {
     /// Placement from the next sample on.
     placement: Alignment,
     cues: Vec<(u32, Option<Intent>, u32)>,
-    rounds: Vec<(u32, u32)>,
+    /// First sample of each round.
+    rounds: Vec<u32>,
     /// Cue and trial in force before the first of `cues`.
     carried: (Option<Intent>, u32),
 }
@@ -153,25 +151,21 @@ impl Stretch {
     }
 
     /// Ends the stretch: returns its recordings, one a round.
-    fn end(&mut self, round: &mut u32) -> Vec<Part> {
+    fn end(&mut self) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::new();
         let (mut cue, mut trial) = self.carried;
         let (mut cues, mut rounds) = (self.cues.iter().peekable(), self.rounds.iter().peekable());
         let mut begins = true;
         for (place, (&sample, &bridged)) in self.samples.iter().zip(&self.bridged).enumerate() {
             let index = self.first.wrapping_add(place as u32);
-            while let Some((_, number)) = rounds.next_if(|(at, _)| has_come(*at, index)) {
-                *round = *number;
+            while rounds.next_if(|at| has_come(**at, index)).is_some() {
                 begins = true;
             }
             while let Some((_, next, number)) = cues.next_if(|(at, ..)| has_come(*at, index)) {
                 (cue, trial) = (*next, *number);
             }
             if begins {
-                parts.push(Part {
-                    round: *round,
-                    ..Part::default()
-                });
+                parts.push(Part::default());
                 begins = false;
             }
             if let Some(part) = parts.last_mut() {

@@ -33,8 +33,6 @@ const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 /// Recordings made of a session.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Kept {
-    /// Name of the person.
-    pub(crate) person: String,
     /// Paths of the recordings, in order.
     pub(crate) files: Vec<PathBuf>,
     /// Quality of the recordings.
@@ -89,7 +87,6 @@ pub(crate) fn keep(journal: &Path) -> Result<Kept, RecordError> {
         files.push(path);
     }
     let kept = Kept {
-        person: header.person,
         quality: judge(&take, contents.damaged),
         files,
         bad: take.bad.len(),

@@ -1,13 +1,12 @@
 // The page: takes messages from the program, draws, and passes on what the viewer asks for.
 
 import { Armband } from "./armband.js";
-import { CHANNELS, Seen } from "./seen.js";
+import { CHANNELS, Seen, csv } from "./seen.js";
 import { Clock, RATE } from "./clock.js";
 import { Panel, alignmentText } from "./panel.js";
 import { Session } from "./session.js";
 import { Steps } from "./steps.js";
 import { Traces } from "./traces.js";
-import { csv, download, fileName } from "./save.js";
 
 const find = (id) => document.getElementById(id);
 const clock = new Clock();
@@ -256,6 +255,22 @@ function activity() {
     }
   }
   armband.activity(levels);
+}
+
+/** Hands a text to the browser as a file. */
+function download(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** live_20261123_051200.csv */
+function fileName(date) {
+  const two = (number) => String(number).padStart(2, "0");
+  const day = `${date.getFullYear()}${two(date.getMonth() + 1)}${two(date.getDate())}`;
+  return `live_${day}_${two(date.getHours())}${two(date.getMinutes())}${two(date.getSeconds())}.csv`;
 }
 
 panel.legend(null);

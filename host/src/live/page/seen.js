@@ -5,6 +5,7 @@ import { RATE } from "./clock.js";
 export const CHANNELS = 8;
 const MINUTES = 10;
 const CAPACITY = MINUTES * 60 * RATE;
+export const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 
 export class Seen {
   emg = new Int8Array(CAPACITY * CHANNELS);
@@ -131,4 +132,31 @@ export function lastUpTo(list, key, value) {
     }
   }
   return low - 1;
+}
+
+/** A csv of what was seen in ReactEMG's layout, with further columns that its readers ignore, and its duration in seconds. Label: -1 where the recording has none, and for every sample of a board. */
+export function csv(seen) {
+  const channels = Array.from({ length: CHANNELS }, (_, channel) => `emg_${channel}`);
+  const rows = [["gt", ...channels, "sample", "label", "valid", "turn", "mirrored", "mark"].join(",")];
+  const [first, end] = seen.stretch();
+  let mark = seen.marks.findIndex((one) => one.sample >= first);
+  for (let sample = first; sample < end; sample += 1) {
+    const values = channels.map((_, channel) => seen.value(sample, channel));
+    const label = seen.labels[lastUpTo(seen.labels, "from", sample)];
+    const texts = [];
+    while (mark >= 0 && seen.marks[mark]?.sample <= sample) {
+      texts.push(seen.marks[mark].text.replace(/[",\r\n]/g, " "));
+      mark += 1;
+    }
+    rows.push([
+      CLASSES.indexOf(seen.truthAt(sample)),
+      ...values,
+      sample,
+      label?.label ?? "",
+      label ? Number(label.valid) : "",
+      ...seen.placement(sample),
+      texts.join("; "),
+    ].join(","));
+  }
+  return { text: `${rows.join("\n")}\n`, seconds: (end - first) / RATE };
 }

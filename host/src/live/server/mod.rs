@@ -25,9 +25,8 @@ use tokio::sync::{Semaphore, watch};
 
 use self::access::{Access, Denied};
 use self::connections::{Bounded, Kept};
-use self::rights::Mode;
+use self::rights::{Lead, Mode};
 use super::hub::Hub;
-use super::lead::Lead;
 use super::recorder::Wish;
 use super::source::Request;
 

@@ -12,11 +12,10 @@ use tokio::sync::watch;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 
 use super::rate::{Heard, Rate};
-use super::rights::{self, Mode, Right};
+use super::rights::{self, Lead, Mode, Right};
 use super::said::Said;
-use crate::live::event::Event;
+use crate::live::event::{Event, ViewerId};
 use crate::live::hub::{Hub, Message, Subscription};
-use crate::live::lead::{Lead, ViewerId};
 use crate::live::recorder::Wish;
 use crate::live::source::Request;
 use crate::record::session::Action;

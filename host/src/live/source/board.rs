@@ -1,10 +1,8 @@
 //! A board on a serial port or pseudo-terminal. The port is opened again after it was lost or used for an installation.
 
-mod installation;
-
 use std::cell::RefCell;
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
@@ -19,8 +17,9 @@ use shared::units::Millis;
 use super::dialogue::{Dialogue, Heard, Losses};
 use super::scored::Scored;
 use super::{Context, Request};
-use crate::board::BAUD;
+use crate::board::{self, BAUD, ModelFile};
 use crate::live::event::Event;
+use crate::live::outcome::Installing;
 
 /// Longest time that one read waits for bytes: the longest delay that a page sees.
 const WAIT: Duration = Duration::from_millis(10);
@@ -48,7 +47,7 @@ impl Board {
         let mut losses = Losses::default();
         while let Some(model) = self.show(context, &mut losses)? {
             self.tell(context, false, "a model is being installed");
-            if installation::install(&self.path, &model, context) {
+            if install(&self.path, &model, context) {
                 self.model = Some(model);
             }
         }
@@ -80,7 +79,7 @@ impl Board {
             let ended = match self.open() {
                 Ok(port) => {
                     missing.clear();
-                    if let model @ Some(_) = installation::asked_before(context) {
+                    if let model @ Some(_) = asked_before(context) {
                         return model;
                     }
                     self.tell(context, false, NOTHING_YET);
@@ -264,6 +263,56 @@ impl<E: Encode> Session<'_, '_, E> {
             board.tell(self.context, state.is_empty(), state);
         }
     }
+}
+
+/// Takes the model to install that was asked for before there was a connection. Drops all other requests.
+fn asked_before(context: &Context) -> Option<Vec<u8>> {
+    let installs = |request: &Request| matches!(request, Request::Install(_));
+    match context.requests.try_iter().filter(installs).last() {
+        Some(Request::Install(model)) => Some(model),
+        _ => None,
+    }
+}
+
+/// Installs a model and tells viewers its progress and result. Returns whether it is in use now.
+fn install(path: &Path, model: &[u8], context: &Context) -> bool {
+    let tell = |told| context.hub.publish(&Event::Installing(told));
+    let running = Installing::running("outputs are safe until the board has all of it");
+    tell(running.clone());
+    let sent = ModelFile::new(model)
+        .map_err(anyhow::Error::from)
+        .and_then(|file| {
+            let stopped = || context.stop.requested();
+            let of = file.blocks();
+            let mut told = None;
+            board::install(path, file, stopped, |blocks| {
+                // Viewers need the progress in percent only.
+                let hundredths = 100 * blocks / of.max(1);
+                if told.replace(hundredths) != Some(hundredths) {
+                    let running = running.clone();
+                    tell(Installing {
+                        blocks,
+                        of,
+                        ..running
+                    });
+                }
+            })?;
+            Ok(file.checksum())
+        });
+    let is_installed = sent.is_ok();
+    tell(match sent {
+        Ok(checksum) => Installing {
+            state: "done",
+            text: format!("model {checksum:08x} is on the board and in use"),
+            ..running
+        },
+        Err(error) => Installing {
+            state: "failed",
+            text: format!("{error:#}. Install again: it goes on where this one ended"),
+            ..running
+        },
+    });
+    is_installed
 }
 
 /// Whether an error only means that no byte came in time.
