@@ -83,13 +83,13 @@ pub fn install(
     mut report: impl FnMut(u32),
 ) -> Result<(), BoardError> {
     let mut board = Board::open(path)?;
-    let mut effort = Effort::new(file.blocks());
+    let mut budget = RetryBudget::new(file.blocks());
     loop {
-        match board.send_model(file, &stopped, &mut effort, &mut report) {
+        match board.send_model(file, &stopped, &mut budget, &mut report) {
             Err(error @ (BoardError::Lost { .. } | BoardError::Silent { .. })) => {
                 // Tries until the board answers again or the time is over.
                 board = loop {
-                    if effort.is_hopeless() {
+                    if budget.is_exhausted() {
                         return Err(error);
                     }
                     if stopped() {
@@ -107,7 +107,7 @@ pub fn install(
 }
 
 /// Commands sent since the board last made progress.
-struct Effort {
+struct RetryBudget {
     /// Number of blocks in the file.
     of: u32,
     /// Greatest number of blocks that the board had; none before its first answer.
@@ -117,7 +117,7 @@ struct Effort {
     blocks: u32,
 }
 
-impl Effort {
+impl RetryBudget {
     fn new(of: u32) -> Self {
         Self {
             of,
@@ -166,7 +166,7 @@ impl Effort {
     }
 
     /// Whether to give up a lost board.
-    fn is_hopeless(&self) -> bool {
+    fn is_exhausted(&self) -> bool {
         self.furthest.is_none() || self.since.elapsed() > PATIENCE
     }
 }
@@ -177,10 +177,10 @@ impl Board {
         &mut self,
         file: ModelFile<'_>,
         stopped: &impl Fn() -> bool,
-        effort: &mut Effort,
+        budget: &mut RetryBudget,
         report: &mut impl FnMut(u32),
     ) -> Result<(), BoardError> {
-        let mut progress = self.begin(file, effort)?;
+        let mut progress = self.begin(file, budget)?;
         let mut may_begin_again = true;
         let mut doubts = 0;
         loop {
@@ -201,13 +201,13 @@ impl Board {
                     let expected = file.checksum();
                     return Err(BoardError::OtherModel { expected, found });
                 }
-                progress = self.begin(file, effort)?;
+                progress = self.begin(file, budget)?;
                 continue;
             };
             // A board never asks for a block past the end. If one did, it would refuse the block sent here.
             let before = file.transfer.before(number.min(file.blocks()));
-            effort.reached(before);
-            effort.block()?;
+            budget.reached(before);
+            budget.block()?;
             report(before);
             let block = Command::Block(number, Block::of(file.bytes, number));
             let answer = self.ask(block, |answer| {
@@ -216,11 +216,11 @@ impl Board {
             });
             progress = match answer {
                 // The board has restarted.
-                Err(BoardError::Refused(Refusal::NotBegun)) => self.begin(file, effort)?,
+                Err(BoardError::Refused(Refusal::NotBegun)) => self.begin(file, budget)?,
                 // The old content of its flash does not match its journal.
                 Err(BoardError::Refused(Refusal::Model)) if number != 0 && may_begin_again => {
                     may_begin_again = false;
-                    self.begin(file, effort)?
+                    self.begin(file, budget)?
                 }
                 Err(BoardError::Refused(Refusal::Model)) => {
                     let reason = self.reason.take();
@@ -236,8 +236,12 @@ impl Board {
     }
 
     /// Begins or continues the installation; returns what is missing.
-    fn begin(&mut self, file: ModelFile<'_>, effort: &mut Effort) -> Result<Progress, BoardError> {
-        effort.begin()?;
+    fn begin(
+        &mut self,
+        file: ModelFile<'_>,
+        budget: &mut RetryBudget,
+    ) -> Result<Progress, BoardError> {
+        budget.begin()?;
         self.ask(Command::Install(file.transfer), missing)
     }
 }

@@ -8,7 +8,7 @@ use shared::intent::Intent;
 use shared::units::SAMPLE_PERIOD_MS;
 
 use crate::record::quality::FindingText;
-use crate::record::{Recorded, recorded};
+use crate::record::{PersonQuality, quality_by_person};
 use evaluation::report::Table;
 use recordings::Library;
 use recordings::finding::Group;
@@ -42,14 +42,17 @@ impl Recordings {
     pub(super) fn new(library: &Library) -> Self {
         Self {
             inspection: Inspection::new(library),
-            guided: recorded(library).into_iter().map(Guided::from).collect(),
+            guided: quality_by_person(library)
+                .into_iter()
+                .map(Guided::from)
+                .collect(),
         }
     }
 }
 
-impl From<Recorded> for Guided {
-    fn from(recorded: Recorded) -> Self {
-        let Recorded {
+impl From<PersonQuality> for Guided {
+    fn from(recorded: PersonQuality) -> Self {
+        let PersonQuality {
             person,
             files,
             quality,

@@ -10,7 +10,7 @@ use shared::uart_line::alignment::AlignmentReport;
 use shared::uart_line::answer::{Binding, Counts, Identity};
 use shared::units::Sample;
 
-use super::outcome::{Installing, Kept, Tuning};
+use super::outcome::{InstallationState, SessionResult, TuningState};
 use crate::record::session::View;
 
 /// Number of a viewer.
@@ -127,11 +127,11 @@ pub(crate) enum Event {
     /// Viewer who leads the session; null if nobody does.
     Lead { viewer: Option<ViewerId> },
     /// Recordings that were kept of the session.
-    Kept(Kept),
+    Kept(SessionResult),
     /// Progress or result of tuning a model on the recordings.
-    Tuning(Tuning),
+    Tuning(TuningState),
     /// Progress or result of installing the tuned model on the board.
-    Installing(Installing),
+    Installing(InstallationState),
     /// End of the program.
     End,
 }

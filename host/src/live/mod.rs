@@ -14,7 +14,7 @@
 
 mod event;
 mod hub;
-mod lines;
+mod json_lines;
 mod outcome;
 mod recorder;
 mod scores;
@@ -34,14 +34,14 @@ use shared::model::file::Model;
 
 use self::event::Event;
 use self::hub::Hub;
-use self::lines::Lines;
+use self::json_lines::JsonLines;
 pub use self::recorder::RecordOptions;
-use self::recorder::{Recorder, Wish};
+use self::recorder::{Recorder, RecorderRequest};
 use self::server::Server;
 use self::server::access::Access;
 use self::server::rights::Mode;
 pub use self::source::Source;
-use self::source::{Asked, Context, Request, Stop};
+use self::source::{Context, SharedCue, SourceRequest, Stop};
 
 /// Shipped three-class model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
@@ -69,7 +69,7 @@ pub struct Options {
 struct Stream {
     hub: Arc<Hub>,
     stop: Stop,
-    requests: SyncSender<Request>,
+    requests: SyncSender<SourceRequest>,
     source: JoinHandle<anyhow::Result<()>>,
 }
 
@@ -78,8 +78,8 @@ impl Stream {
         hub: Arc<Hub>,
         source: Source,
         model: Option<Vec<u8>>,
-        played: Option<(Asked, u32)>,
-        (requests, received): (SyncSender<Request>, Receiver<Request>),
+        cue_and_speed: Option<(SharedCue, u32)>,
+        (requests, received): (SyncSender<SourceRequest>, Receiver<SourceRequest>),
     ) -> anyhow::Result<Self> {
         if let Some(bytes) = &model {
             let model = Model::parse(bytes).context("the model is refused")?;
@@ -94,7 +94,7 @@ impl Stream {
         let source = std::thread::Builder::new()
             .name("source".to_owned())
             .stack_size(STACK)
-            .spawn(move || source.run(model, played, &context))?;
+            .spawn(move || source.run(model, cue_and_speed, &context))?;
         Ok(Self {
             hub,
             stop,
@@ -114,14 +114,14 @@ impl Stream {
 }
 
 /// Running recorder, and its stop handle.
-type Recording = (Stop, JoinHandle<anyhow::Result<()>>);
+type RecorderThread = (Stop, JoinHandle<anyhow::Result<()>>);
 
 /// Page that is being served.
 #[derive(Debug)]
 pub struct Live {
     stream: Stream,
     server: Server,
-    recording: Option<Recording>,
+    recording: Option<RecorderThread>,
     url: String,
 }
 
@@ -135,28 +135,34 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
     let mode = Mode::of(&options.source, options.record.is_some());
-    let (mut recording, mut wishes, mut played) = (None, None, None);
+    let (mut recording, mut wishes, mut cue_and_speed) = (None, None, None);
     if let Some(record) = options.record {
-        let asked = Asked::default();
-        played = Some((asked.clone(), record.speed));
+        let cue = SharedCue::default();
+        cue_and_speed = Some((cue.clone(), record.speed));
         let recorder = Recorder {
             source: options.source.described(),
             port: match &options.source {
                 Source::Port(path) => Some(path.clone()),
                 _ => None,
             },
-            requests: requests.0.clone(),
+            source_requests: requests.0.clone(),
             option: options.source.option(),
             model: options.model.clone().unwrap_or_else(|| SHIPPED.to_vec()),
             options: record,
             hub: hub.clone(),
-            asked,
+            cue,
         };
-        let (running, sender) = record_beside(&hub, recorder)?;
+        let (running, sender) = start_recorder(&hub, recorder)?;
         recording = Some(running);
         wishes = Some(sender);
     }
-    let stream = Stream::start(hub.clone(), options.source, options.model, played, requests)?;
+    let stream = Stream::start(
+        hub.clone(),
+        options.source,
+        options.model,
+        cue_and_speed,
+        requests,
+    )?;
     let requests = stream.requests.clone();
     let server = Server::start(listener, access, mode, hub, requests, wishes)?;
     Ok(Live {
@@ -168,15 +174,18 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
 }
 
 /// Starts a recorder; the returned sender takes its wishes.
-fn record_beside(hub: &Hub, recorder: Recorder) -> anyhow::Result<(Recording, SyncSender<Wish>)> {
+fn start_recorder(
+    hub: &Hub,
+    recorder: Recorder,
+) -> anyhow::Result<(RecorderThread, SyncSender<RecorderRequest>)> {
     let stop = Stop::default();
     let stopped = stop.clone();
-    let (events, heard) = mpsc::channel();
+    let (events, received) = mpsc::channel();
     let (sender, wishes) = mpsc::sync_channel(16);
     hub.record(events);
     let thread = std::thread::Builder::new()
         .name("recorder".to_owned())
-        .spawn(move || recorder.run(&heard, &wishes, &stopped))?;
+        .spawn(move || recorder.run(&received, &wishes, &stopped))?;
     Ok(((stop, thread), sender))
 }
 
@@ -206,7 +215,7 @@ pub(crate) fn print(
     let page = listen.map(bind).transpose()?;
     let hub = Arc::new(Hub::new());
     // Started before the source, so that no event is missed.
-    let lines = Lines::start(hub.clone(), output)?;
+    let lines = JsonLines::start(hub.clone(), output)?;
     let mode = Mode::of(&source, false);
     let requests = mpsc::sync_channel(REQUESTS);
     let stream = Stream::start(hub.clone(), source, model, None, requests)?;

@@ -11,7 +11,7 @@ use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
 use super::journal::Entry;
-use super::session::{Bad, Continuity, Continuous};
+use super::session::{Continuity, GapDetector, RejectReason};
 use recordings::labels::cued::{Hold, follow};
 use recordings::labels::motion::motions;
 
@@ -41,18 +41,18 @@ pub(crate) struct Part {
 
 /// Recordings of a session.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct Take {
+pub(crate) struct Assembly {
     /// Recordings in order; none is empty.
     pub(crate) parts: Vec<Part>,
     /// Trials that are not used, by their number, with the reason.
-    pub(crate) bad: BTreeMap<u32, Bad>,
+    pub(crate) rejected: BTreeMap<u32, RejectReason>,
     /// Number of samples known to be missing.
     pub(crate) lost: u64,
     /// Whether the session came to its end.
     pub(crate) complete: bool,
 }
 
-impl Take {
+impl Assembly {
     /// Classes that every model has, and those of the cues.
     pub(crate) fn classes(&self) -> Vec<Intent> {
         let cues = self.parts.iter().flat_map(|part| &part.cues);
@@ -64,9 +64,9 @@ impl Take {
 }
 
 /// Assembles the recordings of a journal.
-pub(crate) fn assemble(entries: &[Entry]) -> Take {
-    let mut take = Take::default();
-    let mut stream = Continuous::default();
+pub(crate) fn assemble(entries: &[Entry]) -> Assembly {
+    let mut assembly = Assembly::default();
+    let mut stream = GapDetector::default();
     let mut stretch = Stretch::default();
     for entry in entries {
         match entry {
@@ -78,14 +78,14 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                 match stream.take(first, count) {
                     Continuity::Next => {}
                     Continuity::Bridged(missing) => {
-                        take.lost += u64::from(missing);
+                        assembly.lost += u64::from(missing);
                         stretch.bridge(missing);
                     }
                     Continuity::Lost(missing) => {
-                        take.lost += u64::from(missing);
-                        take.parts.extend(stretch.end());
+                        assembly.lost += u64::from(missing);
+                        assembly.parts.extend(stretch.end());
                     }
-                    Continuity::Restart => take.parts.extend(stretch.end()),
+                    Continuity::Restart => assembly.parts.extend(stretch.end()),
                 }
                 stretch.push(first, &samples);
             }
@@ -93,8 +93,8 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                 stretch.placement = Alignment::new(*turn, *mirrored);
             }
             Entry::Break => {
-                take.parts.extend(stretch.end());
-                stream = Continuous::default();
+                assembly.parts.extend(stretch.end());
+                stream = GapDetector::default();
             }
             Entry::Round { at, .. } => stretch.rounds.push(*at),
             Entry::Cue { at, cue, trial } => {
@@ -102,17 +102,17 @@ pub(crate) fn assemble(entries: &[Entry]) -> Take {
                     .cues
                     .push((*at, Entry::intent(cue.as_ref()), *trial));
             }
-            Entry::Bad { trial, why } => {
-                take.bad.insert(*trial, *why);
+            Entry::Rejected { trial, why } => {
+                assembly.rejected.insert(*trial, *why);
             }
-            Entry::Over => take.complete = true,
+            Entry::Over => assembly.complete = true,
         }
     }
-    take.parts.extend(stretch.end());
-    for part in &mut take.parts {
-        part.label(&take.bad);
+    assembly.parts.extend(stretch.end());
+    for part in &mut assembly.parts {
+        part.label(&assembly.rejected);
     }
-    take
+    assembly
 }
 
 /// Samples without a gap, with their cues and rounds; a cue may be written before its first sample.
@@ -217,7 +217,7 @@ impl Part {
         files
     }
 
-    fn label(&mut self, bad: &BTreeMap<u32, Bad>) {
+    fn label(&mut self, rejected: &BTreeMap<u32, RejectReason>) {
         let followed = follow(&self.samples, &motions(&self.cues));
         self.labels = followed
             .motions
@@ -225,11 +225,11 @@ impl Part {
             .map(|motion| motion.label())
             .collect();
         for (label, trial) in self.labels.iter_mut().zip(&self.trials) {
-            if bad.contains_key(trial) {
+            if rejected.contains_key(trial) {
                 *label = None;
             }
         }
-        let used = |hold: &Hold| !bad.contains_key(&self.trials[hold.samples.start]);
+        let used = |hold: &Hold| !rejected.contains_key(&self.trials[hold.samples.start]);
         self.holds = followed.holds.into_iter().filter(used).collect();
     }
 }

@@ -9,15 +9,15 @@
 //! `live` drives a session: samples of its source go in, cues for its page come out.
 
 mod assembly;
+mod conversion;
 mod error;
 pub(crate) mod journal;
-mod keep;
+mod person_quality;
 pub mod protocol;
 pub(crate) mod quality;
-mod recorded;
 pub(crate) mod session;
 
+pub(crate) use self::conversion::convert;
+pub use self::conversion::{Conversion, recover};
 pub use self::error::RecordError;
-pub(crate) use self::keep::keep;
-pub use self::keep::{Kept, recover};
-pub(crate) use self::recorded::{Recorded, recorded};
+pub(crate) use self::person_quality::{PersonQuality, quality_by_person};

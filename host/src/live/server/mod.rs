@@ -3,9 +3,9 @@
 pub(crate) mod access;
 mod assets;
 mod connections;
-mod rate;
+mod message;
+mod rate_limit;
 pub(crate) mod rights;
-mod said;
 mod viewer;
 
 use std::net::TcpListener;
@@ -24,11 +24,11 @@ use axum::response::{IntoResponse as _, Response};
 use tokio::sync::{Semaphore, watch};
 
 use self::access::{Access, Denied};
-use self::connections::{Bounded, Kept};
+use self::connections::{LimitedListener, Upgraded};
 use self::rights::{Lead, Mode};
 use super::hub::Hub;
-use super::recorder::Wish;
-use super::source::Request;
+use super::recorder::RecorderRequest;
+use super::source::SourceRequest;
 
 /// Greatest number of viewers.
 const MOST_VIEWERS: usize = 16;
@@ -39,12 +39,12 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Shared state of all requests.
 #[derive(Debug)]
-struct Served {
+struct ServerState {
     hub: Arc<Hub>,
     access: Access,
     mode: Mode,
-    requests: SyncSender<Request>,
-    wishes: Option<SyncSender<Wish>>,
+    requests: SyncSender<SourceRequest>,
+    wishes: Option<SyncSender<RecorderRequest>>,
     lead: Arc<Lead>,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
@@ -68,8 +68,8 @@ impl Server {
         access: Access,
         mode: Mode,
         hub: Arc<Hub>,
-        requests: SyncSender<Request>,
-        wishes: Option<SyncSender<Wish>>,
+        requests: SyncSender<SourceRequest>,
+        wishes: Option<SyncSender<RecorderRequest>>,
     ) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
@@ -78,10 +78,10 @@ impl Server {
         listener.set_nonblocking(true)?;
         let listener = {
             let _within = runtime.enter();
-            Bounded::new(tokio::net::TcpListener::from_std(listener)?)
+            LimitedListener::new(tokio::net::TcpListener::from_std(listener)?)
         };
         let (stop, stopped) = watch::channel(false);
-        let served = Served {
+        let served = ServerState {
             hub,
             access,
             mode,
@@ -101,7 +101,7 @@ impl Server {
                     let _ = stopped.wait_for(|stop| *stop).await;
                 };
                 runtime.block_on(async {
-                    let service = router.into_make_service_with_connect_info::<Kept>();
+                    let service = router.into_make_service_with_connect_info::<Upgraded>();
                     let serve = axum::serve(listener, service).into_future();
                     tokio::select! {
                         _ = serve => {}
@@ -123,8 +123,8 @@ impl Server {
 
 /// Checks a request and answers it.
 async fn answer(
-    State(served): State<Arc<Served>>,
-    ConnectInfo(connection): ConnectInfo<Kept>,
+    State(served): State<Arc<ServerState>>,
+    ConnectInfo(connection): ConnectInfo<Upgraded>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
@@ -144,7 +144,7 @@ async fn answer(
         Ok(upgrade) => upgrade,
         Err(rejection) => return rejection.into_response(),
     };
-    let Ok(place) = served.viewers.clone().try_acquire_owned() else {
+    let Ok(permit) = served.viewers.clone().try_acquire_owned() else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
     let viewer = viewer::Viewer {
@@ -160,9 +160,9 @@ async fn answer(
         .max_message_size(MAX_REQUEST_BYTES)
         .max_frame_size(MAX_REQUEST_BYTES)
         .on_upgrade(async move |socket| {
-            connection.keep();
+            connection.set();
             viewer.serve(socket).await;
-            drop(place);
+            drop(permit);
         })
 }
 

@@ -10,7 +10,7 @@ use shared::uart_line::emg::EmgReport;
 use shared::uart_line::line::{Line, LineReader};
 use shared::units::{Millis, SampleIndex};
 
-use self::schedule::Schedule;
+use self::schedule::CommandSchedule;
 use crate::live::event::Event;
 
 /// Time without a line after which no board is connected. A board answers every command.
@@ -18,9 +18,9 @@ const SILENCE_MS: u32 = 5_000;
 
 /// Content of a received line.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Heard {
+pub(super) enum BoardEvent {
     /// Event for viewers.
-    Event(Event),
+    Publish(Event),
     /// Two samples, and the number missing before them; none for a new stream.
     Samples(EmgReport, Option<u32>),
     /// Alignment in force on the board.
@@ -34,17 +34,17 @@ pub(super) enum Heard {
 pub(super) struct Dialogue {
     reader: LineReader,
     began: Millis,
-    heard: Option<Millis>,
-    samples: Option<Millis>,
-    schedule: Schedule,
+    last_line: Option<Millis>,
+    last_samples: Option<Millis>,
+    schedule: CommandSchedule,
     /// Alignment in force; none while unknown.
     alignment: Option<Alignment>,
     /// Number of the next line.
-    number: Option<u32>,
+    next_number: Option<u32>,
     /// Index of the next sample.
-    next: Option<SampleIndex>,
+    next_sample: Option<SampleIndex>,
     losses: Losses,
-    told: Option<Losses>,
+    reported: Option<Losses>,
 }
 
 /// Losses on the line.
@@ -61,14 +61,14 @@ impl Dialogue {
         Self {
             reader: LineReader::new(),
             began: now,
-            heard: None,
-            samples: None,
-            schedule: Schedule::default(),
+            last_line: None,
+            last_samples: None,
+            schedule: CommandSchedule::default(),
             alignment: None,
-            number: None,
-            next: None,
+            next_number: None,
+            next_sample: None,
             losses,
-            told: None,
+            reported: None,
         }
     }
 
@@ -78,17 +78,17 @@ impl Dialogue {
 
     /// Whether no line has come for 5 s.
     pub(super) fn is_silent(&self, now: Millis) -> bool {
-        now.elapsed_since(self.heard.unwrap_or(self.began)) >= SILENCE_MS
+        now.elapsed_since(self.last_line.unwrap_or(self.began)) >= SILENCE_MS
     }
 
     /// Whether a line has come since the beginning.
-    pub(super) const fn has_heard(&self) -> bool {
-        self.heard.is_some()
+    pub(super) const fn has_received(&self) -> bool {
+        self.last_line.is_some()
     }
 
     /// Returns the next command that is due; to be called until there is none.
     pub(super) fn command(&mut self, now: Millis) -> Option<Command> {
-        self.schedule.command(now, self.samples)
+        self.schedule.command(now, self.last_samples)
     }
 
     /// Takes received bytes. `at` is the time in the events for viewers.
@@ -97,28 +97,28 @@ impl Dialogue {
         now: Millis,
         at: f64,
         bytes: &[u8],
-        mut output: impl FnMut(Heard),
+        mut output: impl FnMut(BoardEvent),
     ) {
         for &byte in bytes {
             match self.reader.push(byte) {
                 None => continue,
                 Some(Err(_)) => self.losses.damaged = self.losses.damaged.saturating_add(1),
                 Some(Ok(line)) => {
-                    self.heard = Some(now);
+                    self.last_line = Some(now);
                     // The borrow of the reader ends before `take`.
-                    let news = News::of(line, at);
-                    self.take(now, news, &mut output);
+                    let content = LineContent::of(line, at);
+                    self.take(now, content, &mut output);
                 }
             }
         }
-        if self.told != Some(self.losses) {
-            self.told = Some(self.losses);
+        if self.reported != Some(self.losses) {
+            self.reported = Some(self.losses);
             let Losses {
                 damaged,
                 missing,
                 samples,
             } = self.losses;
-            output(Heard::Event(Event::Line {
+            output(BoardEvent::Publish(Event::Line {
                 damaged,
                 missing,
                 samples,
@@ -126,50 +126,50 @@ impl Dialogue {
         }
     }
 
-    fn take(&mut self, now: Millis, news: News, output: &mut impl FnMut(Heard)) {
-        if let Some(number) = news.number {
-            let restarted = self.number.is_some_and(|next| is_before(number, next));
+    fn take(&mut self, now: Millis, content: LineContent, output: &mut impl FnMut(BoardEvent)) {
+        if let Some(number) = content.number {
+            let restarted = self.next_number.is_some_and(|next| is_before(number, next));
             if restarted {
-                self.next = None;
+                self.next_sample = None;
                 self.schedule.restart();
                 self.alignment = None;
-                output(Heard::Restart);
+                output(BoardEvent::Restart);
             } else {
-                let missing = self.number.map_or(0, |next| number.wrapping_sub(next));
+                let missing = self.next_number.map_or(0, |next| number.wrapping_sub(next));
                 self.losses.missing = self.losses.missing.saturating_add(missing);
             }
-            self.number = Some(number.wrapping_add(1));
+            self.next_number = Some(number.wrapping_add(1));
         }
-        if let Some(following) = news.following {
+        if let Some(following) = content.following {
             self.schedule.follows(following);
         }
-        if let Some(alignment) = news.alignment {
+        if let Some(alignment) = content.alignment {
             self.alignment = Some(alignment);
-            output(Heard::Alignment(alignment));
+            output(BoardEvent::Alignment(alignment));
         }
         // The alignment was made before this connection, or its report was lost.
-        if let Some((at, alignment)) = news.placement
+        if let Some((at, alignment)) = content.placement
             && self.alignment != Some(alignment)
         {
             self.alignment = Some(alignment);
-            output(Heard::Alignment(alignment));
-            output(Heard::Event(Event::of_placement(at, alignment)));
+            output(BoardEvent::Alignment(alignment));
+            output(BoardEvent::Publish(Event::of_placement(at, alignment)));
         }
-        if let Some(report) = news.emg {
-            self.samples = Some(now);
+        if let Some(report) = content.emg {
+            self.last_samples = Some(now);
             let missing = self.missing(report.first);
-            self.next = Some(report.first.plus(report.samples.len() as u32));
+            self.next_sample = Some(report.first.plus(report.samples.len() as u32));
             self.losses.samples = self.losses.samples.saturating_add(missing.unwrap_or(0));
-            output(Heard::Samples(report, missing));
+            output(BoardEvent::Samples(report, missing));
         }
-        if let Some(event) = news.event {
-            output(Heard::Event(event));
+        if let Some(event) = content.event {
+            output(BoardEvent::Publish(event));
         }
     }
 
     /// Number of samples missing before `first`; none if it begins a stream.
     fn missing(&self, first: SampleIndex) -> Option<u32> {
-        let next = self.next?;
+        let next = self.next_sample?;
         (!is_before(first.0, next.0)).then(|| first.since(next))
     }
 }
@@ -181,7 +181,7 @@ const fn is_before(count: u32, expected: u32) -> bool {
 
 /// Content of one line.
 #[derive(Default)]
-struct News {
+struct LineContent {
     number: Option<u32>,
     emg: Option<EmgReport>,
     alignment: Option<Alignment>,
@@ -191,7 +191,7 @@ struct News {
     event: Option<Event>,
 }
 
-impl News {
+impl LineContent {
     fn of(line: Line<'_>, at: f64) -> Self {
         match line {
             Line::Report(report) => Self {

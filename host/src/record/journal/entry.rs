@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample, SampleIndex};
 
-use crate::record::session::{Bad, Output};
+use crate::record::session::{Output, RejectReason};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Version of the format described here.
@@ -75,11 +75,12 @@ pub(crate) enum Entry {
         trial: u32,
     },
     /// Rejection of a trial.
-    Bad {
+    #[serde(rename = "bad")]
+    Rejected {
         /// Number of the trial.
         trial: u32,
         /// Reason.
-        why: Bad,
+        why: RejectReason,
     },
     /// Regular end of the session.
     Over,
@@ -95,7 +96,7 @@ impl Entry {
                 cue: cue.map(|intent| intent.name().to_owned()),
                 trial,
             },
-            Output::Bad { trial, why } => Self::Bad { trial, why },
+            Output::Rejected { trial, why } => Self::Rejected { trial, why },
             Output::Pause => Self::Break,
             Output::Over => Self::Over,
         }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use shared::units::{Millis, Sample, SampleIndex};
 
 use super::entry::FORMAT;
-use super::name::{free, is_named, lock, name, unnamed};
+use super::name::{create_unnamed, free_name, is_named, lock, set_name};
 use super::{Contents, Entry, Header, Writer, read};
 use crate::record::error::{RecordError, folder};
 
@@ -25,11 +25,11 @@ const SECOND: usize = 3_500;
 
 /// Result of a flush.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Flushed {
+pub(crate) enum FlushOutcome {
     /// The file is where it was.
     InPlace,
     /// The file had lost its name and was written anew, under this name or another one.
-    Anew {
+    Rewritten {
         /// Former name of the file.
         gone: PathBuf,
     },
@@ -57,12 +57,12 @@ impl Journal {
             path: path.to_owned(),
             source,
         };
-        let (unnamed, file) = unnamed(path).map_err(failed)?;
+        let (unnamed, file) = create_unnamed(path).map_err(failed)?;
         lock(path, &file)?;
         let mut writer = Writer::new(file);
         header.format = FORMAT;
         writer.entry(&Entry::Begin(header));
-        let named = writer.flush().and_then(|()| name(&unnamed, path));
+        let named = writer.flush().and_then(|()| set_name(&unnamed, path));
         named.map_err(|error| {
             let _ = fs::remove_file(&unnamed);
             failed(error)
@@ -100,8 +100,8 @@ impl Journal {
     ///
     /// # Errors
     /// When the disk takes no more. Data not yet taken is kept for the next call.
-    pub(crate) fn flush(&mut self, now: Millis) -> Result<Flushed, RecordError> {
-        let mut flushed = Flushed::InPlace;
+    pub(crate) fn flush(&mut self, now: Millis) -> Result<FlushOutcome, RecordError> {
+        let mut flushed = FlushOutcome::InPlace;
         if !is_named(self.writer.get_ref(), &self.path) {
             let gone = self.path.clone();
             // A long journal is not copied in vain many times a second.
@@ -110,12 +110,12 @@ impl Journal {
                 Err(ErrorKind::ResourceBusy.into())
             } else {
                 self.refused = Some(now);
-                self.write_anew(folder(&gone))
+                self.rewrite(folder(&gone))
             };
             if let Err(source) = anew {
                 return Err(RecordError::Gone { path: gone, source });
             }
-            flushed = Flushed::Anew { gone };
+            flushed = FlushOutcome::Rewritten { gone };
         }
         self.refused = None;
         let is_due = |last: Millis| now.elapsed_since(last) >= SYNC_MS;
@@ -138,10 +138,10 @@ impl Journal {
         let path = self.path.clone();
         let mut elsewhere = false;
         if !is_named(self.writer.get_ref(), &path)
-            && let Err(source) = self.write_anew(folder(&path))
+            && let Err(source) = self.rewrite(folder(&path))
         {
             // The samples are saved elsewhere: they would be lost when the program ends.
-            if self.write_anew(&std::env::temp_dir()).is_err() {
+            if self.rewrite(&std::env::temp_dir()).is_err() {
                 return Err(RecordError::Gone { path, source });
             }
             elsewhere = true;
@@ -164,23 +164,23 @@ impl Journal {
     }
 
     /// Copies the journal into a file of the same name in a folder, or of the next free name.
-    fn write_anew(&mut self, folder: &Path) -> io::Result<()> {
+    fn rewrite(&mut self, folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         let wanted = folder.join(self.path.file_name().unwrap_or_default());
-        let path = free(&wanted);
-        let (unnamed, mut file) = unnamed(&path)?;
+        let path = free_name(&wanted);
+        let (unnamed, mut file) = create_unnamed(&path)?;
         // Nobody else knows this file yet.
         let _ = file.try_lock();
         let mut old = self.writer.get_ref();
         let copied = old.rewind().and_then(|()| io::copy(&mut old, &mut file));
         let named = copied
             .and_then(|_| file.sync_all())
-            .and_then(|()| name(&unnamed, &path));
+            .and_then(|()| set_name(&unnamed, &path));
         if let Err(error) = named {
             let _ = fs::remove_file(&unnamed);
             return Err(error);
         }
-        self.writer.go_on_in(file);
+        self.writer.redirect(file);
         self.path = path;
         Ok(())
     }

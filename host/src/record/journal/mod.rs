@@ -9,7 +9,7 @@ mod writer;
 pub(super) use self::entry::FORMAT;
 pub(crate) use self::entry::{Entry, Header};
 pub(super) use self::file::LARGEST;
-pub(crate) use self::file::{Flushed, Journal, open};
+pub(crate) use self::file::{FlushOutcome, Journal, open};
 pub(crate) use self::name::ENDING;
 pub(crate) use self::writer::Writer;
 

@@ -12,7 +12,7 @@ pub(crate) const ENDING: &str = "journal";
 const UNNAMED: &str = "journal.new";
 
 /// Creates a file that has no journal's name yet; returns its name, too.
-pub(super) fn unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
+pub(super) fn create_unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
     let unnamed = path.with_extension(UNNAMED);
     let mut options = OpenOptions::new();
     let file = options.read(true).append(true).create_new(true);
@@ -20,7 +20,7 @@ pub(super) fn unnamed(path: &Path) -> io::Result<(PathBuf, File)> {
 }
 
 /// Gives a file the name of a journal. Only the session that created the unnamed file gets here.
-pub(super) fn name(unnamed: &Path, path: &Path) -> io::Result<()> {
+pub(super) fn set_name(unnamed: &Path, path: &Path) -> io::Result<()> {
     if path.symlink_metadata().is_ok() {
         return Err(ErrorKind::AlreadyExists.into());
     }
@@ -28,7 +28,7 @@ pub(super) fn name(unnamed: &Path, path: &Path) -> io::Result<()> {
 }
 
 /// Finds a free name: `anna_….journal`, `anna_…-2.journal`.
-pub(super) fn free(wanted: &Path) -> PathBuf {
+pub(super) fn free_name(wanted: &Path) -> PathBuf {
     let stem = wanted.file_stem().unwrap_or_default().to_string_lossy();
     let mut path = wanted.to_owned();
     let mut number = 1_u32;

@@ -7,7 +7,7 @@ use shared::units::{CHANNELS, Millis, Sample, SampleIndex};
 
 use super::*;
 use crate::record::RecordError;
-use crate::record::session::{Bad, Output};
+use crate::record::session::{Output, RejectReason};
 
 fn header() -> Header {
     Header {
@@ -41,8 +41,8 @@ fn fill<W: Write>(writer: &mut Writer<W>, count: u32) {
         }
         writer.samples(SampleIndex(at), &[sample(at), sample(at + 1)]);
     }
-    let (trial, why) = (2, Bad::Person);
-    writer.entry(&Entry::of(Output::Bad { trial, why }));
+    let (trial, why) = (2, RejectReason::Person);
+    writer.entry(&Entry::of(Output::Rejected { trial, why }));
     writer.entry(&Entry::Over);
 }
 
@@ -280,7 +280,7 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
         fs::create_dir(&folder).unwrap();
         let mut journal = Journal::create(&folder.join(name), header()).unwrap();
         journal.samples(SampleIndex(0), &[sample(0); 20]);
-        assert_eq!(journal.flush(Millis(0)).unwrap(), Flushed::InPlace);
+        assert_eq!(journal.flush(Millis(0)).unwrap(), FlushOutcome::InPlace);
         fs::remove_dir_all(&folder).unwrap();
         fs::write(&folder, "somebody's").unwrap();
         let refused = journal.flush(Millis(20)).unwrap_err();
@@ -294,8 +294,8 @@ fn a_folder_that_cannot_be_written_is_tried_again_and_at_the_end_the_journal_is_
     journal.flush(Millis(40)).unwrap_err();
     let gone = folder.join("a.journal");
     let anew = journal.flush(Millis(1040)).unwrap();
-    assert_eq!(anew, Flushed::Anew { gone: gone.clone() });
-    assert_eq!(journal.flush(Millis(1060)).unwrap(), Flushed::InPlace);
+    assert_eq!(anew, FlushOutcome::Rewritten { gone: gone.clone() });
+    assert_eq!(journal.flush(Millis(1060)).unwrap(), FlushOutcome::InPlace);
     assert_eq!(journal.close().unwrap(), gone);
     assert_eq!(samples(&open(&gone).unwrap().2).len(), 40);
     fs::remove_dir_all(&folder).unwrap();

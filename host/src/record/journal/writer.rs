@@ -82,7 +82,7 @@ impl<W: Write> Writer<W> {
     }
 
     /// Continues in another output that has all bytes taken so far.
-    pub(crate) fn go_on_in(&mut self, out: W) {
+    pub(crate) fn redirect(&mut self, out: W) {
         self.out = out;
     }
 

@@ -16,7 +16,7 @@ pub(crate) enum Input {
     /// Passage of time.
     Tick,
     /// Hold of the session until the person continues.
-    Hold(Held),
+    Hold(HoldReason),
     /// Action of the person.
     Action(Action),
 }
@@ -39,7 +39,7 @@ pub(crate) enum Action {
 /// Why a session waits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Held {
+pub(crate) enum HoldReason {
     /// The person asked for it.
     Person,
     /// The leader has left the page.
@@ -59,7 +59,7 @@ pub(crate) enum Held {
 /// Why a trial is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Bad {
+pub(crate) enum RejectReason {
     /// The person rejected it.
     Person,
     /// The trial was interrupted.
@@ -88,11 +88,11 @@ pub(crate) enum Output {
         trial: u32,
     },
     /// Rejection of a trial.
-    Bad {
+    Rejected {
         /// Number of the trial.
         trial: u32,
         /// Reason.
-        why: Bad,
+        why: RejectReason,
     },
     /// Pause: samples are not kept until the next round or cue.
     Pause,

@@ -9,10 +9,10 @@
 //! Time is the stream's: a cue begins and ends at a sample, so that the page and the journal agree to the sample, and the
 //! session is held while the stream stands still. The clock only tells that it does.
 
+mod continuity;
 mod course;
 mod input;
 mod schedule;
-mod stream;
 pub(crate) mod view;
 
 use std::collections::VecDeque;
@@ -20,9 +20,9 @@ use std::collections::VecDeque;
 use shared::intent::Intent;
 use shared::units::{Millis, SampleIndex};
 
-pub(crate) use self::input::{Action, Bad, Held, Input, Output};
+pub(crate) use self::continuity::{Continuity, GapDetector};
+pub(crate) use self::input::{Action, HoldReason, Input, Output, RejectReason};
 use self::schedule::RoundSchedule;
-pub(crate) use self::stream::{Continuity, Continuous};
 pub(crate) use self::view::View;
 use super::protocol::Protocol;
 
@@ -45,7 +45,7 @@ enum Phase {
         from: SampleIndex,
         end: Option<SampleIndex>,
     },
-    Held(Held),
+    Held(HoldReason),
     Over,
 }
 
@@ -59,13 +59,13 @@ pub(crate) struct Session {
     cue: Option<Intent>,
     trial: u32,
     /// Number of the previous attempt.
-    before: Option<u32>,
+    previous: Option<u32>,
     trials: u32,
     bad: u32,
     lost_in_a_row: u32,
-    stream: Continuous,
+    stream: GapDetector,
     /// Time of the last samples.
-    heard: Option<Millis>,
+    last_samples: Option<Millis>,
     round: u32,
     outputs: VecDeque<Output>,
 }
@@ -79,12 +79,12 @@ impl Session {
             phase: Phase::Waiting,
             cue: None,
             trial: 0,
-            before: None,
+            previous: None,
             trials: 0,
             bad: 0,
             lost_in_a_row: 0,
-            stream: Continuous::default(),
-            heard: None,
+            stream: GapDetector::default(),
+            last_samples: None,
             round: 0,
             outputs: VecDeque::new(),
         }
@@ -96,13 +96,13 @@ impl Session {
             Input::Samples { first, count } => self.samples(now, first, count),
             Input::Tick => {
                 let silent = |heard: Millis| now.elapsed_since(heard) >= SILENCE_MS;
-                if self.is_running() && self.heard.is_some_and(silent) {
-                    self.hold(Held::Silent);
+                if self.is_running() && self.last_samples.is_some_and(silent) {
+                    self.hold(HoldReason::Silent);
                 }
             }
             Input::Hold(why) => {
-                if why == Held::SourceLost {
-                    self.stream = Continuous::default();
+                if why == HoldReason::SourceLost {
+                    self.stream = GapDetector::default();
                 }
                 // A session that does not run needs no hold.
                 if self.is_running() {
@@ -134,12 +134,12 @@ impl Session {
     }
 
     fn samples(&mut self, now: Millis, first: SampleIndex, count: u32) {
-        self.heard = Some(now);
+        self.last_samples = Some(now);
         match self.stream.take(first, count) {
             Continuity::Next | Continuity::Bridged(_) => {}
             Continuity::Restart => {
                 if self.is_running() {
-                    self.hold(Held::SourceLost);
+                    self.hold(HoldReason::SourceLost);
                 }
             }
             Continuity::Lost(_) => self.lost(first),
@@ -158,10 +158,10 @@ impl Session {
     fn lost(&mut self, first: SampleIndex) {
         match self.phase {
             Phase::Cued { .. } => {
-                self.fail(Bad::Lost);
+                self.fail(RejectReason::Lost);
                 self.lost_in_a_row += 1;
                 if self.lost_in_a_row >= MOST_LOST {
-                    self.hold(Held::Losses);
+                    self.hold(HoldReason::Losses);
                 } else if self.is_guided() {
                     self.next_trial(first);
                 } else {
@@ -191,7 +191,9 @@ impl Session {
                 self.ready(at);
             }
             (Action::Repeat, Phase::Cued { .. }) => self.repeat(at),
-            (Action::Hold, Phase::Ready { .. } | Phase::Cued { .. }) => self.hold(Held::Person),
+            (Action::Hold, Phase::Ready { .. } | Phase::Cued { .. }) => {
+                self.hold(HoldReason::Person)
+            }
             (Action::Finish, _) => self.finish(),
             (Action::Mark(intent), Phase::Cued { .. }) => self.mark(at, intent),
             _ => {}

@@ -14,7 +14,7 @@ pub(super) struct RoundSchedule {
     /// Indices of the current block and its step.
     current: Option<(usize, usize)>,
     /// Index of the previous block.
-    before: Option<usize>,
+    previous: Option<usize>,
 }
 
 impl RoundSchedule {
@@ -29,7 +29,7 @@ impl RoundSchedule {
             blocks,
             due: VecDeque::new(),
             current: None,
-            before: None,
+            previous: None,
         }
     }
 
@@ -40,13 +40,13 @@ impl RoundSchedule {
     pub(super) fn begin_round(&mut self) {
         self.due = (0..self.blocks.len()).collect();
         self.current = None;
-        self.before = None;
+        self.previous = None;
     }
 
     /// Begins the block that is due and returns its first step; none after the last block of the round.
     pub(super) fn begin_block(&mut self) -> Option<Step> {
         let place = self.due.pop_front()?;
-        self.before = self.current.map(|(place, _)| place);
+        self.previous = self.current.map(|(place, _)| place);
         self.current = Some((place, 0));
         self.blocks[place].steps.first().copied()
     }
@@ -64,12 +64,12 @@ impl RoundSchedule {
         if let Some((place, _)) = self.current.take() {
             self.due.push_front(place);
         }
-        self.before = None;
+        self.previous = None;
     }
 
     /// Makes the previous and the current block due again, in this order.
     pub(super) fn put_back_both(&mut self) {
-        let before = self.before.take();
+        let before = self.previous.take();
         self.put_back();
         if let Some(place) = before {
             self.due.push_front(place);
@@ -86,7 +86,7 @@ impl RoundSchedule {
     }
 
     /// Steps after the current one, in this round.
-    pub(super) fn coming(&self) -> impl Iterator<Item = Step> {
+    pub(super) fn upcoming(&self) -> impl Iterator<Item = Step> {
         let current = self
             .current
             .into_iter()

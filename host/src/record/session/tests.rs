@@ -40,7 +40,7 @@ impl Played {
                     let name = cue.map_or("-", Intent::name);
                     format!("{name}{trial}@{}", at.0)
                 }
-                Output::Bad { trial, why } => format!("bad{trial}:{why:?}"),
+                Output::Rejected { trial, why } => format!("bad{trial}:{why:?}"),
                 Output::Pause => "pause".to_owned(),
                 Output::Over => "over".to_owned(),
             });
@@ -173,7 +173,7 @@ fn losses_in_trial_after_trial_hold_the_session() {
     let view = played.session.view();
     assert_eq!(
         (view.phase, view.why, view.bad),
-        ("held", Some(Held::Losses), 3)
+        ("held", Some(HoldReason::Losses), 3)
     );
     assert!(played.said().ends_with("bad3:Lost pause"));
     // Samples continue, and no cue comes until the person continues.
@@ -191,12 +191,12 @@ fn losses_in_trial_after_trial_hold_the_session() {
 #[test]
 fn a_stream_that_stands_or_goes_holds_the_session_and_the_trial_is_asked_for_again() {
     for (input, why) in [
-        (Input::Tick, Held::Silent),
-        (Input::Hold(Held::SourceLost), Held::SourceLost),
-        (Input::Hold(Held::LeaderLeft), Held::LeaderLeft),
-        (Input::Hold(Held::Disk), Held::Disk),
-        (Input::Hold(Held::Gone), Held::Gone),
-        (Input::Action(Action::Hold), Held::Person),
+        (Input::Tick, HoldReason::Silent),
+        (Input::Hold(HoldReason::SourceLost), HoldReason::SourceLost),
+        (Input::Hold(HoldReason::LeaderLeft), HoldReason::LeaderLeft),
+        (Input::Hold(HoldReason::Disk), HoldReason::Disk),
+        (Input::Hold(HoldReason::Gone), HoldReason::Gone),
+        (Input::Action(Action::Hold), HoldReason::Person),
     ] {
         let mut played = Played::begun(SHORT);
         played.samples(1100);
@@ -230,7 +230,7 @@ fn a_count_that_goes_back_is_another_stream() {
     played.next = 0;
     played.samples(2);
     assert_eq!(played.said(), "bad1:Lost pause");
-    assert_eq!(played.session.view().why, Some(Held::SourceLost));
+    assert_eq!(played.session.view().why, Some(HoldReason::SourceLost));
 }
 
 #[test]
@@ -327,7 +327,7 @@ proptest::proptest! {
                 8 => played.act(if value < 40 { Action::Finish } else { Action::Hold }),
                 9 => played.act(Action::Mark(Intent::ALL[value as usize % 6])),
                 10 => played.handle(Input::Tick),
-                _ => played.handle(Input::Hold(Held::SourceLost)),
+                _ => played.handle(Input::Hold(HoldReason::SourceLost)),
             }
             let view = played.session.view();
             proptest::prop_assert_eq!(view.phase == "cued", view.cue.is_some());

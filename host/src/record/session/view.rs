@@ -3,7 +3,7 @@
 use serde::Serialize;
 use shared::intent::Intent;
 
-use super::{Held, Phase, Session};
+use super::{HoldReason, Phase, Session};
 use crate::record::protocol::Course;
 
 /// Number of steps that are shown ahead.
@@ -11,7 +11,7 @@ const AHEAD: usize = 6;
 
 /// Coming step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-pub(crate) struct Coming {
+pub(crate) struct UpcomingStep {
     /// Class to perform.
     pub(crate) cue: &'static str,
     /// Duration in samples.
@@ -30,7 +30,7 @@ pub(crate) struct View {
     /// Classes of the protocol.
     pub(crate) classes: Vec<&'static str>,
     /// Reason for the hold, if it is held.
-    pub(crate) why: Option<Held>,
+    pub(crate) why: Option<HoldReason>,
     /// Class of the current cue.
     pub(crate) cue: Option<&'static str>,
     /// First sample of the countdown or the cue.
@@ -38,7 +38,7 @@ pub(crate) struct View {
     /// Sample after the last one of the countdown or the cue; none for a cue of a free session.
     pub(crate) end: Option<u32>,
     /// Coming steps of this round.
-    pub(crate) coming: Vec<Coming>,
+    pub(crate) coming: Vec<UpcomingStep>,
     /// Number of the round, from 1; 0 before the beginning.
     pub(crate) round: u32,
     /// Number of rounds; 0 in a free session.
@@ -66,7 +66,7 @@ impl Session {
             Phase::Over => ("over", None, None, None),
         };
         let (done, trials) = self.schedule.progress();
-        let coming = self.schedule.coming().take(AHEAD);
+        let coming = self.schedule.upcoming().take(AHEAD);
         View {
             phase,
             protocol: self.protocol.name.clone(),
@@ -82,7 +82,7 @@ impl Session {
             from: from.map(|at| at.0),
             end: end.map(|at| at.0),
             coming: coming
-                .map(|step| Coming {
+                .map(|step| UpcomingStep {
                     cue: step.intent.name(),
                     samples: step.samples,
                 })
@@ -111,7 +111,7 @@ impl Session {
         let rounds = rest * (pause + self.schedule.round_samples());
         let round: u64 = self
             .schedule
-            .coming()
+            .upcoming()
             .map(|step| u64::from(step.samples))
             .sum();
         let present = match self.phase {

@@ -77,7 +77,7 @@ fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
     };
     let source = std::thread::Builder::new()
         .stack_size(crate::live::STACK)
-        .spawn(move || Board { path, model: None }.run(&context))
+        .spawn(move || BoardSource { path, model: None }.run(&context))
         .unwrap();
     let mut told = Vec::new();
     let mut connections = 0;
@@ -90,7 +90,9 @@ fn installed(answer: Answer<'static>, wanted: &[u8]) -> Vec<Value> {
                 if message["type"] == "source" && message["connected"] == true {
                     connections += 1;
                     if connections == 1 {
-                        requests.send(Request::Install(wanted.to_vec())).unwrap();
+                        requests
+                            .send(SourceRequest::Install(wanted.to_vec()))
+                            .unwrap();
                     }
                 }
                 told.push(message);
@@ -117,12 +119,12 @@ fn what_was_asked_for_before_the_board_was_there_is_not_done_once_it_is() {
         requests: received,
         stop: stop.clone(),
     };
-    for early in [Request::Align, Request::Bind] {
+    for early in [SourceRequest::Align, SourceRequest::Bind] {
         requests.send(early).unwrap();
     }
     let source = std::thread::Builder::new()
         .stack_size(crate::live::STACK)
-        .spawn(move || Board { path, model: None }.run(&context))
+        .spawn(move || BoardSource { path, model: None }.run(&context))
         .unwrap();
     let end = Instant::now() + Duration::from_secs(60);
     let is_heard = |message: &str| message.contains(r#""connected":true"#);

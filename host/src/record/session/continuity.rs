@@ -20,9 +20,9 @@ pub(crate) enum Continuity {
 
 /// Index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(crate) struct Continuous(Option<SampleIndex>);
+pub(crate) struct GapDetector(Option<SampleIndex>);
 
-impl Continuous {
+impl GapDetector {
     /// Index that is due; none before the first sample.
     pub(crate) const fn next(self) -> Option<SampleIndex> {
         self.0

@@ -15,7 +15,7 @@ use shared::intent::Intent;
 use shared::units::{CHANNELS, SAMPLE_RATE_HZ, Sample};
 
 use super::RecordError;
-use super::assembly::{Part, Take, assemble};
+use super::assembly::{Assembly, Part, assemble};
 use super::journal::{ENDING, open};
 use super::quality::{Quality, judge};
 use execution::run_folder::write_whole;
@@ -32,13 +32,13 @@ const LONGEST: usize = 3600 * SAMPLE_RATE_HZ as usize;
 
 /// Recordings made of a session.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Kept {
+pub struct Conversion {
     /// Paths of the recordings, in order.
     pub(crate) files: Vec<PathBuf>,
     /// Quality of the recordings.
     pub(crate) quality: Quality,
     /// Number of trials that are not used.
-    pub(crate) bad: usize,
+    pub(crate) rejected: usize,
     /// Number of bytes of the journal after its last whole line.
     pub(crate) left_off: usize,
 }
@@ -47,11 +47,11 @@ pub struct Kept {
 ///
 /// # Errors
 /// See [`RecordError`]. The journal stays where it is, and the next start tries again.
-pub(crate) fn keep(journal: &Path) -> Result<Kept, RecordError> {
+pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
     let (lock, header, contents) = open(journal)?;
-    let take = assemble(&contents.entries);
+    let assembly = assemble(&contents.entries);
     let mut files = Vec::new();
-    let cued = take
+    let cued = assembly
         .parts
         .iter()
         .filter(|part| part.cues.iter().any(Option::is_some));
@@ -61,7 +61,7 @@ pub(crate) fn keep(journal: &Path) -> Result<Kept, RecordError> {
     });
     for (place, (part, piece)) in pieces.enumerate() {
         let path = file(journal, place + 1);
-        let text = csv(&take, part, piece.clone(), header.synthetic);
+        let text = csv(&assembly, part, piece.clone(), header.synthetic);
         // A program that was killed half-way may have written the file before.
         let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
         if path.exists() && !is_own {
@@ -86,10 +86,10 @@ pub(crate) fn keep(journal: &Path) -> Result<Kept, RecordError> {
         }
         files.push(path);
     }
-    let kept = Kept {
-        quality: judge(&take, contents.damaged),
+    let conversion = Conversion {
+        quality: judge(&assembly, contents.damaged),
         files,
-        bad: take.bad.len(),
+        rejected: assembly.rejected.len(),
         left_off: contents.left_off,
     };
     let put_away = if contents.damaged {
@@ -102,7 +102,7 @@ pub(crate) fn keep(journal: &Path) -> Result<Kept, RecordError> {
         path: journal.to_owned(),
         source,
     })?;
-    Ok(kept)
+    Ok(conversion)
 }
 
 /// Path of a recording: `anna_20261122T110323Z_quick_1.csv`.
@@ -112,7 +112,7 @@ fn file(journal: &Path, number: usize) -> PathBuf {
 }
 
 /// Formats samples of a part as csv; `synthetic` marks them as such.
-fn csv(take: &Take, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
+fn csv(assembly: &Assembly, part: &Part, samples: Range<usize>, synthetic: bool) -> String {
     let channels: String = (0..CHANNELS)
         .map(|channel| format!(",emg_{channel}"))
         .collect();
@@ -136,7 +136,7 @@ fn csv(take: &Take, part: &Part, samples: Range<usize>, synthetic: bool) -> Stri
             let _ = write!(text, ",{value}");
         }
         let (trial, cue) = (part.trials[place], class(part.cues[place]));
-        let used = u8::from(!take.bad.contains_key(&trial));
+        let used = u8::from(!assembly.rejected.contains_key(&trial));
         let placement = part.placements[place];
         let bridged = u8::from(part.bridged[place]);
         let _ = write!(
@@ -159,7 +159,7 @@ fn csv(take: &Take, part: &Part, samples: Range<usize>, synthetic: bool) -> Stri
 ///
 /// # Errors
 /// When the folder cannot be read. A missing folder has no journals.
-pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, RecordError>)>> {
+pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Conversion, RecordError>)>> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -173,19 +173,21 @@ pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Kept, RecordErr
         }
     }
     journals.sort();
-    let kept = journals.into_iter().filter_map(|path| match keep(&path) {
-        // Another session writes it, or was killed before its first line was complete.
-        Err(RecordError::Busy { .. }) => None,
-        Err(RecordError::Empty { .. }) => {
-            let removed = fs::remove_file(&path).map_err(|source| RecordError::Io {
-                path: path.clone(),
-                source,
-            });
-            removed.err().map(|error| (path, Err(error)))
-        }
-        result => Some((path, result)),
-    });
-    Ok(kept.collect())
+    let conversions = journals
+        .into_iter()
+        .filter_map(|path| match convert(&path) {
+            // Another session writes it, or was killed before its first line was complete.
+            Err(RecordError::Busy { .. }) => None,
+            Err(RecordError::Empty { .. }) => {
+                let removed = fs::remove_file(&path).map_err(|source| RecordError::Io {
+                    path: path.clone(),
+                    source,
+                });
+                removed.err().map(|error| (path, Err(error)))
+            }
+            result => Some((path, result)),
+        });
+    Ok(conversions.collect())
 }
 
 #[cfg(test)]
