@@ -17,7 +17,7 @@ use shared::uart_line::command::Command;
 use shared::uart_line::line::{Line, LineReader};
 
 /// Baud rate of the board's UART.
-pub(crate) const BAUD: u32 = 115_200;
+const BAUD: u32 = 115_200;
 /// Longest time that one read waits for bytes.
 const WAIT: Duration = Duration::from_millis(20);
 /// Longest time to wait for an answer. A board answers within a second, after the lines already queued for the UART.
@@ -121,6 +121,27 @@ fn runs(model: Option<u32>) -> String {
     }
 }
 
+/// Opens a serial port without the bytes that arrived before, which are out of date.
+pub(crate) fn open_port(
+    path: &Path,
+    read: Duration,
+    write: Duration,
+) -> std::io::Result<SerialPort> {
+    let mut port = SerialPort::open(path, BAUD)?;
+    port.set_read_timeout(read)?;
+    port.set_write_timeout(write)?;
+    port.discard_input_buffer()?;
+    Ok(port)
+}
+
+/// Whether an error of a read only means that no byte came in time.
+pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
+}
+
 /// Connection to a board on a serial port.
 #[derive(Debug)]
 pub struct Board {
@@ -139,15 +160,7 @@ impl Board {
     /// # Errors
     /// [`BoardError::Open`].
     pub fn open(path: &Path) -> Result<Self, BoardError> {
-        let open = || {
-            let mut port = SerialPort::open(path, BAUD)?;
-            port.set_read_timeout(WAIT)?;
-            port.set_write_timeout(ANSWER)?;
-            // Bytes that arrived before are out of date.
-            port.discard_input_buffer()?;
-            Ok(port)
-        };
-        let port = open().map_err(|source| BoardError::Open {
+        let port = open_port(path, WAIT, ANSWER).map_err(|source| BoardError::Open {
             path: path.to_owned(),
             source,
         })?;
@@ -246,11 +259,7 @@ impl Board {
                         }
                     }
                 }
-                Err(error)
-                    if matches!(
-                        error.kind(),
-                        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-                    ) => {}
+                Err(error) if is_timeout(&error) => {}
                 Err(error) => return Err(self.lost(error)),
             }
         }

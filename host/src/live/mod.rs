@@ -37,16 +37,16 @@ use self::hub::Hub;
 use self::json_lines::JsonLines;
 pub use self::recorder::RecordOptions;
 use self::recorder::{Recorder, RecorderRequest};
-use self::server::Server;
 use self::server::access::Access;
 use self::server::rights::Mode;
+use self::server::{Requests, Server};
 pub use self::source::Source;
 use self::source::{Context, SharedCue, SourceRequest, Stop};
 
 /// Shipped three-class model.
 const SHIPPED: &[u8] = include_bytes!("../../../models/three-class.intent");
 
-/// Number of requests that may wait for the source.
+/// Number of requests that may wait for the source, and for the recorder.
 const REQUESTS: usize = 16;
 /// Stack size of the source's thread in bytes: room for the state of the largest accepted model.
 const STACK: usize = 16 << 20;
@@ -121,7 +121,7 @@ type RecorderThread = (Stop, JoinHandle<anyhow::Result<()>>);
 pub struct Live {
     stream: Stream,
     server: Server,
-    recording: Option<RecorderThread>,
+    recorder: Option<RecorderThread>,
     url: String,
 }
 
@@ -135,7 +135,7 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
     let hub = Arc::new(Hub::new());
     let requests = mpsc::sync_channel(REQUESTS);
     let mode = Mode::of(&options.source, options.record.is_some());
-    let (mut recording, mut wishes, mut cue_and_speed) = (None, None, None);
+    let (mut recorder_thread, mut recorder_requests, mut cue_and_speed) = (None, None, None);
     if let Some(record) = options.record {
         let cue = SharedCue::default();
         cue_and_speed = Some((cue.clone(), record.speed));
@@ -152,9 +152,9 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
             hub: hub.clone(),
             cue,
         };
-        let (running, sender) = start_recorder(&hub, recorder)?;
-        recording = Some(running);
-        wishes = Some(sender);
+        let (thread, sender) = start_recorder(&hub, recorder)?;
+        recorder_thread = Some(thread);
+        recorder_requests = Some(sender);
     }
     let stream = Stream::start(
         hub.clone(),
@@ -163,17 +163,20 @@ pub fn start(options: Options) -> anyhow::Result<Live> {
         cue_and_speed,
         requests,
     )?;
-    let requests = stream.requests.clone();
-    let server = Server::start(listener, access, mode, hub, requests, wishes)?;
+    let requests = Requests {
+        source: stream.requests.clone(),
+        recorder: recorder_requests,
+    };
+    let server = Server::start(listener, access, mode, hub, requests)?;
     Ok(Live {
         stream,
         server,
-        recording,
+        recorder: recorder_thread,
         url,
     })
 }
 
-/// Starts a recorder; the returned sender takes its wishes.
+/// Starts a recorder; the returned sender takes requests to it.
 fn start_recorder(
     hub: &Hub,
     recorder: Recorder,
@@ -181,11 +184,11 @@ fn start_recorder(
     let stop = Stop::default();
     let stopped = stop.clone();
     let (events, received) = mpsc::channel();
-    let (sender, wishes) = mpsc::sync_channel(16);
+    let (sender, requests) = mpsc::sync_channel(REQUESTS);
     hub.record(events);
     let thread = std::thread::Builder::new()
         .name("recorder".to_owned())
-        .spawn(move || recorder.run(&received, &wishes, &stopped))?;
+        .spawn(move || recorder.run(&received, &requests, &stopped))?;
     Ok(((stop, thread), sender))
 }
 
@@ -221,8 +224,11 @@ pub(crate) fn print(
     let stream = Stream::start(hub.clone(), source, model, None, requests)?;
     let server = page.map(|(listener, access)| {
         opened(&access.url());
-        let requests = stream.requests.clone();
-        Server::start(listener, access, mode, hub.clone(), requests, None)
+        let requests = Requests {
+            source: stream.requests.clone(),
+            recorder: None,
+        };
+        Server::start(listener, access, mode, hub.clone(), requests)
     });
     let server = server.transpose()?;
     while !(over() || stream.source.is_finished() || lines.is_finished()) {
@@ -245,9 +251,8 @@ impl Live {
 
     /// Whether the source has ended by an error, or an unattended session is over.
     pub(crate) fn is_over(&self) -> bool {
-        let recording = self.recording.as_ref();
-        self.stream.source.is_finished()
-            || recording.is_some_and(|(_, recorder)| recorder.is_finished())
+        let recorder = self.recorder.as_ref();
+        self.stream.source.is_finished() || recorder.is_some_and(|(_, thread)| thread.is_finished())
     }
 
     /// Ends source and server; viewers are told.
@@ -258,7 +263,7 @@ impl Live {
         let hub = self.stream.hub.clone();
         let mut result = self.stream.stop();
         // The source has stopped: the recorder gets its last sample.
-        if let Some((stop, thread)) = self.recording {
+        if let Some((stop, thread)) = self.recorder {
             stop.request();
             // The panic was printed already.
             let recorded = thread.join().unwrap_or_else(|_| {

@@ -11,7 +11,7 @@ use shared::stream::alignment::Alignment;
 use shared::units::{Sample, SampleIndex};
 
 use super::journal::Entry;
-use super::session::{Continuity, GapDetector, RejectReason};
+use super::session::{Continuity, GapDetector, RejectReason, has_reached};
 use recordings::labels::cued::{Hold, follow};
 use recordings::labels::motion::motions;
 
@@ -57,9 +57,9 @@ impl Assembly {
     pub(crate) fn classes(&self) -> Vec<Intent> {
         let cues = self.parts.iter().flat_map(|part| &part.cues);
         let always = [Intent::Relax, Intent::Open, Intent::Close];
-        let asked = always.iter().chain(cues.flatten());
-        let asked: BTreeSet<usize> = asked.map(|intent| intent.class()).collect();
-        asked.into_iter().filter_map(Intent::from_class).collect()
+        let intents = always.iter().chain(cues.flatten());
+        let intents: BTreeSet<usize> = intents.map(|intent| intent.class()).collect();
+        intents.into_iter().filter_map(Intent::from_class).collect()
     }
 }
 
@@ -156,12 +156,17 @@ impl Stretch {
         let (mut cue, mut trial) = self.carried;
         let (mut cues, mut rounds) = (self.cues.iter().peekable(), self.rounds.iter().peekable());
         let mut begins = true;
-        for (place, (&sample, &bridged)) in self.samples.iter().zip(&self.bridged).enumerate() {
-            let index = self.first.wrapping_add(place as u32);
-            while rounds.next_if(|at| has_come(**at, index)).is_some() {
+        for (offset, (&sample, &bridged)) in self.samples.iter().zip(&self.bridged).enumerate() {
+            let index = SampleIndex(self.first).plus(offset as u32);
+            while rounds
+                .next_if(|at| has_reached(index, SampleIndex(**at)))
+                .is_some()
+            {
                 begins = true;
             }
-            while let Some((_, next, number)) = cues.next_if(|(at, ..)| has_come(*at, index)) {
+            while let Some((_, next, number)) =
+                cues.next_if(|(at, ..)| has_reached(index, SampleIndex(*at)))
+            {
                 (cue, trial) = (*next, *number);
             }
             if begins {
@@ -170,9 +175,9 @@ impl Stretch {
             }
             if let Some(part) = parts.last_mut() {
                 part.samples.push(sample);
-                part.index.push(index);
+                part.index.push(index.0);
                 part.bridged.push(bridged);
-                part.placements.push(self.placements[place]);
+                part.placements.push(self.placements[offset]);
                 part.cues.push(cue);
                 part.trials.push(trial);
             }
@@ -189,11 +194,6 @@ impl Stretch {
         };
         parts
     }
-}
-
-/// Whether an index is `at` or after it; correct across a wrap.
-const fn has_come(at: u32, index: u32) -> bool {
-    index.wrapping_sub(at) <= u32::MAX / 2
 }
 
 impl Part {

@@ -59,8 +59,8 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
         let files = part.files(LONGEST).into_iter();
         files.map(move |samples| (part, samples))
     });
-    for (place, (part, piece)) in pieces.enumerate() {
-        let path = file(journal, place + 1);
+    for (number, (part, piece)) in (1..).zip(pieces) {
+        let path = file(journal, number);
         let text = csv(&assembly, part, piece.clone(), header.synthetic);
         // A program that was killed half-way may have written the file before.
         let is_own = fs::read(&path).is_ok_and(|found| found == text.as_bytes());
@@ -76,8 +76,8 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
             let reason = refused.line();
             return Err(RecordError::Refused { reason });
         }
-        let place = |at: usize| part.placements[at].apply(part.samples[at]);
-        let samples: Vec<Sample> = piece.clone().map(place).collect();
+        let aligned = |at: usize| part.placements[at].apply(part.samples[at]);
+        let samples: Vec<Sample> = piece.clone().map(aligned).collect();
         let same = read.recordings.first().is_some_and(|recording| {
             recording.samples == samples && recording.labels == part.labels[piece]
         });
@@ -129,25 +129,25 @@ fn csv(assembly: &Assembly, part: &Part, samples: Range<usize>, synthetic: bool)
         Some(intent) => intent.class().to_string(),
         None => "-1".to_owned(),
     };
-    for place in samples {
-        text += &class(part.labels[place]);
-        for value in part.samples[place] {
+    for at in samples {
+        text += &class(part.labels[at]);
+        for value in part.samples[at] {
             // Writing to a string cannot fail.
             let _ = write!(text, ",{value}");
         }
-        let (trial, cue) = (part.trials[place], class(part.cues[place]));
+        let (trial, cue) = (part.trials[at], class(part.cues[at]));
         let used = u8::from(!assembly.rejected.contains_key(&trial));
-        let placement = part.placements[place];
-        let bridged = u8::from(part.bridged[place]);
+        let placement = part.placements[at];
+        let bridged = u8::from(part.bridged[at]);
         let _ = write!(
             text,
             ",{},{cue},{trial},{used},{bridged},{},{}",
-            part.index[place],
+            part.index[at],
             placement.turn(),
             u8::from(placement.mirrored())
         );
         if synthetic {
-            let _ = write!(text, ",{}", class(part.labels[place]));
+            let _ = write!(text, ",{}", class(part.labels[at]));
         }
         text.push('\n');
     }

@@ -120,16 +120,26 @@ impl Protocol {
         Ok(protocol)
     }
 
+    /// Whether the person chooses the gestures.
+    pub(crate) const fn is_free(&self) -> bool {
+        matches!(self.course, Course::Free { .. })
+    }
+
+    /// Names of the classes of the protocol, in class order.
+    pub(crate) fn class_names(&self) -> Vec<&'static str> {
+        self.intents().into_iter().map(Intent::name).collect()
+    }
+
     /// Classes of the protocol, in class order.
     pub(crate) fn intents(&self) -> Vec<Intent> {
-        let asked = |intent: &Intent| match &self.course {
+        let is_used = |intent: &Intent| match &self.course {
             Course::Guided { blocks, .. } => {
                 let mut steps = blocks.iter().flat_map(|block| &block.steps);
                 steps.any(|step| step.intent == *intent)
             }
             Course::Free { gestures } => gestures.contains(intent),
         };
-        Intent::ALL.into_iter().filter(asked).collect()
+        Intent::ALL.into_iter().filter(is_used).collect()
     }
 
     /// Samples of the session without a repeated block; none if it is free.

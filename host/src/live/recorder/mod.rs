@@ -79,7 +79,7 @@ pub(super) struct Recorder {
     #[cfg_attr(not(feature = "train"), expect(dead_code, reason = "of the tune step"))]
     pub(super) model: Vec<u8>,
     pub(super) hub: std::sync::Arc<Hub>,
-    /// Current request to a simulated person.
+    /// Cue for a simulated person.
     pub(super) cue: SharedCue,
 }
 
@@ -88,6 +88,7 @@ struct RunningRecorder {
     recorder: Recorder,
     session: Session,
     journal: Option<Journal>,
+    /// View that viewers know; none after a change of the texts.
     published: Option<View>,
     /// Placement of the armband, as the board is aligned.
     placement: Alignment,
@@ -112,6 +113,7 @@ struct Unconverted {
 
 impl Recorder {
     /// Leads through sessions until it is stopped or an unattended session is over; then ends and keeps the one in progress.
+    ///
     /// # Errors
     /// When an unattended session cannot be written, or a journal could not be made into recordings.
     pub(super) fn run(
@@ -133,7 +135,7 @@ impl Recorder {
             tuning: None,
             tuned: None,
         };
-        let mut led = Ok(());
+        let mut result = Ok(());
         loop {
             running.publish_changes();
             // Read before the events: what was published before a stop is still taken.
@@ -160,7 +162,7 @@ impl Recorder {
                     Ok(false) => {}
                     Ok(true) => break,
                     Err(error) => {
-                        led = Err(error);
+                        result = Err(error);
                         break;
                     }
                 }
@@ -170,7 +172,7 @@ impl Recorder {
             running.handle_request(RecorderRequest::Action(Action::Finish));
             running.publish_changes();
         }
-        running.retry_conversions().and(led)
+        running.retry_conversions().and(result)
     }
 }
 
@@ -186,16 +188,18 @@ impl RunningRecorder {
             Event::Source {
                 connected: false, ..
             } => {
-                self.place(Alignment::NONE);
+                self.set_placement(Alignment::NONE);
                 self.handle(now, Input::Hold(HoldReason::SourceLost));
             }
-            Event::Alignment { turn, mirrored, .. } => self.place(Alignment::new(turn, mirrored)),
+            Event::Alignment { turn, mirrored, .. } => {
+                self.set_placement(Alignment::new(turn, mirrored))
+            }
             _ => {}
         }
     }
 
     /// Sets the placement of the armband from the next sample on.
-    fn place(&mut self, placement: Alignment) {
+    fn set_placement(&mut self, placement: Alignment) {
         if self.placement != placement {
             self.placement = placement;
             self.write_placement();
@@ -215,9 +219,9 @@ impl RunningRecorder {
         self.session.handle(now, Input::Samples { first, count });
         self.write_outputs();
         // Samples that end a session belong to it; samples that hold it belong to another stream.
-        let kept = self.session.is_running() || before && self.session.is_over();
+        let is_kept = self.session.is_running() || before && self.session.is_over();
         if let Some(journal) = &mut self.journal
-            && kept
+            && is_kept
         {
             journal.samples(first, emg);
         }
@@ -288,11 +292,9 @@ impl RunningRecorder {
         };
         let begun = InstallationState::running("waiting for the board");
         self.recorder.hub.publish(&Event::Installing(begun));
+        let request = SourceRequest::Install(tuned.clone());
         // A source that takes no requests is ending.
-        let _ = self
-            .recorder
-            .source_requests
-            .try_send(SourceRequest::Install(tuned.clone()));
+        let _ = self.recorder.source_requests.try_send(request);
     }
 }
 

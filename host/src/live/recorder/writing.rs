@@ -11,7 +11,6 @@ use crate::live::event::Event;
 use crate::record::RecordError;
 use crate::record::convert;
 use crate::record::journal::{ENDING, Entry, FlushOutcome, Header, Journal};
-use crate::record::protocol::Course;
 use crate::record::session::{Action, HoldReason, Input, Output};
 use execution::progress;
 use execution::run_folder::utc;
@@ -42,18 +41,18 @@ impl RunningRecorder {
             person: person.clone(),
             protocol: protocol.name.clone(),
             classes: protocol
-                .intents()
+                .class_names()
                 .into_iter()
-                .map(|intent| intent.name().to_owned())
+                .map(str::to_owned)
                 .collect(),
-            free: matches!(protocol.course, Course::Free { .. }),
+            free: protocol.is_free(),
             source,
             synthetic,
         };
-        let made = std::fs::create_dir_all(&folder)
+        let created = std::fs::create_dir_all(&folder)
             .map_err(|error| format!("{}: {error}", folder.display()));
-        let journal =
-            made.and_then(|()| Journal::create(&path, header).map_err(|error| error.to_string()));
+        let journal = created
+            .and_then(|()| Journal::create(&path, header).map_err(|error| error.to_string()));
         match journal {
             Ok(journal) => {
                 self.journal = Some(journal);
@@ -110,7 +109,7 @@ impl RunningRecorder {
                 self.handle(now, Input::Hold(HoldReason::Gone));
             }
             Err(error) => {
-                let held = match error {
+                let reason = match error {
                     RecordError::Gone { .. } => HoldReason::Gone,
                     _ => HoldReason::Disk,
                 };
@@ -121,7 +120,7 @@ impl RunningRecorder {
                 if self.trouble.is_empty() {
                     self.fail(trouble);
                 }
-                self.handle(now, Input::Hold(held));
+                self.handle(now, Input::Hold(reason));
             }
         }
     }
@@ -176,9 +175,9 @@ impl RunningRecorder {
     /// Makes recordings of a complete journal.
     fn convert(&mut self, path: PathBuf) {
         match convert(&path) {
-            Ok(kept) => {
-                let kept = summary(&kept, &self.recorder);
-                self.recorder.hub.publish(&Event::Kept(kept));
+            Ok(conversion) => {
+                let result = summary(&conversion, &self.recorder);
+                self.recorder.hub.publish(&Event::Kept(result));
             }
             Err(error) => {
                 let message = format!(
@@ -201,8 +200,8 @@ impl RunningRecorder {
     pub(super) fn retry_conversions(&mut self) -> anyhow::Result<()> {
         let mut left = Vec::new();
         for unconverted in self.unconverted.drain(..) {
-            let kept = unconverted.journal.as_deref().map(convert);
-            if !matches!(kept, Some(Ok(_))) {
+            let converted = unconverted.journal.as_deref().map(convert);
+            if !matches!(converted, Some(Ok(_))) {
                 left.push(unconverted.message);
             }
         }

@@ -37,15 +37,22 @@ const MAX_REQUEST_BYTES: usize = 1024;
 /// Time that viewers have to take the last message.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Shared state of all requests.
+/// Channels for the requests of viewers.
+#[derive(Debug)]
+pub(crate) struct Requests {
+    pub(crate) source: SyncSender<SourceRequest>,
+    /// Channel to the recorder; none for `live`.
+    pub(crate) recorder: Option<SyncSender<RecorderRequest>>,
+}
+
+/// State that all connections share.
 #[derive(Debug)]
 struct ServerState {
     hub: Arc<Hub>,
     access: Access,
     mode: Mode,
-    requests: SyncSender<SourceRequest>,
-    wishes: Option<SyncSender<RecorderRequest>>,
-    lead: Arc<Lead>,
+    requests: Requests,
+    lead: Lead,
     ids: AtomicU64,
     viewers: Arc<Semaphore>,
     stop: watch::Receiver<bool>,
@@ -68,8 +75,7 @@ impl Server {
         access: Access,
         mode: Mode,
         hub: Arc<Hub>,
-        requests: SyncSender<SourceRequest>,
-        wishes: Option<SyncSender<RecorderRequest>>,
+        requests: Requests,
     ) -> std::io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
@@ -81,18 +87,17 @@ impl Server {
             LimitedListener::new(tokio::net::TcpListener::from_std(listener)?)
         };
         let (stop, stopped) = watch::channel(false);
-        let served = ServerState {
+        let state = ServerState {
             hub,
             access,
             mode,
             requests,
-            wishes,
-            lead: Arc::default(),
+            lead: Lead::default(),
             ids: AtomicU64::new(1),
             viewers: Arc::new(Semaphore::new(MOST_VIEWERS)),
             stop: stopped.clone(),
         };
-        let router = Router::new().fallback(answer).with_state(Arc::new(served));
+        let router = Router::new().fallback(answer).with_state(Arc::new(state));
         let thread = std::thread::Builder::new()
             .name("server".to_owned())
             .spawn(move || {
@@ -123,14 +128,14 @@ impl Server {
 
 /// Checks a request and answers it.
 async fn answer(
-    State(served): State<Arc<ServerState>>,
+    State(state): State<Arc<ServerState>>,
     ConnectInfo(connection): ConnectInfo<Upgraded>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
-    let allowed = match served.access.check(uri.path(), &headers) {
+    let allowed = match state.access.check(uri.path(), &headers) {
         Ok(allowed) => allowed,
         Err(denied) => return refuse(&denied),
     };
@@ -144,17 +149,12 @@ async fn answer(
         Ok(upgrade) => upgrade,
         Err(rejection) => return rejection.into_response(),
     };
-    let Ok(permit) = served.viewers.clone().try_acquire_owned() else {
+    let Ok(permit) = state.viewers.clone().try_acquire_owned() else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
     let viewer = viewer::Viewer {
-        hub: served.hub.clone(),
-        mode: served.mode,
-        requests: served.requests.clone(),
-        wishes: served.wishes.clone(),
-        lead: served.lead.clone(),
-        id: served.ids.fetch_add(1, Ordering::Relaxed),
-        stop: served.stop.clone(),
+        id: state.ids.fetch_add(1, Ordering::Relaxed),
+        server: state,
     };
     upgrade
         .max_message_size(MAX_REQUEST_BYTES)

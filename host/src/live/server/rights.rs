@@ -65,8 +65,8 @@ const TABLE: [(&str, [Right; 4]); 8] = [
 ];
 
 /// Right to a request; nobody for an unknown one.
-pub(super) fn of(asked: &str, mode: Mode) -> Right {
-    let row = TABLE.iter().find(|(name, _)| *name == asked);
+pub(super) fn of(request: &str, mode: Mode) -> Right {
+    let row = TABLE.iter().find(|(name, _)| *name == request);
     row.map_or(Nobody("there is no such request"), |(_, rights)| {
         rights[mode as usize]
     })
@@ -116,11 +116,11 @@ mod tests {
 
     #[test]
     fn a_pairing_and_an_installation_are_for_the_session_of_a_board_alone() {
-        for asked in ["bind", "install"] {
+        for request in ["bind", "install"] {
             for mode in [Mode::Live, Mode::Replay, Mode::Record] {
-                assert!(matches!(of(asked, mode), Nobody(_)), "{asked} {mode:?}");
+                assert!(matches!(of(request, mode), Nobody(_)), "{request} {mode:?}");
             }
-            assert_eq!(of(asked, Mode::RecordBoard), Leader);
+            assert_eq!(of(request, Mode::RecordBoard), Leader);
         }
         assert!(matches!(of("reboot", Mode::RecordBoard), Nobody(_)));
     }

@@ -1,21 +1,20 @@
 //! Connection of one viewer: messages to it, and requests from it.
 
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use axum::extract::ws::{Message as Frame, WebSocket};
 use shared::intent::Intent;
 use tokio::sync::broadcast::error::TryRecvError;
-use tokio::sync::watch;
 use tokio::time::{MissedTickBehavior, interval, interval_at, timeout};
 
+use super::ServerState;
 use super::message::ViewerMessage;
 use super::rate_limit::{Admission, RateLimit};
-use super::rights::{self, Lead, Mode, Right};
+use super::rights::{self, Right};
 use crate::live::event::{Event, ViewerId};
-use crate::live::hub::{Hub, Message, Subscription};
+use crate::live::hub::{Message, Subscription};
 use crate::live::recorder::RecorderRequest;
 use crate::live::source::SourceRequest;
 use crate::record::session::Action;
@@ -37,14 +36,8 @@ const MAX_MARK: usize = 80;
 /// State of a viewer's connection.
 #[derive(Debug)]
 pub(super) struct Viewer {
-    pub(super) hub: Arc<Hub>,
-    pub(super) mode: Mode,
-    pub(super) requests: SyncSender<SourceRequest>,
-    /// Channel to the recorder, if there is one.
-    pub(super) wishes: Option<SyncSender<RecorderRequest>>,
-    pub(super) lead: Arc<Lead>,
     pub(super) id: ViewerId,
-    pub(super) stop: watch::Receiver<bool>,
+    pub(super) server: Arc<ServerState>,
 }
 
 /// Event that wakes the connection.
@@ -59,17 +52,16 @@ impl Viewer {
     /// Serves until the viewer leaves or the program ends.
     pub(super) async fn serve(self, socket: WebSocket) {
         self.run(socket).await;
-        if self.lead.release(self.id) {
-            self.hub.publish(&Event::Lead { viewer: None });
-            if let Some(wishes) = &self.wishes {
-                let _ = wishes.try_send(RecorderRequest::LeaderLeft);
-            }
+        if self.server.lead.release(self.id) {
+            self.server.hub.publish(&Event::Lead { viewer: None });
+            // Without a recorder, or with a full queue, nobody waits for the leader.
+            let _ = self.request_recorder(RecorderRequest::LeaderLeft);
         }
     }
 
     async fn run(&self, mut socket: WebSocket) {
-        let mut stop = self.stop.clone();
-        let mut subscription = self.hub.subscribe();
+        let mut stop = self.server.stop.clone();
+        let mut subscription = self.server.hub.subscribe();
         let hello = self.hello();
         let known = std::mem::take(&mut subscription.known);
         if !send(&mut socket, std::iter::once(hello).chain(known)).await {
@@ -123,7 +115,7 @@ impl Viewer {
                 Err(TryRecvError::Empty | TryRecvError::Closed) => break,
                 Err(TryRecvError::Lagged(messages_lost)) => {
                     // The topics known may be older than the lost messages.
-                    let skipped = self.hub.resubscribe(subscription, messages_lost);
+                    let skipped = self.server.hub.resubscribe(subscription, messages_lost);
                     messages.clear();
                     messages.push(skipped);
                     messages.append(&mut subscription.known);
@@ -159,7 +151,7 @@ impl Viewer {
             ViewerMessage::Mark { sample, ref text } => {
                 let letters = text.chars().filter(|letter| !letter.is_control());
                 let text = letters.take(MAX_MARK).collect();
-                self.hub.publish(&Event::Mark { sample, text });
+                self.server.hub.publish(&Event::Mark { sample, text });
                 Ok(())
             }
             ViewerMessage::Align => self.request_source(SourceRequest::Align),
@@ -176,7 +168,7 @@ impl Viewer {
         match (done, message) {
             (Err(why), _) => refuse(socket, name, why).await,
             (Ok(()), ViewerMessage::Ping { sent }) => {
-                let now = self.hub.now();
+                let now = self.server.hub.now();
                 let pong = serde_json::json!({ "type": "pong", "sent": sent, "now": now });
                 send(socket, [pong.to_string().into()]).await
             }
@@ -189,14 +181,14 @@ impl Viewer {
     /// # Errors
     /// The reason, in words.
     fn authorize(&self, name: &str) -> Result<(), &'static str> {
-        match rights::of(name, self.mode) {
+        match rights::of(name, self.server.mode) {
             Right::All => Ok(()),
             Right::Nobody(why) => Err(why),
             Right::Leader => {
-                let (leads, is_new) = self.lead.claim(self.id);
+                let (leads, is_new) = self.server.lead.claim(self.id);
                 if is_new {
                     let viewer = Some(self.id);
-                    self.hub.publish(&Event::Lead { viewer });
+                    self.server.hub.publish(&Event::Lead { viewer });
                 }
                 leads.then_some(()).ok_or(WATCHES)
             }
@@ -205,19 +197,21 @@ impl Viewer {
 
     /// Passes a request to the source.
     fn request_source(&self, request: SourceRequest) -> Result<(), &'static str> {
-        self.requests.try_send(request).map_err(|_| BUSY)
+        let source = &self.server.requests.source;
+        source.try_send(request).map_err(|_| BUSY)
     }
 
-    /// Passes a wish to the session.
+    /// Passes a request to the recorder.
     fn request_recorder(&self, request: RecorderRequest) -> Result<(), &'static str> {
-        let wishes = self.wishes.as_ref().ok_or(BUSY)?;
-        wishes.try_send(request).map_err(|_| BUSY)
+        let recorder = self.server.requests.recorder.as_ref().ok_or(BUSY)?;
+        recorder.try_send(request).map_err(|_| BUSY)
     }
 
     fn hello(&self) -> Message {
         let version = env!("CARGO_PKG_VERSION");
-        let now = self.hub.now();
-        serde_json::json!({ "type": "hello", "version": version, "now": now, "you": self.id, "record": self.wishes.is_some() })
+        let now = self.server.hub.now();
+        let record = self.server.requests.recorder.is_some();
+        serde_json::json!({ "type": "hello", "version": version, "now": now, "you": self.id, "record": record })
             .to_string()
             .into()
     }

@@ -17,7 +17,7 @@ use shared::units::Millis;
 use super::dialogue::{BoardEvent, Dialogue, Losses};
 use super::scored_pipeline::ScoredPipeline;
 use super::{Context, SourceRequest};
-use crate::board::{self, BAUD, ModelFile};
+use crate::board::{self, ModelFile};
 use crate::live::event::Event;
 use crate::live::outcome::InstallationState;
 
@@ -76,7 +76,7 @@ impl BoardSource {
     ) -> Option<Vec<u8>> {
         let mut missing = String::new();
         while !context.stop.requested() {
-            let ended = match self.open() {
+            let ended = match board::open_port(&self.path, WAIT, WRITE) {
                 Ok(port) => {
                     missing.clear();
                     if let model @ Some(_) = early_installation(context) {
@@ -116,15 +116,6 @@ impl BoardSource {
             wait(context, AGAIN);
         }
         None
-    }
-
-    fn open(&self) -> std::io::Result<SerialPort> {
-        let mut port = SerialPort::open(&self.path, BAUD)?;
-        port.set_read_timeout(WAIT)?;
-        port.set_write_timeout(WRITE)?;
-        // Bytes that arrived before are out of date.
-        port.discard_input_buffer()?;
-        Ok(port)
     }
 
     fn publish(&self, context: &Context, connected: bool, detail: &str) {
@@ -176,7 +167,7 @@ impl<E: Encode> BoardConnection<'_, '_, E> {
             match self.port.read(&mut buffer) {
                 Ok(0) => break ConnectionEnd::Lost(ErrorKind::UnexpectedEof.into()),
                 Ok(length) => self.bytes(&buffer[..length]),
-                Err(error) if is_patient(&error) => {}
+                Err(error) if board::is_timeout(&error) => {}
                 Err(error) => break ConnectionEnd::Lost(error),
             }
             self.watch(board);
@@ -276,21 +267,21 @@ fn early_installation(context: &Context) -> Option<Vec<u8>> {
 
 /// Installs a model and tells viewers its progress and result. Returns whether it is in use now.
 fn install(path: &Path, model: &[u8], context: &Context) -> bool {
-    let tell = |told| context.hub.publish(&Event::Installing(told));
+    let publish = |state| context.hub.publish(&Event::Installing(state));
     let running = InstallationState::running("outputs are safe until the board has all of it");
-    tell(running.clone());
+    publish(running.clone());
     let sent = ModelFile::new(model)
         .map_err(anyhow::Error::from)
         .and_then(|file| {
             let stopped = || context.stop.requested();
             let of = file.blocks();
-            let mut told = None;
+            let mut published = None;
             board::install(path, file, stopped, |blocks| {
                 // Viewers need the progress in percent only.
-                let hundredths = 100 * blocks / of.max(1);
-                if told.replace(hundredths) != Some(hundredths) {
+                let percent = 100 * blocks / of.max(1);
+                if published.replace(percent) != Some(percent) {
                     let running = running.clone();
-                    tell(InstallationState {
+                    publish(InstallationState {
                         blocks,
                         of,
                         ..running
@@ -300,7 +291,7 @@ fn install(path: &Path, model: &[u8], context: &Context) -> bool {
             Ok(file.checksum())
         });
     let is_installed = sent.is_ok();
-    tell(match sent {
+    publish(match sent {
         Ok(checksum) => InstallationState {
             state: "done",
             text: format!("model {checksum:08x} is on the board and in use"),
@@ -313,14 +304,6 @@ fn install(path: &Path, model: &[u8], context: &Context) -> bool {
         },
     });
     is_installed
-}
-
-/// Whether an error only means that no byte came in time.
-fn is_patient(error: &std::io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-    )
 }
 
 fn now(context: &Context) -> Millis {

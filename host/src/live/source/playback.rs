@@ -58,14 +58,14 @@ impl SampleSource {
     fn next(&mut self, first: SampleIndex) -> Notification {
         match self {
             Self::Recording { samples, labels } => {
-                let place = first.0 as usize % samples.len();
-                let places = place..samples.len().min(place + TOGETHER);
-                let truth = &labels[places.clone()];
+                let offset = first.0 as usize % samples.len();
+                let range = offset..samples.len().min(offset + TOGETHER);
+                let truth = &labels[range.clone()];
                 let names = || truth.iter().map(|label| label.map(Intent::name)).collect();
                 Notification {
-                    emg: samples[places].to_vec(),
+                    emg: samples[range].to_vec(),
                     truth: truth.iter().any(Option::is_some).then(names),
-                    again: place == 0 && first.0 > 0,
+                    again: offset == 0 && first.0 > 0,
                 }
             }
             Self::Person(person, cue) => {

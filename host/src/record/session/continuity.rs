@@ -18,6 +18,11 @@ pub(crate) enum Continuity {
     Restart,
 }
 
+/// Whether a stream that has come to `index` has reached the sample `at`; correct across a wrap.
+pub(crate) const fn has_reached(index: SampleIndex, at: SampleIndex) -> bool {
+    index.0.wrapping_sub(at.0) <= u32::MAX / 2
+}
+
 /// Index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(crate) struct GapDetector(Option<SampleIndex>);

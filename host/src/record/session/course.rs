@@ -9,7 +9,7 @@ use crate::record::protocol::Course;
 
 impl Session {
     pub(super) const fn is_guided(&self) -> bool {
-        matches!(self.protocol.course, Course::Guided { .. })
+        !self.protocol.is_free()
     }
 
     pub(super) fn begin_round(&mut self, at: SampleIndex) {

@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 use shared::intent::Intent;
 use shared::units::{Millis, SampleIndex};
 
-pub(crate) use self::continuity::{Continuity, GapDetector};
+pub(crate) use self::continuity::{Continuity, GapDetector, has_reached};
 pub(crate) use self::input::{Action, HoldReason, Input, Output, RejectReason};
 use self::schedule::RoundSchedule;
 pub(crate) use self::view::View;
@@ -95,7 +95,7 @@ impl Session {
         match input {
             Input::Samples { first, count } => self.samples(now, first, count),
             Input::Tick => {
-                let silent = |heard: Millis| now.elapsed_since(heard) >= SILENCE_MS;
+                let silent = |last: Millis| now.elapsed_since(last) >= SILENCE_MS;
                 if self.is_running() && self.last_samples.is_some_and(silent) {
                     self.hold(HoldReason::Silent);
                 }
@@ -147,8 +147,8 @@ impl Session {
         let end = first.plus(count);
         loop {
             match self.phase {
-                Phase::Ready { end: at, .. } if is_reached(at, end) => self.next_trial(at),
-                Phase::Cued { end: Some(at), .. } if is_reached(at, end) => self.next_step(at),
+                Phase::Ready { end: at, .. } if has_reached(end, at) => self.next_trial(at),
+                Phase::Cued { end: Some(at), .. } if has_reached(end, at) => self.next_step(at),
                 _ => break,
             }
         }
@@ -199,11 +199,6 @@ impl Session {
             _ => {}
         }
     }
-}
-
-/// Whether a stream that ends at `end` has reached a sample; correct across a wrap.
-const fn is_reached(at: SampleIndex, end: SampleIndex) -> bool {
-    end.0.wrapping_sub(at.0) <= u32::MAX / 2
 }
 
 #[cfg(test)]

@@ -45,34 +45,34 @@ impl RoundSchedule {
 
     /// Begins the block that is due and returns its first step; none after the last block of the round.
     pub(super) fn begin_block(&mut self) -> Option<Step> {
-        let place = self.due.pop_front()?;
-        self.previous = self.current.map(|(place, _)| place);
-        self.current = Some((place, 0));
-        self.blocks[place].steps.first().copied()
+        let block = self.due.pop_front()?;
+        self.previous = self.current.map(|(block, _)| block);
+        self.current = Some((block, 0));
+        self.blocks[block].steps.first().copied()
     }
 
     /// Advances the current block and returns its next step; none at its end.
     pub(super) fn next_step(&mut self) -> Option<Step> {
-        let (place, step) = self.current?;
-        let next = self.blocks[place].steps.get(step + 1).copied()?;
-        self.current = Some((place, step + 1));
+        let (block, step) = self.current?;
+        let next = self.blocks[block].steps.get(step + 1).copied()?;
+        self.current = Some((block, step + 1));
         Some(next)
     }
 
     /// Makes the current block due again.
     pub(super) fn put_back(&mut self) {
-        if let Some((place, _)) = self.current.take() {
-            self.due.push_front(place);
+        if let Some((block, _)) = self.current.take() {
+            self.due.push_front(block);
         }
         self.previous = None;
     }
 
     /// Makes the previous and the current block due again, in this order.
     pub(super) fn put_back_both(&mut self) {
-        let before = self.previous.take();
+        let previous = self.previous.take();
         self.put_back();
-        if let Some(place) = before {
-            self.due.push_front(place);
+        if let Some(block) = previous {
+            self.due.push_front(block);
         }
     }
 
@@ -90,8 +90,8 @@ impl RoundSchedule {
         let current = self
             .current
             .into_iter()
-            .flat_map(|(place, step)| self.blocks[place].steps.iter().skip(step + 1));
-        let due = self.due.iter().flat_map(|&place| &self.blocks[place].steps);
+            .flat_map(|(block, step)| self.blocks[block].steps.iter().skip(step + 1));
+        let due = self.due.iter().flat_map(|&block| &self.blocks[block].steps);
         current.chain(due).copied()
     }
 

@@ -4,7 +4,6 @@ use serde::Serialize;
 use shared::intent::Intent;
 
 use super::{HoldReason, Phase, Session};
-use crate::record::protocol::Course;
 
 /// Number of steps that are shown ahead.
 const AHEAD: usize = 6;
@@ -70,13 +69,8 @@ impl Session {
         View {
             phase,
             protocol: self.protocol.name.clone(),
-            free: matches!(self.protocol.course, Course::Free { .. }),
-            classes: self
-                .protocol
-                .intents()
-                .into_iter()
-                .map(Intent::name)
-                .collect(),
+            free: self.protocol.is_free(),
+            classes: self.protocol.class_names(),
             why,
             cue: self.cue.map(Intent::name),
             from: from.map(|at| at.0),
