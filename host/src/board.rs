@@ -25,7 +25,7 @@ const ANSWER: Duration = Duration::from_secs(2);
 /// Number of times a command is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
 
-/// Why a board did not do what it was asked for.
+/// Error of a command to a board, or of an installation.
 #[derive(Debug, thiserror::Error)]
 pub enum BoardError {
     /// The port cannot be opened.

@@ -185,7 +185,7 @@ fn start_recorder(
     let stopped = stop.clone();
     let (events, received) = mpsc::channel();
     let (sender, requests) = mpsc::sync_channel(REQUESTS);
-    hub.record(events);
+    hub.attach_recorder(events);
     let thread = std::thread::Builder::new()
         .name("recorder".to_owned())
         .spawn(move || recorder.run(&received, &requests, &stopped))?;

@@ -10,7 +10,7 @@ use super::protocol::BUILT_IN;
 use execution::run_folder::RunError;
 use recordings::LoadError;
 
-/// Why a protocol is refused, or a journal is not written, read or made into recordings.
+/// Error of a protocol, a journal or the recordings made of it.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// A file cannot be created, written, read, renamed or removed.

@@ -145,9 +145,9 @@ impl Recorder {
             }
             match events.recv_timeout(WAIT) {
                 Ok(event) => {
-                    running.event(event);
+                    running.handle_event(event);
                     for event in events.try_iter().take(64) {
-                        running.event(event);
+                        running.handle_event(event);
                     }
                 }
                 Err(RecvTimeoutError::Timeout) if !stopped => {
@@ -158,11 +158,10 @@ impl Recorder {
             }
             running.flush();
             if running.recorder.options.unattended {
-                match running.lead() {
+                match running.advance_unattended() {
                     Ok(false) => {}
-                    Ok(true) => break,
-                    Err(error) => {
-                        result = Err(error);
+                    ended => {
+                        result = ended.map(drop);
                         break;
                     }
                 }
@@ -181,7 +180,7 @@ impl RunningRecorder {
         self.recorder.hub.millis()
     }
 
-    fn event(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         let now = self.now();
         match event {
             Event::Samples { first, emg, .. } => self.samples(now, SampleIndex(first), &emg),
@@ -261,7 +260,7 @@ impl RunningRecorder {
     }
 
     /// Begins an unattended session when samples come, and continues it after a hold. Returns whether it is over.
-    fn lead(&mut self) -> anyhow::Result<bool> {
+    fn advance_unattended(&mut self) -> anyhow::Result<bool> {
         let is_over = self.session.is_over() && self.journal.is_none();
         if !is_over && !self.session.is_running() && self.session.has_stream() {
             self.handle_request(RecorderRequest::Action(Action::Begin));

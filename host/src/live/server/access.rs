@@ -20,7 +20,7 @@ pub(crate) struct Access {
     token: Option<String>,
 }
 
-/// Why a request is not answered.
+/// Reason why a request is not answered.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub(crate) enum Denied {
     /// Foreign name, or an address of another machine.

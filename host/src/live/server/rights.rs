@@ -36,7 +36,7 @@ impl Mode {
 pub(super) enum Right {
     /// Every viewer.
     All,
-    /// The viewer who leads the session; the first to ask does.
+    /// Viewer who leads the session; the first to ask does.
     Leader,
     /// Refusal for everybody, with the reason.
     Nobody(&'static str),

@@ -270,26 +270,26 @@ fn install(path: &Path, model: &[u8], context: &Context) -> bool {
     let publish = |state| context.hub.publish(&Event::Installing(state));
     let running = InstallationState::running("outputs are safe until the board has all of it");
     publish(running.clone());
-    let sent = ModelFile::new(model)
-        .map_err(anyhow::Error::from)
-        .and_then(|file| {
-            let stopped = || context.stop.requested();
-            let of = file.blocks();
-            let mut published = None;
-            board::install(path, file, stopped, |blocks| {
-                // Viewers need the progress in percent only.
-                let percent = 100 * blocks / of.max(1);
-                if published.replace(percent) != Some(percent) {
-                    let running = running.clone();
-                    publish(InstallationState {
-                        blocks,
-                        of,
-                        ..running
-                    });
-                }
-            })?;
-            Ok(file.checksum())
-        });
+    let send = || -> anyhow::Result<u32> {
+        let file = ModelFile::new(model)?;
+        let stopped = || context.stop.requested();
+        let of = file.blocks();
+        let mut published = None;
+        board::install(path, file, stopped, |blocks| {
+            // Viewers need the progress in percent only.
+            let percent = 100 * blocks / of.max(1);
+            if published.replace(percent) != Some(percent) {
+                let running = running.clone();
+                publish(InstallationState {
+                    blocks,
+                    of,
+                    ..running
+                });
+            }
+        })?;
+        Ok(file.checksum())
+    };
+    let sent = send();
     let is_installed = sent.is_ok();
     publish(match sent {
         Ok(checksum) => InstallationState {

@@ -26,7 +26,7 @@ pub(crate) enum SampleSource {
     /// Recording, repeated.
     Recording {
         samples: Vec<Sample>,
-        /// One label for each sample.
+        /// Labels, one for each sample.
         labels: Vec<Option<Intent>>,
     },
     /// Simulated person who does what is asked for.

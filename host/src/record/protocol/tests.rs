@@ -1,6 +1,6 @@
 use super::*;
 
-/// Why a protocol is refused, without the name of its file.
+/// Reason why a protocol is refused, without the name of its file.
 fn refusal(text: &str) -> String {
     let error = Protocol::parse("mine.toml", text).unwrap_err().to_string();
     error.strip_prefix("mine.toml: ").unwrap().to_owned()

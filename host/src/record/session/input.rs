@@ -36,7 +36,7 @@ pub(crate) enum Action {
     Mark(Intent),
 }
 
-/// Why a session waits.
+/// Reason why a session is held.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum HoldReason {
@@ -56,7 +56,7 @@ pub(crate) enum HoldReason {
     Gone,
 }
 
-/// Why a trial is not used.
+/// Reason why a trial is not used.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum RejectReason {

@@ -64,7 +64,7 @@ async fn run(
             },
             event = events.next() => {
                 let event = event.context("the Bluetooth service has ended")?;
-                adapter.happened(event).await
+                adapter.handle(event).await
             }
             value = next(&mut adapter.notifications) => value,
         };
@@ -181,7 +181,7 @@ impl Adapter {
     }
 
     /// Handles an event of the stack.
-    async fn happened(&mut self, event: CentralEvent) -> Option<RadioEvent> {
+    async fn handle(&mut self, event: CentralEvent) -> Option<RadioEvent> {
         match event {
             CentralEvent::DeviceDiscovered(id) | CentralEvent::DeviceUpdated(id) => {
                 let peripheral = self.central.peripheral(&id).await.ok()?;

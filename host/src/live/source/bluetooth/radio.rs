@@ -14,7 +14,7 @@ pub(super) struct Radio {
     pub(super) events: Receiver<RadioEvent>,
 }
 
-/// An [`Event`] that owns its bytes.
+/// Event of the stack: an [`Event`] that owns its bytes, or the loss of the adapter.
 #[cfg_attr(
     not(feature = "bluetooth"),
     expect(dead_code, reason = "the adapter alone says some of them")
