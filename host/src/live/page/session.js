@@ -3,7 +3,7 @@
 import { RATE } from "./clock.js";
 import { draw, words } from "./gestures.js";
 import { Result } from "./result.js";
-import { CLASSES } from "./seen.js";
+import { CLASSES } from "./history.js";
 
 const HELD = {
   person: "Waiting for you",

@@ -25,7 +25,7 @@ const FILES: [(&str, &str, &str); 15] = [
     ("clock.js", SCRIPT, include_str!("../page/clock.js")),
     ("gestures.js", SCRIPT, include_str!("../page/gestures.js")),
     ("panel.js", SCRIPT, include_str!("../page/panel.js")),
-    ("seen.js", SCRIPT, include_str!("../page/seen.js")),
+    ("history.js", SCRIPT, include_str!("../page/history.js")),
     ("result.js", SCRIPT, include_str!("../page/result.js")),
     ("session.js", SCRIPT, include_str!("../page/session.js")),
     ("steps.js", SCRIPT, include_str!("../page/steps.js")),
