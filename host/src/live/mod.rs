@@ -17,7 +17,6 @@ mod hub;
 mod json_lines;
 mod outcome;
 mod recorder;
-mod scores;
 mod server;
 mod source;
 

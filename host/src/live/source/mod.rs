@@ -6,6 +6,7 @@ mod board;
 mod dialogue;
 mod playback;
 mod scored_pipeline;
+mod scores;
 mod shared_cue;
 
 use std::path::PathBuf;

@@ -11,10 +11,10 @@ use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
 use shared::units::{Millis, PATCH, Sample, SampleIndex};
 
+use super::scores::{EncoderOutputs, ObservedEncoder};
 use super::{Context, SourceRequest};
 use crate::live::event::Event;
 use crate::live::hub::Hub;
-use crate::live::scores::{EncoderOutputs, ObservedEncoder};
 use evaluation::inference::stream::pipeline;
 
 /// Pipeline whose encoder is observed.

@@ -23,7 +23,7 @@ pub(crate) const fn has_reached(index: SampleIndex, at: SampleIndex) -> bool {
     index.0.wrapping_sub(at.0) <= u32::MAX / 2
 }
 
-/// Index that is due.
+/// Detector of gaps: the index that is due.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(crate) struct GapDetector(Option<SampleIndex>);
 

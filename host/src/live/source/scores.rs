@@ -9,7 +9,7 @@ use shared::units::{LOOK_BACK, Patch};
 
 /// Newest outputs of an encoder.
 #[derive(Debug, Default)]
-pub(crate) struct EncoderOutputs {
+pub(super) struct EncoderOutputs {
     /// Outputs that an instant's label depends on, the newest last.
     rows: VecDeque<LookBackLogits>,
     /// Whether an output came since [`EncoderOutputs::take`].
@@ -34,7 +34,7 @@ impl EncoderOutputs {
     /// there are as many outputs as its label depends on.
     ///
     /// It is the softmax of the mean logits: the label is the largest of the same sums, if the confidence gate lets it in.
-    pub(crate) fn take(&mut self, settings: &Settings, columns: usize) -> Option<Vec<f32>> {
+    pub(super) fn take(&mut self, settings: &Settings, columns: usize) -> Option<Vec<f32>> {
         let depth = settings.look_ahead + 1;
         if !std::mem::take(&mut self.is_new) || self.rows.len() < depth {
             return None;
@@ -67,13 +67,13 @@ fn softmax(logits: impl Iterator<Item = f32> + Clone) -> Vec<f32> {
 
 /// Encoder whose outputs are kept for the scores.
 #[derive(Debug)]
-pub(crate) struct ObservedEncoder<'o, E> {
+pub(super) struct ObservedEncoder<'o, E> {
     encoder: E,
     outputs: &'o RefCell<EncoderOutputs>,
 }
 
 impl<'o, E> ObservedEncoder<'o, E> {
-    pub(crate) const fn new(encoder: E, outputs: &'o RefCell<EncoderOutputs>) -> Self {
+    pub(super) const fn new(encoder: E, outputs: &'o RefCell<EncoderOutputs>) -> Self {
         Self { encoder, outputs }
     }
 }
