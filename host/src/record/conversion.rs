@@ -98,10 +98,7 @@ pub(crate) fn convert(journal: &Path) -> Result<Conversion, RecordError> {
         fs::remove_file(journal)
     };
     drop(lock);
-    put_away.map_err(|source| RecordError::Io {
-        path: journal.to_owned(),
-        source,
-    })?;
+    put_away.map_err(RecordError::io(journal))?;
     Ok(conversion)
 }
 
@@ -179,10 +176,7 @@ pub fn recover(folder: &Path) -> io::Result<Vec<(PathBuf, Result<Conversion, Rec
             // Another session writes it, or was killed before its first line was complete.
             Err(RecordError::Busy { .. }) => None,
             Err(RecordError::Empty { .. }) => {
-                let removed = fs::remove_file(&path).map_err(|source| RecordError::Io {
-                    path: path.clone(),
-                    source,
-                });
+                let removed = fs::remove_file(&path).map_err(RecordError::io(&path));
                 removed.err().map(|error| (path, Err(error)))
             }
             result => Some((path, result)),

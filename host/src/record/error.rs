@@ -214,6 +214,16 @@ pub enum RecordError {
     },
 }
 
+impl RecordError {
+    /// Makes the error of an operation on a file.
+    pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Self + Copy {
+        |source| Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+}
+
 /// Folder of a file.
 pub(super) fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("."))

@@ -53,10 +53,7 @@ impl Journal {
     /// # Errors
     /// When a file of that name exists or the file cannot be written.
     pub(crate) fn create(path: &Path, mut header: Header) -> Result<Self, RecordError> {
-        let failed = |source| RecordError::Io {
-            path: path.to_owned(),
-            source,
-        };
+        let failed = RecordError::io(path);
         let (unnamed, file) = create_unnamed(path).map_err(failed)?;
         lock(path, &file)?;
         let mut writer = Writer::new(file);
@@ -124,8 +121,7 @@ impl Journal {
             written = self.writer.get_ref().sync_data();
             self.synced = Some(now);
         }
-        let path = self.path.clone();
-        written.map_err(|source| RecordError::Io { path, source })?;
+        written.map_err(RecordError::io(&self.path))?;
         Ok(flushed)
     }
 
@@ -191,10 +187,7 @@ impl Journal {
 /// # Errors
 /// When it cannot be read, is being written, or is no journal of this format.
 pub(crate) fn open(path: &Path) -> Result<(File, Header, Contents), RecordError> {
-    let failed = |source| RecordError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let failed = RecordError::io(path);
     let file = File::open(path).map_err(failed)?;
     lock(path, &file)?;
     let found = file.metadata().map_err(failed)?.len();

@@ -5,7 +5,7 @@ use shared::units::SampleIndex;
 
 use super::input::{HoldReason, Output, RejectReason};
 use super::{Phase, Session};
-use crate::record::protocol::Course;
+use crate::record::protocol::{Course, Step};
 
 impl Session {
     pub(super) const fn is_guided(&self) -> bool {
@@ -42,12 +42,7 @@ impl Session {
         match self.schedule.begin_block() {
             Some(step) => {
                 self.trials += 1;
-                let trial = self.trials;
-                self.set_cue(at, Some(step.intent), trial);
-                self.phase = Phase::Cued {
-                    from: at,
-                    end: Some(at.plus(step.samples)),
-                };
+                self.begin_step(at, step, self.trials);
             }
             None if self.round < self.schedule.rounds() => {
                 self.begin_round(at);
@@ -56,14 +51,15 @@ impl Session {
         }
     }
 
+    fn begin_step(&mut self, at: SampleIndex, step: Step, trial: u32) {
+        self.set_cue(at, Some(step.intent), trial);
+        let end = Some(at.plus(step.samples));
+        self.phase = Phase::Cued { from: at, end };
+    }
+
     pub(super) fn next_step(&mut self, at: SampleIndex) {
         if let Some(step) = self.schedule.next_step() {
-            let trial = self.trial;
-            self.set_cue(at, Some(step.intent), trial);
-            self.phase = Phase::Cued {
-                from: at,
-                end: Some(at.plus(step.samples)),
-            };
+            self.begin_step(at, step, self.trial);
         } else {
             self.lost_in_a_row = 0;
             self.previous = Some(self.trial);

@@ -3,7 +3,7 @@
 use super::schedule::IDENTIFY_MS;
 use super::*;
 use proptest::prelude::*;
-use shared::myo::Address;
+use shared::myo::{Address, Following};
 use shared::stream::safe_state::{Cause, Status};
 use shared::uart_line::answer::Binding;
 use shared::uart_line::command::{AlignCommand, BindCommand};
