@@ -104,8 +104,8 @@ fn five_missing_samples_are_bridged_and_said_and_six_begin_another_recording() {
             .iter()
             .all(|sample| *sample == part.samples[19])
     );
-    let said: Vec<usize> = (0..45).filter(|&at| part.bridged[at]).collect();
-    assert_eq!(said, [20, 21, 22, 23, 24]);
+    let bridged: Vec<usize> = (0..45).filter(|&at| part.bridged[at]).collect();
+    assert_eq!(bridged, [20, 21, 22, 23, 24]);
     let split = assemble(&entries(26));
     let lengths: Vec<_> = split.parts.iter().map(|part| part.samples.len()).collect();
     assert_eq!((lengths, split.lost), (vec![20, 20], 6));

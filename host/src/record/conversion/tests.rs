@@ -35,7 +35,7 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     // Each file has another person: equal recordings count once.
     let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
     let mut sent = Vec::new();
-    let mut asked = Intent::Relax;
+    let mut cued = Intent::Relax;
     session.handle(
         Millis(0),
         Input::Samples {
@@ -47,11 +47,11 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     for pair in 0..100 * seconds {
         let first = SampleIndex(10 + 2 * pair);
         let now = Millis(10 * pair);
-        let samples = [(); 2].map(|()| person.sample(asked));
+        let samples = [(); 2].map(|()| person.sample(cued));
         session.handle(now, Input::Samples { first, count: 2 });
         while let Some(output) = session.poll() {
             if let Output::Cue { cue, .. } = output {
-                asked = cue.unwrap_or(Intent::Relax);
+                cued = cue.unwrap_or(Intent::Relax);
             }
             journal.entry(&Entry::of(output));
         }
@@ -272,9 +272,8 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         synthetic: false,
     };
     let mut journal = Journal::create(&path, header).unwrap();
-    let said = |output| Entry::of(output);
     let first = SampleIndex(0);
-    journal.entry(&said(Output::Round {
+    journal.entry(&Entry::of(Output::Round {
         number: 1,
         at: first,
     }));
@@ -284,7 +283,7 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         let (at, trial) = (SampleIndex(at), trial as u32 + 1);
         let gesture = trial % 8 == 0;
         let cue = Some(if gesture { Intent::Open } else { Intent::Relax });
-        journal.entry(&said(Output::Cue { at, cue, trial }));
+        journal.entry(&Entry::of(Output::Cue { at, cue, trial }));
         let level = if gesture { 117_u64 } else { 100 };
         let sample = |of: usize| -> Sample {
             std::array::from_fn(|channel| {

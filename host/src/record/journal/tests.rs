@@ -330,11 +330,11 @@ fn a_journal_beyond_what_is_read_is_refused_and_not_cut() {
     std::fs::write(&path, journal(60)).unwrap();
     let file = std::fs::File::options().append(true).open(&path).unwrap();
     file.set_len((256 << 20) + 335).unwrap();
-    let told = match open(&path) {
+    let error = match open(&path) {
         Ok((_, _, contents)) => panic!("{} bytes left off", contents.left_off),
         Err(error) => error.to_string(),
     };
-    assert!(told.contains("256 MiB"), "{told}");
+    assert!(error.contains("256 MiB"), "{error}");
 }
 
 proptest::proptest! {

@@ -31,9 +31,9 @@ struct Peripheral {
 impl Peripheral {
     /// Answers actions until the session ends. Returns their names.
     fn run(mut self) -> Vec<&'static str> {
-        let mut asked = Vec::new();
+        let mut actions_taken = Vec::new();
         while let Some(action) = self.actions.blocking_recv() {
-            let (name, heard) = match action {
+            let (name, event) = match action {
                 Action::Scan => ("scan", Some(advertisement())),
                 Action::StopScan => ("stop", None),
                 Action::Connect(_) => ("connect", Some(RadioEvent::Connected)),
@@ -55,12 +55,12 @@ impl Peripheral {
                 Action::Disconnect => ("disconnect", Some(RadioEvent::Disconnected)),
                 other => panic!("{other:?} is for the pipeline"),
             };
-            asked.push(name);
-            if let Some(heard) = heard {
-                let _ = self.events.send(heard);
+            actions_taken.push(name);
+            if let Some(event) = event {
+                let _ = self.events.send(event);
             }
         }
-        asked
+        actions_taken
     }
 
     /// Sends the recording from its current position, on the four characteristics in turn.
@@ -218,7 +218,7 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     }
     started.stop.request();
     started.session.join().unwrap().unwrap();
-    let asked = started.peripheral.join().unwrap();
+    let actions_taken = started.peripheral.join().unwrap();
     assert_eq!(emg, samples);
     // Labels of the first connection; the first report is of the state before it.
     let expected = labels(&samples[..2 * half]);
@@ -230,8 +230,14 @@ fn an_armband_is_followed_and_labelled_as_on_a_board_and_found_again_when_it_is_
     );
     connected.dedup();
     assert_eq!(connected, [false, true, false, true]);
-    assert_eq!(asked.iter().filter(|name| **name == "connect").count(), 2);
-    assert_eq!(asked.last(), Some(&"disconnect"));
+    assert_eq!(
+        actions_taken
+            .iter()
+            .filter(|name| **name == "connect")
+            .count(),
+        2
+    );
+    assert_eq!(actions_taken.last(), Some(&"disconnect"));
 }
 
 #[test]
@@ -244,9 +250,9 @@ fn an_armband_of_an_address_is_connected_to_at_its_first_advertisement() {
     while !is_shown(&messages.recv_timeout(Duration::from_secs(60)).unwrap()) {}
     started.stop.request();
     started.session.join().unwrap().unwrap();
-    let asked = started.peripheral.join().unwrap();
-    assert_eq!(asked[..2], ["scan", "stop"]);
-    assert!(asked.contains(&"stream"), "{asked:?}");
+    let actions_taken = started.peripheral.join().unwrap();
+    assert_eq!(actions_taken[..2], ["scan", "stop"]);
+    assert!(actions_taken.contains(&"stream"), "{actions_taken:?}");
 }
 
 #[test]

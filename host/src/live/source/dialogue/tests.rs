@@ -120,7 +120,7 @@ fn an_alignment_that_was_made_before_is_told_once_and_asked_for_again_after_a_re
     let alignment = Alignment::new(3, false);
     let answer = Answer::Alignment(alignment).to_string();
     let answer = answer.as_bytes();
-    let told = [
+    let expected = [
         BoardEvent::Alignment(alignment),
         BoardEvent::Publish(Event::of_placement(0.0, alignment)),
     ];
@@ -129,13 +129,13 @@ fn an_alignment_that_was_made_before_is_told_once_and_asked_for_again_after_a_re
         all.retain(|event| !matches!(event, BoardEvent::Publish(Event::Line { .. })));
         all
     };
-    assert_eq!(found(&mut dialogue), told);
+    assert_eq!(found(&mut dialogue), expected);
     assert_eq!(found(&mut dialogue), []);
     while dialogue.command(Millis(0)).is_some() {}
     events(&mut dialogue, [report(7), report(0)].concat().as_bytes());
     let next = dialogue.command(Millis(1));
     assert_eq!(next, Some(Command::Align(AlignCommand::State)));
-    assert_eq!(found(&mut dialogue), told);
+    assert_eq!(found(&mut dialogue), expected);
 }
 
 #[test]
@@ -146,13 +146,13 @@ fn a_board_that_follows_nobody_is_asked_every_second_and_a_bound_one_seldom() {
             following,
             is_kept: true,
         };
-        let told = events(
+        let published = events(
             &mut dialogue,
             Answer::Binding(binding).to_string().as_bytes(),
         );
         assert!(
-            told.contains(&BoardEvent::Publish(Event::of_binding(&binding))),
-            "{told:?}"
+            published.contains(&BoardEvent::Publish(Event::of_binding(&binding))),
+            "{published:?}"
         );
         let mut times = Vec::new();
         for now in from..from + 5_000 {
@@ -199,8 +199,8 @@ proptest! {
         bytes.extend(emg(100).bytes());
         let mut dialogue = dialogue();
         let (mut received, mut last) = (0, None);
-        for heard in events(&mut dialogue, &bytes) {
-            if let BoardEvent::Samples(report, _) = heard {
+        for event in events(&mut dialogue, &bytes) {
+            if let BoardEvent::Samples(report, _) = event {
                 prop_assert_eq!(report.samples[0], [report.first.0 as i8; 8]);
                 received += 2;
                 last = Some(report.first.0);
