@@ -1,12 +1,13 @@
-// What this page has seen: samples, labels, scores and marks of the last minutes, by the number of the sample.
+// History of the stream: samples, labels, scores and marks of the last minutes, by the number of the sample.
 
 import { RATE } from "./clock.js";
 
 export const CHANNELS = 8;
 const MINUTES = 10;
 const CAPACITY = MINUTES * 60 * RATE;
+export const CLASSES = ["relax", "open", "close", "wave-in", "wave-out", "pinch"];
 
-export class Seen {
+export class SampleHistory {
   emg = new Int8Array(CAPACITY * CHANNELS);
   truth = new Array(CAPACITY).fill(null);
   /** How the armband sits, as the board is aligned: its turn, and 8 more if it is mirrored. */
@@ -131,4 +132,34 @@ export function lastUpTo(list, key, value) {
     }
   }
   return low - 1;
+}
+
+/**
+ * Csv of a history in ReactEMG's layout, with further columns that its readers ignore, and its duration in seconds.
+ * Label: -1 where the recording has none, and for every sample of a board.
+ */
+export function csv(history) {
+  const channels = Array.from({ length: CHANNELS }, (_, channel) => `emg_${channel}`);
+  const rows = [["gt", ...channels, "sample", "label", "valid", "turn", "mirrored", "mark"].join(",")];
+  const [first, end] = history.stretch();
+  let mark = history.marks.findIndex((one) => one.sample >= first);
+  for (let sample = first; sample < end; sample += 1) {
+    const values = channels.map((_, channel) => history.value(sample, channel));
+    const label = history.labels[lastUpTo(history.labels, "from", sample)];
+    const texts = [];
+    while (mark >= 0 && history.marks[mark]?.sample <= sample) {
+      texts.push(history.marks[mark].text.replace(/[",\r\n]/g, " "));
+      mark += 1;
+    }
+    rows.push([
+      CLASSES.indexOf(history.truthAt(sample)),
+      ...values,
+      sample,
+      label?.label ?? "",
+      label ? Number(label.valid) : "",
+      ...history.placement(sample),
+      texts.join("; "),
+    ].join(","));
+  }
+  return { text: `${rows.join("\n")}\n`, seconds: (end - first) / RATE };
 }

@@ -7,39 +7,39 @@ const AT_ONCE: u32 = 20;
 /// Time in which one more request is allowed: 10 a second.
 const EACH: Duration = Duration::from_millis(100);
 /// Pause between two answers to excess requests.
-const TOLD: Duration = Duration::from_secs(1);
+const REFUSAL_PAUSE: Duration = Duration::from_secs(1);
 
-/// Requests that a viewer has left.
+/// Rate limit: how many requests a viewer has left.
 #[derive(Debug)]
-pub(super) struct Rate {
+pub(super) struct RateLimit {
     left: u32,
     /// Time at which `left` was counted.
     at: Instant,
-    /// Time of the last refusal that the viewer was told.
-    told: Option<Instant>,
+    /// Time of the last refusal.
+    refused: Option<Instant>,
 }
 
-/// Decision about a request.
+/// Decision about a request of a viewer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Heard {
-    Yes,
+pub(super) enum Admission {
+    Admitted,
     /// Excess request; the viewer is to be told.
     Refused,
     /// Excess request; the viewer was told just now.
     Ignored,
 }
 
-impl Rate {
+impl RateLimit {
     pub(super) const fn new(now: Instant) -> Self {
         Self {
             left: AT_ONCE,
             at: now,
-            told: None,
+            refused: None,
         }
     }
 
     /// Decides about a request.
-    pub(super) fn ask(&mut self, now: Instant) -> Heard {
+    pub(super) fn admit(&mut self, now: Instant) -> Admission {
         let passed = now.saturating_duration_since(self.at).as_millis() / EACH.as_millis();
         let passed = u32::try_from(passed).unwrap_or(u32::MAX);
         if passed >= AT_ONCE - self.left {
@@ -50,14 +50,14 @@ impl Rate {
         }
         if self.left > 0 {
             self.left -= 1;
-            return Heard::Yes;
+            return Admission::Admitted;
         }
-        let is_new = |told| now.saturating_duration_since(told) >= TOLD;
-        if self.told.is_none_or(is_new) {
-            self.told = Some(now);
-            return Heard::Refused;
+        let is_new = |refused| now.saturating_duration_since(refused) >= REFUSAL_PAUSE;
+        if self.refused.is_none_or(is_new) {
+            self.refused = Some(now);
+            return Admission::Refused;
         }
-        Heard::Ignored
+        Admission::Ignored
     }
 }
 
@@ -68,13 +68,13 @@ mod tests {
     #[test]
     fn twenty_at_once_and_then_ten_a_second_are_heard_and_the_rest_is_told_once_a_second() {
         let began = Instant::now();
-        let mut rate = Rate::new(began);
+        let mut rate_limit = RateLimit::new(began);
         let mut count = |from: u64, to: u64| {
-            let mut heard = [0; 3];
+            let mut counts = [0; 3];
             for ms in from..to {
-                heard[rate.ask(began + Duration::from_millis(ms)) as usize] += 1;
+                counts[rate_limit.admit(began + Duration::from_millis(ms)) as usize] += 1;
             }
-            heard
+            counts
         };
         assert_eq!(count(0, 1), [1, 0, 0]);
         let [yes, refused, ignored] = count(1, 10_000);

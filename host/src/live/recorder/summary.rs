@@ -3,40 +3,45 @@
 use std::path::{Path, PathBuf};
 
 use super::Recorder;
-use crate::live::outcome::Kept;
+use crate::live::outcome::SessionResult;
 use crate::record;
-use crate::record::told::Told;
+use crate::record::quality::FindingText;
 
 /// Describes what was kept, with the next commands.
-pub(super) fn told(kept: &record::Kept, recorder: &Recorder) -> Kept {
+pub(super) fn summary(conversion: &record::Conversion, recorder: &Recorder) -> SessionResult {
     let name = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     };
     let folder = recorder.folder();
     let data = quoted(&folder);
-    let out = free(&folder, &recorder.options.person);
-    let counts = kept.quality.counts.iter();
-    Kept {
-        good: kept.quality.is_good_enough(),
-        seconds: kept.quality.seconds,
+    let out = free_path(&folder, &recorder.options.person);
+    let counts = conversion.quality.counts.iter();
+    SessionResult {
+        good: conversion.quality.is_good_enough(),
+        seconds: conversion.quality.seconds,
         folder: folder.display().to_string(),
-        files: kept.files.iter().map(name).collect(),
+        files: conversion.files.iter().map(name).collect(),
         counts: counts.map(|(&class, &count)| (class, count)).collect(),
-        bad: kept.bad,
-        findings: kept.quality.findings.iter().map(Told::from).collect(),
+        bad: conversion.rejected,
+        findings: conversion
+            .quality
+            .findings
+            .iter()
+            .map(FindingText::from)
+            .collect(),
         inspect: format!("myointent data inspect {data}"),
         personalize: format!(
             "myointent personalize --model {} --data {data} --out {}",
             quoted(&recorder.options.model),
             quoted(&out)
         ),
-        install: install(recorder, &out),
+        install: install_command(recorder, &out),
     }
 }
 
 /// Command that installs a model on a board.
-pub(super) fn install(recorder: &Recorder, file: &Path) -> String {
+pub(super) fn install_command(recorder: &Recorder, file: &Path) -> String {
     let port = recorder
         .port
         .as_deref()
@@ -60,7 +65,7 @@ fn quoted(path: &Path) -> String {
 }
 
 /// Finds a free name for a model file.
-pub(super) fn free(folder: &Path, person: &str) -> PathBuf {
+pub(super) fn free_path(folder: &Path, person: &str) -> PathBuf {
     let mut number = 1_u32;
     let mut path = folder.join(format!("{person}.intent"));
     while path.exists() {

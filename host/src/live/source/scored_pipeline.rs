@@ -11,16 +11,16 @@ use shared::uart_line::Report;
 use shared::uart_line::alignment::AlignmentReport;
 use shared::units::{Millis, PATCH, Sample, SampleIndex};
 
-use super::{Context, Request};
+use super::scores::{EncoderOutputs, ObservedEncoder};
+use super::{Context, SourceRequest};
 use crate::live::event::Event;
 use crate::live::hub::Hub;
-use crate::live::scores::{Observed, Outputs};
 use evaluation::inference::stream::pipeline;
 
 /// Pipeline whose encoder is observed.
-pub(super) struct Scored<'r, E: Encode> {
-    pipeline: Pipeline<'r, Observed<'r, E>>,
-    outputs: &'r RefCell<Outputs>,
+pub(super) struct ScoredPipeline<'r, E: Encode> {
+    pipeline: Pipeline<'r, ObservedEncoder<'r, E>>,
+    outputs: &'r RefCell<EncoderOutputs>,
     settings: Settings,
     columns: usize,
     /// Sample with which the newest output came.
@@ -28,13 +28,13 @@ pub(super) struct Scored<'r, E: Encode> {
 }
 
 /// Results of one sample.
-pub(super) struct Found {
+pub(super) struct SampleOutput {
     pub(super) reports: Reports,
     pub(super) alignment: Option<AlignmentReport>,
     pub(super) scores: Option<Event>,
 }
 
-impl Found {
+impl SampleOutput {
     /// Publishes the results; `at` is the time of the sample.
     pub(super) fn publish(self, hub: &Hub, at: f64) {
         for report in self.reports {
@@ -49,7 +49,7 @@ impl Found {
     }
 }
 
-impl<'r, E: Encode> Scored<'r, E> {
+impl<'r, E: Encode> ScoredPipeline<'r, E> {
     /// Creates the pipeline of a model; `encoder` must be made from the same model.
     ///
     /// # Errors
@@ -58,11 +58,11 @@ impl<'r, E: Encode> Scored<'r, E> {
         model: &Model<'_>,
         encoder: E,
         state: &'r mut E::State,
-        outputs: &'r RefCell<Outputs>,
+        outputs: &'r RefCell<EncoderOutputs>,
     ) -> Result<Self, SettingsError> {
         let dimensions = model.header.dimensions;
         Ok(Self {
-            pipeline: pipeline(model, Observed::new(encoder, outputs), state)?,
+            pipeline: pipeline(model, ObservedEncoder::new(encoder, outputs), state)?,
             outputs,
             settings: model.header.smoother.in_patches(),
             columns: dimensions.vocabulary.classes() + usize::from(dimensions.other),
@@ -76,9 +76,14 @@ impl<'r, E: Encode> Scored<'r, E> {
     }
 
     /// Takes a sample with its index.
-    pub(super) fn sample(&mut self, now: Millis, index: SampleIndex, sample: Sample) -> Found {
+    pub(super) fn sample(
+        &mut self,
+        now: Millis,
+        index: SampleIndex,
+        sample: Sample,
+    ) -> SampleOutput {
         let reports = self.pipeline.sample(now, sample);
-        Found {
+        SampleOutput {
             reports,
             alignment: self.pipeline.take_alignment_report(),
             scores: self.scores(index),
@@ -123,10 +128,10 @@ impl<'r, E: Encode> Scored<'r, E> {
     pub(super) fn requests(&mut self, context: &Context) {
         while let Ok(request) = context.requests.try_recv() {
             match request {
-                Request::Align => self.pipeline.begin_alignment(Arm::Unknown),
-                Request::CancelAlignment => self.pipeline.cancel_alignment(),
+                SourceRequest::Align => self.pipeline.begin_alignment(Arm::Unknown),
+                SourceRequest::CancelAlignment => self.pipeline.cancel_alignment(),
                 // There is no board.
-                Request::Bind | Request::Install(_) => {}
+                SourceRequest::Bind | SourceRequest::Install(_) => {}
             }
             if let Some(report) = self.pipeline.take_alignment_report() {
                 let event = Event::of_alignment(context.hub.now(), &report);

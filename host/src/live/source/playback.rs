@@ -9,8 +9,8 @@ use shared::model::encoder::HostEncoder;
 use shared::model::file::Model;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample, SampleIndex};
 
-use super::scored::Scored;
-use super::{Asked, Context};
+use super::scored_pipeline::ScoredPipeline;
+use super::{Context, SharedCue};
 use crate::live::event::Event;
 use recordings::synthetic::Follower;
 
@@ -22,25 +22,25 @@ const LATE: Duration = Duration::from_millis(500);
 
 /// Source of the samples.
 #[derive(Debug)]
-pub(crate) enum Played {
+pub(crate) enum SampleSource {
     /// Recording, repeated.
     Recording {
         samples: Vec<Sample>,
-        /// One label for each sample.
+        /// Labels, one for each sample.
         labels: Vec<Option<Intent>>,
     },
     /// Simulated person who does what is asked for.
-    Person(Box<Follower>, Asked),
+    Person(Box<Follower>, SharedCue),
 }
 
 /// Samples to play in real time, and the model to run on them.
 #[derive(Debug)]
-pub(crate) struct Recorded {
+pub(crate) struct Playback {
     /// `demo` or `replay`.
     pub(crate) kind: &'static str,
     pub(crate) name: String,
     pub(crate) model: Vec<u8>,
-    pub(crate) played: Played,
+    pub(crate) samples: SampleSource,
     /// Speed-up, at least 1.
     pub(crate) speed: u32,
 }
@@ -53,25 +53,25 @@ struct Notification {
     again: bool,
 }
 
-impl Played {
+impl SampleSource {
     /// Returns at most a notification of samples, from `first` on.
     fn next(&mut self, first: SampleIndex) -> Notification {
         match self {
             Self::Recording { samples, labels } => {
-                let place = first.0 as usize % samples.len();
-                let places = place..samples.len().min(place + TOGETHER);
-                let truth = &labels[places.clone()];
+                let offset = first.0 as usize % samples.len();
+                let range = offset..samples.len().min(offset + TOGETHER);
+                let truth = &labels[range.clone()];
                 let names = || truth.iter().map(|label| label.map(Intent::name)).collect();
                 Notification {
-                    emg: samples[places].to_vec(),
+                    emg: samples[range].to_vec(),
                     truth: truth.iter().any(Option::is_some).then(names),
-                    again: place == 0 && first.0 > 0,
+                    again: offset == 0 && first.0 > 0,
                 }
             }
-            Self::Person(person, asked) => {
-                let asked = asked.at(first, LATE);
+            Self::Person(person, cue) => {
+                let cue = cue.at(first, LATE);
                 Notification {
-                    emg: (0..TOGETHER).map(|_| person.sample(asked)).collect(),
+                    emg: (0..TOGETHER).map(|_| person.sample(cue)).collect(),
                     truth: None,
                     again: false,
                 }
@@ -80,7 +80,7 @@ impl Played {
     }
 }
 
-impl Recorded {
+impl Playback {
     /// Plays until it is stopped.
     ///
     /// # Errors
@@ -91,7 +91,7 @@ impl Recorded {
         let encoder = HostEncoder::new(&model)?;
         let outputs = RefCell::default();
         let mut state = encoder.fresh();
-        let mut scored = Scored::new(&model, encoder, &mut state, &outputs)?;
+        let mut scored = ScoredPipeline::new(&model, encoder, &mut state, &outputs)?;
         hub.publish(&Event::Source {
             kind: self.kind,
             name: self.name.clone(),
@@ -112,7 +112,7 @@ impl Recorded {
             let period = Duration::from_millis(u64::from(SAMPLE_PERIOD_MS)) * TOGETHER as u32;
             due += period / self.speed.max(1);
             scored.requests(context);
-            let notification = self.played.next(next);
+            let notification = self.samples.next(next);
             next = take(context, &mut scored, notification, next);
         }
         Ok(())
@@ -122,7 +122,7 @@ impl Recorded {
 /// Publishes and labels the samples of a notification. Returns the index of the next sample.
 fn take(
     context: &Context,
-    scored: &mut Scored<'_, HostEncoder<'_>>,
+    scored: &mut ScoredPipeline<'_, HostEncoder<'_>>,
     notification: Notification,
     first: SampleIndex,
 ) -> SampleIndex {

@@ -1,14 +1,14 @@
-//! Requests of a viewer: the messages of its websocket, each a JSON object.
+//! Messages of a viewer over its websocket, each a JSON object.
 
 use serde::Deserialize;
 
-use crate::live::recorder::Wish;
+use crate::live::recorder::RecorderRequest;
 use crate::record::session::Action;
 
-/// Request of a viewer.
+/// Message of a viewer.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum Said {
+pub(super) enum ViewerMessage {
     /// Ask for the server's time; the answer repeats `sent`.
     Ping { sent: f64 },
     /// Mark a sample.
@@ -20,12 +20,15 @@ pub(super) enum Said {
     /// Begin a pairing on the board.
     Bind,
     /// Control the recording session.
-    Session { wish: SessionWish },
+    Session {
+        #[serde(rename = "wish")]
+        command: SessionCommand,
+    },
     /// Name the gesture done from now on, in a free session.
     Gesture { class: String },
 }
 
-impl Said {
+impl ViewerMessage {
     /// Name of the request in the table of rights.
     pub(super) const fn name(&self) -> &'static str {
         match self {
@@ -35,7 +38,7 @@ impl Said {
             Self::Cancel => "cancel",
             Self::Bind => "bind",
             Self::Session {
-                wish: SessionWish::Install,
+                command: SessionCommand::Install,
             } => "install",
             Self::Session { .. } => "session",
             Self::Gesture { .. } => "gesture",
@@ -43,10 +46,10 @@ impl Said {
     }
 }
 
-/// Request of a viewer to a session.
+/// Command of a viewer to the session.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum SessionWish {
+pub(super) enum SessionCommand {
     Begin,
     Repeat,
     Hold,
@@ -56,16 +59,16 @@ pub(super) enum SessionWish {
     Install,
 }
 
-impl SessionWish {
-    pub(super) const fn wish(self) -> Wish {
+impl SessionCommand {
+    pub(super) const fn request(self) -> RecorderRequest {
         match self {
-            Self::Begin => Wish::Action(Action::Begin),
-            Self::Repeat => Wish::Action(Action::Repeat),
-            Self::Hold => Wish::Action(Action::Hold),
-            Self::Finish => Wish::Action(Action::Finish),
-            Self::Again => Wish::Again,
-            Self::Tune => Wish::Tune,
-            Self::Install => Wish::Install,
+            Self::Begin => RecorderRequest::Action(Action::Begin),
+            Self::Repeat => RecorderRequest::Action(Action::Repeat),
+            Self::Hold => RecorderRequest::Action(Action::Hold),
+            Self::Finish => RecorderRequest::Action(Action::Finish),
+            Self::Again => RecorderRequest::NewSession,
+            Self::Tune => RecorderRequest::Tune,
+            Self::Install => RecorderRequest::Install,
         }
     }
 }

@@ -6,30 +6,29 @@ use std::path::Path;
 use shared::intent::Intent;
 use shared::units::{CHANNELS, Sample};
 
-use super::assembly::{Part, Take};
+use super::assembly::{Assembly, Part};
 use super::quality::{Quality, judge};
 use recordings::labels::cued::follow;
 use recordings::labels::motion::motions;
-pub use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
+use recordings::readers::formats::react_emg::RECORDER_COLUMNS;
 use recordings::{DataSet, Library, Recording};
 
 /// Guided recordings of a person.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Recorded {
+pub(crate) struct PersonQuality {
     /// Data set and person.
-    pub person: String,
+    pub(crate) person: String,
     /// Number of files.
-    pub files: usize,
+    pub(crate) files: usize,
     /// Quality of all of them together.
-    pub quality: Quality,
+    pub(crate) quality: Quality,
 }
 
 /// Judges the guided recordings of a library, person by person in alphabetical order; skips other recordings.
 ///
 /// The files do not tell whether a session ended early, and of lost samples they have only the bridged ones.
-#[must_use]
-pub fn recorded(library: &Library) -> Vec<Recorded> {
-    let mut people: BTreeMap<&str, Take> = BTreeMap::new();
+pub(crate) fn quality_by_person(library: &Library) -> Vec<PersonQuality> {
+    let mut people: BTreeMap<&str, Assembly> = BTreeMap::new();
     // Files of this layout are read as these sets: no other file is opened again.
     let is_own = |recording: &&Recording| {
         matches!(recording.data_set, DataSet::ReactEmg | DataSet::Synthetic)
@@ -38,15 +37,15 @@ pub fn recorded(library: &Library) -> Vec<Recorded> {
         let Some(part) = part(&recording.path, &recording.labels) else {
             continue;
         };
-        let take = people.entry(&recording.subject).or_default();
-        take.lost += part.bridged.iter().filter(|&&bridged| bridged).count() as u64;
-        take.parts.push(part);
-        take.complete = true;
+        let assembly = people.entry(&recording.subject).or_default();
+        assembly.lost += part.bridged.iter().filter(|&&bridged| bridged).count() as u64;
+        assembly.parts.push(part);
+        assembly.complete = true;
     }
-    let judged = people.into_iter().map(|(person, take)| Recorded {
+    let judged = people.into_iter().map(|(person, assembly)| PersonQuality {
         person: person.to_owned(),
-        files: take.parts.len(),
-        quality: judge(&take, false),
+        files: assembly.parts.len(),
+        quality: judge(&assembly, false),
     });
     judged.collect()
 }

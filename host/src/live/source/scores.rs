@@ -9,14 +9,14 @@ use shared::units::{LOOK_BACK, Patch};
 
 /// Newest outputs of an encoder.
 #[derive(Debug, Default)]
-pub(crate) struct Outputs {
+pub(super) struct EncoderOutputs {
     /// Outputs that an instant's label depends on, the newest last.
     rows: VecDeque<LookBackLogits>,
-    /// Whether an output came since [`Outputs::take`].
+    /// Whether an output came since [`EncoderOutputs::take`].
     is_new: bool,
 }
 
-impl Outputs {
+impl EncoderOutputs {
     fn push(&mut self, rows: LookBackLogits) {
         if self.rows.len() == LOOK_BACK {
             self.rows.pop_front();
@@ -34,7 +34,7 @@ impl Outputs {
     /// there are as many outputs as its label depends on.
     ///
     /// It is the softmax of the mean logits: the label is the largest of the same sums, if the confidence gate lets it in.
-    pub(crate) fn take(&mut self, settings: &Settings, columns: usize) -> Option<Vec<f32>> {
+    pub(super) fn take(&mut self, settings: &Settings, columns: usize) -> Option<Vec<f32>> {
         let depth = settings.look_ahead + 1;
         if !std::mem::take(&mut self.is_new) || self.rows.len() < depth {
             return None;
@@ -67,18 +67,18 @@ fn softmax(logits: impl Iterator<Item = f32> + Clone) -> Vec<f32> {
 
 /// Encoder whose outputs are kept for the scores.
 #[derive(Debug)]
-pub(crate) struct Observed<'o, E> {
+pub(super) struct ObservedEncoder<'o, E> {
     encoder: E,
-    outputs: &'o RefCell<Outputs>,
+    outputs: &'o RefCell<EncoderOutputs>,
 }
 
-impl<'o, E> Observed<'o, E> {
-    pub(crate) const fn new(encoder: E, outputs: &'o RefCell<Outputs>) -> Self {
+impl<'o, E> ObservedEncoder<'o, E> {
+    pub(super) const fn new(encoder: E, outputs: &'o RefCell<EncoderOutputs>) -> Self {
         Self { encoder, outputs }
     }
 }
 
-impl<E: Encode> Encode for Observed<'_, E> {
+impl<E: Encode> Encode for ObservedEncoder<'_, E> {
     type State = E::State;
 
     fn classes(&self) -> usize {
@@ -130,7 +130,7 @@ mod tests {
                     ..Settings::PAPER_IN_PATCHES
                 };
                 let mut smoother = Smoother::<MAX_LOGITS, LOOK_BACK>::new(settings, 3).unwrap();
-                let mut outputs = Outputs::default();
+                let mut outputs = EncoderOutputs::default();
                 let mut compared = 0;
                 for number in 0..50 {
                     let rows = rows(number);
@@ -157,7 +157,7 @@ mod tests {
             look_ahead: 0,
             ..Settings::PAPER_IN_PATCHES
         };
-        let mut outputs = Outputs::default();
+        let mut outputs = EncoderOutputs::default();
         assert_eq!(outputs.take(&settings, 3), None);
         outputs.push(rows(1));
         assert!(outputs.take(&settings, 3).is_some());

@@ -3,11 +3,11 @@
 use shared::units::SampleIndex;
 
 /// Greatest number of missing samples that are bridged by repeating the last one, as on a board.
-pub const BRIDGED: u32 = 5;
+const BRIDGED: u32 = 5;
 
 /// Relation of samples to those before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Continuity {
+pub(crate) enum Continuity {
     /// Samples follow without a gap, or are the first.
     Next,
     /// Samples follow a gap of this many, which is bridged.
@@ -18,19 +18,23 @@ pub enum Continuity {
     Restart,
 }
 
-/// Index that is due.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Continuous(Option<SampleIndex>);
+/// Whether a stream that has come to `index` has reached the sample `at`; correct across a wrap.
+pub(crate) const fn has_reached(index: SampleIndex, at: SampleIndex) -> bool {
+    index.0.wrapping_sub(at.0) <= u32::MAX / 2
+}
 
-impl Continuous {
+/// Detector of gaps: the index that is due.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(crate) struct GapDetector(Option<SampleIndex>);
+
+impl GapDetector {
     /// Index that is due; none before the first sample.
-    #[must_use]
-    pub const fn next(self) -> Option<SampleIndex> {
+    pub(crate) const fn next(self) -> Option<SampleIndex> {
         self.0
     }
 
     /// Takes consecutive samples and returns how they follow those before.
-    pub fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
+    pub(crate) fn take(&mut self, first: SampleIndex, count: u32) -> Continuity {
         let due = self.0.replace(first.plus(count));
         let Some(due) = due else {
             return Continuity::Next;

@@ -13,7 +13,7 @@ const AHEAD: u32 = 20;
 ///
 /// The person waits for the reader, so that it follows a cue at the same sample, however busy the machine is.
 #[derive(Clone, Debug)]
-pub(crate) struct Asked(Arc<Shared>);
+pub(crate) struct SharedCue(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
@@ -28,7 +28,7 @@ struct State {
     unread: SampleIndex,
 }
 
-impl Default for Asked {
+impl Default for SharedCue {
     fn default() -> Self {
         let state = State {
             intent: Intent::Relax,
@@ -41,7 +41,7 @@ impl Default for Asked {
     }
 }
 
-impl Asked {
+impl SharedCue {
     pub(crate) fn set(&self, intent: Intent) {
         self.state().intent = intent;
     }
@@ -76,25 +76,25 @@ mod tests {
 
     #[test]
     fn a_person_waits_for_a_reader_who_is_far_behind() {
-        let asked = Asked::default();
-        let person = asked.clone();
+        let cue = SharedCue::default();
+        let person = cue.clone();
         let follows = std::thread::spawn(move || person.at(SampleIndex(AHEAD + 1), FOREVER));
         // It must not answer before, however long this thread waits: relax would be the answer.
         std::thread::sleep(Duration::from_millis(20));
-        asked.set(Intent::Open);
-        asked.read(SampleIndex(1));
+        cue.set(Intent::Open);
+        cue.read(SampleIndex(1));
         assert_eq!(follows.join().unwrap(), Intent::Open);
     }
 
     #[test]
     fn a_person_does_not_wait_for_a_reader_who_is_near_or_reads_no_more() {
-        let asked = Asked::default();
-        asked.set(Intent::Close);
-        assert_eq!(asked.at(SampleIndex(AHEAD), FOREVER), Intent::Close);
+        let cue = SharedCue::default();
+        cue.set(Intent::Close);
+        assert_eq!(cue.at(SampleIndex(AHEAD), FOREVER), Intent::Close);
         let soon = Duration::from_millis(1);
-        assert_eq!(asked.at(SampleIndex(1000), soon), Intent::Close);
+        assert_eq!(cue.at(SampleIndex(1000), soon), Intent::Close);
         // The index wraps.
-        asked.read(SampleIndex(u32::MAX));
-        assert_eq!(asked.at(SampleIndex(3), FOREVER), Intent::Close);
+        cue.read(SampleIndex(u32::MAX));
+        assert_eq!(cue.at(SampleIndex(3), FOREVER), Intent::Close);
     }
 }

@@ -5,7 +5,7 @@ use super::*;
 use crate::record::journal::{Entry, Header, Journal, read};
 use crate::record::protocol::Protocol;
 use crate::record::session::{Action, Input, Output, Session};
-use crate::record::{Recorded, recorded};
+use crate::record::{PersonQuality, quality_by_person};
 use recordings::DataSet;
 use recordings::synthetic::Follower;
 
@@ -35,7 +35,7 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     // Each file has another person: equal recordings count once.
     let mut person = Follower::new(path.file_stem().unwrap().to_str().unwrap());
     let mut sent = Vec::new();
-    let mut asked = Intent::Relax;
+    let mut cued = Intent::Relax;
     session.handle(
         Millis(0),
         Input::Samples {
@@ -47,11 +47,11 @@ fn record(path: &Path, synthetic: bool, seconds: u32) -> Vec<Sample> {
     for pair in 0..100 * seconds {
         let first = SampleIndex(10 + 2 * pair);
         let now = Millis(10 * pair);
-        let samples = [(); 2].map(|()| person.sample(asked));
+        let samples = [(); 2].map(|()| person.sample(cued));
         session.handle(now, Input::Samples { first, count: 2 });
         while let Some(output) = session.poll() {
             if let Output::Cue { cue, .. } = output {
-                asked = cue.unwrap_or(Intent::Relax);
+                cued = cue.unwrap_or(Intent::Relax);
             }
             journal.entry(&Entry::of(output));
         }
@@ -73,9 +73,9 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
     fs::create_dir(&person).unwrap();
     let journal = person.join("anna_20261122T110323Z_short.journal");
     let sent = record(&journal, false, 60);
-    let kept = keep(&journal).unwrap();
+    let conversion = convert(&journal).unwrap();
     assert!(!journal.exists());
-    let names: Vec<_> = kept
+    let names: Vec<_> = conversion
         .files
         .iter()
         .map(|path| path.file_name().unwrap().to_str().unwrap())
@@ -100,7 +100,7 @@ fn a_session_becomes_a_recording_a_round_that_readers_take_sample_for_sample() {
             assert!(recording.labels.contains(&Some(intent)), "{intent:?}");
         }
     }
-    assert_eq!(kept.quality.counts["open"], 2);
+    assert_eq!(conversion.quality.counts["open"], 2);
 }
 
 #[test]
@@ -111,11 +111,11 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     let session = |name: &str| {
         let journal = person.join(format!("anna_{name}_short.journal"));
         record(&journal, false, 60);
-        keep(&journal).unwrap().quality
+        convert(&journal).unwrap().quality
     };
     let judged = || {
         let library = load(folder.path(), &LoadOptions::default()).unwrap();
-        let [judged] = <[Recorded; 1]>::try_from(recorded(&library)).unwrap();
+        let [judged] = <[PersonQuality; 1]>::try_from(quality_by_person(&library)).unwrap();
         judged
     };
     let at_its_end = session("1");
@@ -134,9 +134,9 @@ fn sessions_are_judged_again_from_their_files_all_together() {
     fs::create_dir(&ended).unwrap();
     let journal = ended.join("eva_1_short.journal");
     record(&journal, false, 2);
-    keep(&journal).unwrap();
+    convert(&journal).unwrap();
     let library = load(&ended, &LoadOptions::default()).unwrap();
-    assert!(!recorded(&library)[0].quality.is_good_enough());
+    assert!(!quality_by_person(&library)[0].quality.is_good_enough());
     fs::remove_dir_all(&ended).unwrap();
     // A file that is no guided recording is not judged.
     fs::write(
@@ -152,8 +152,8 @@ fn samples_of_nobody_are_read_as_synthetic() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("anna_1.journal");
     record(&journal, true, 20);
-    let kept = keep(&journal).unwrap();
-    let library = load(&kept.files[0], &LoadOptions::default()).unwrap();
+    let conversion = convert(&journal).unwrap();
+    let library = load(&conversion.files[0], &LoadOptions::default()).unwrap();
     assert_eq!(library.recordings[0].data_set, DataSet::Synthetic);
 }
 
@@ -173,10 +173,10 @@ fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
             assert!(found.is_empty() && !path.exists(), "{cut}");
             continue;
         }
-        let [(_, Ok(kept))] = &found[..] else {
+        let [(_, Ok(conversion))] = &found[..] else {
             panic!("{cut}: {found:?}");
         };
-        let samples: Vec<Sample> = kept
+        let samples: Vec<Sample> = conversion
             .files
             .iter()
             .flat_map(|file| load(file, &LoadOptions::default()).unwrap().recordings)
@@ -197,7 +197,7 @@ fn a_journal_cut_anywhere_gives_all_samples_of_its_whole_lines() {
             "{cut}: {} of {written}",
             samples.len()
         );
-        for file in &kept.files {
+        for file in &conversion.files {
             fs::remove_file(file).unwrap();
         }
     }
@@ -210,13 +210,13 @@ fn a_recording_that_is_there_is_never_overwritten() {
     record(&journal, false, 20);
     let other = folder.path().join("anna_1_1.csv");
     fs::write(&other, "somebody's").unwrap();
-    let error = keep(&journal).unwrap_err();
-    assert!(matches!(error, KeepError::Exists { .. }), "{error}");
+    let error = convert(&journal).unwrap_err();
+    assert!(matches!(error, RecordError::Exists { .. }), "{error}");
     assert_eq!(fs::read_to_string(&other).unwrap(), "somebody's");
     assert!(journal.exists());
     fs::remove_file(&other).unwrap();
-    let kept = keep(&journal).unwrap();
-    assert_eq!(kept.files[0], other);
+    let conversion = convert(&journal).unwrap();
+    assert_eq!(conversion.files[0], other);
 }
 
 #[test]
@@ -225,11 +225,11 @@ fn a_program_that_was_killed_between_files_goes_on_with_them() {
     let journal = folder.path().join("anna_1.journal");
     record(&journal, false, 60);
     let copy = fs::read(&journal).unwrap();
-    let first = keep(&journal).unwrap();
+    let first = convert(&journal).unwrap();
     // Killed after the first file: the second is missing, and the journal is still there.
     fs::write(&journal, copy).unwrap();
     fs::remove_file(&first.files[1]).unwrap();
-    assert_eq!(keep(&journal).unwrap(), first);
+    assert_eq!(convert(&journal).unwrap(), first);
 }
 
 #[test]
@@ -241,14 +241,15 @@ fn a_damaged_journal_is_kept_beside_what_could_be_read() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(&journal, &bytes).unwrap();
-    let kept = keep(&journal).unwrap();
+    let conversion = convert(&journal).unwrap();
     assert!(
-        kept.quality
+        conversion
+            .quality
             .findings
             .iter()
             .any(|finding| finding.to_string().contains("damaged"))
     );
-    assert!(!kept.files.is_empty() && !journal.exists());
+    assert!(!conversion.files.is_empty() && !journal.exists());
     assert_eq!(
         fs::read(folder.path().join("anna_1.journal.damaged")).unwrap(),
         bytes
@@ -271,9 +272,8 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         synthetic: false,
     };
     let mut journal = Journal::create(&path, header).unwrap();
-    let said = |output| Entry::of(output);
     let first = SampleIndex(0);
-    journal.entry(&said(Output::Round {
+    journal.entry(&Entry::of(Output::Round {
         number: 1,
         at: first,
     }));
@@ -283,7 +283,7 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         let (at, trial) = (SampleIndex(at), trial as u32 + 1);
         let gesture = trial % 8 == 0;
         let cue = Some(if gesture { Intent::Open } else { Intent::Relax });
-        journal.entry(&said(Output::Cue { at, cue, trial }));
+        journal.entry(&Entry::of(Output::Cue { at, cue, trial }));
         let level = if gesture { 117_u64 } else { 100 };
         let sample = |of: usize| -> Sample {
             std::array::from_fn(|channel| {
@@ -298,9 +298,9 @@ fn a_session_of_hours_becomes_recordings_that_can_be_read() {
         let _ = journal.flush(Millis(at.0));
     }
     let _ = journal.close();
-    let kept = keep(&path).unwrap();
+    let conversion = convert(&path).unwrap();
     let read = |file: &PathBuf| load(file, &LoadOptions::default()).unwrap();
-    let lengths = kept.files.iter().map(|file| {
+    let lengths = conversion.files.iter().map(|file| {
         let library = read(file);
         assert_eq!(library.recordings.len(), 1, "{}", file.display());
         library.recordings[0].samples.len()

@@ -20,19 +20,19 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Thread that writes the lines.
 #[derive(Debug)]
-pub(crate) struct Lines {
+pub(crate) struct JsonLines {
     thread: JoinHandle<std::io::Result<()>>,
     stop: watch::Sender<bool>,
 }
 
 /// Event that wakes the writer.
-enum Woken {
-    Heard(Result<Message, RecvError>),
+enum Wakeup {
+    Received(Result<Message, RecvError>),
     Stop,
     Quiet,
 }
 
-impl Lines {
+impl JsonLines {
     /// Starts the thread that writes every event from now on, each line at once.
     ///
     /// # Errors
@@ -89,23 +89,23 @@ async fn write(
     }
     loop {
         // Biased order: what was published before the end is still written.
-        let woken = tokio::select! {
+        let wakeup = tokio::select! {
             biased;
-            heard = subscription.following.recv() => Woken::Heard(heard),
-            _ = stop.wait_for(|stop| *stop) => Woken::Stop,
-            () = sleep(QUIET) => Woken::Quiet,
+            received = subscription.following.recv() => Wakeup::Received(received),
+            _ = stop.wait_for(|stop| *stop) => Wakeup::Stop,
+            () = sleep(QUIET) => Wakeup::Quiet,
         };
-        match woken {
-            Woken::Heard(Ok(message)) => line(output, &message)?,
-            Woken::Heard(Err(RecvError::Lagged(messages))) => {
+        match wakeup {
+            Wakeup::Received(Ok(message)) => line(output, &message)?,
+            Wakeup::Received(Err(RecvError::Lagged(messages))) => {
                 let skipped = hub.resubscribe(&mut subscription, messages);
                 line(output, &skipped)?;
                 for message in subscription.known.drain(..) {
                     line(output, &message)?;
                 }
             }
-            Woken::Heard(Err(RecvError::Closed)) | Woken::Stop => return Ok(()),
-            Woken::Quiet => {
+            Wakeup::Received(Err(RecvError::Closed)) | Wakeup::Stop => return Ok(()),
+            Wakeup::Quiet => {
                 let quiet = serde_json::json!({ "type": "quiet", "at": hub.now() });
                 line(output, &quiet.to_string())?;
             }
@@ -141,10 +141,10 @@ mod tests {
         }
     }
 
-    fn started() -> (Arc<Hub>, Lines, Receiver<String>) {
+    fn started() -> (Arc<Hub>, JsonLines, Receiver<String>) {
         let hub = Arc::new(Hub::new());
         let (sender, lines) = sync_channel(1);
-        let running = Lines::start(hub.clone(), Pipe(sender)).unwrap();
+        let running = JsonLines::start(hub.clone(), Pipe(sender)).unwrap();
         (hub, running, lines)
     }
 
@@ -209,7 +209,7 @@ mod tests {
             }
         }
         let hub = Arc::new(Hub::new());
-        let running = Lines::start(hub.clone(), Full).unwrap();
+        let running = JsonLines::start(hub.clone(), Full).unwrap();
         hub.publish(&mark(1));
         assert_eq!(running.stop().unwrap_err().kind(), ErrorKind::StorageFull);
     }
