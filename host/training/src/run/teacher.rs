@@ -63,11 +63,7 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
 fn load_start(start: &Path, model: Teacher) -> Result<Teacher, StepError> {
     if start.is_dir() {
         let (folder, origin) = RunContext::find(start)?;
-        return Ok(folder.load_model(
-            presets::teacher::NAME,
-            origin.teacher_lineage(),
-            model,
-        )?);
+        return Ok(folder.load_model(presets::teacher::NAME, origin.teacher_lineage(), model)?);
     }
     Ok(teacher::checkpoint::load(start, model)?)
 }
