@@ -31,6 +31,22 @@ fn a_board_says_why_it_starts_and_who_it_is() -> anyhow::Result<()> {
 }
 
 #[test]
+fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
+    let test = "the_uart_runs_on_the_crystal";
+    for built in [Image::Nrf52840S140, Image::Nrf52832S132] {
+        let Some(image) = chip::image(test, built) else {
+            return Ok(());
+        };
+        let mut board = Board::new(built, image, Setting::default());
+        board.send("IDENTIFY");
+        board.wait_for("$OK,IDENTIFY", 1000)?;
+        let softdevice = board.machine.softdevice.as_ref();
+        assert!(softdevice.is_some_and(|softdevice| softdevice.keeps_crystal));
+    }
+    Ok(())
+}
+
+#[test]
 fn the_reset_button_is_no_watchdog() -> anyhow::Result<()> {
     let test = "the_reset_button_is_no_watchdog";
     let Some(image) = chip::image(test, Image::Nrf52840S140) else {
