@@ -54,8 +54,8 @@ const REGULATORS: [Regulator; 2] = [
         computes: 16.2 - 10.10,
     },
 ];
-/// ITIMER0: the high-frequency clock runs all the time, for the dead-man timer and the UART's receiver.
-const CLOCK_MA: f64 = 0.418;
+/// ITIMER2: the high-frequency crystal runs all the time, for the dead-man timer and the UART's receiver.
+const CLOCK_MA: f64 = 0.646;
 
 /// Mean currents of a board that streams.
 struct Budget {

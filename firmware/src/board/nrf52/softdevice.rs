@@ -14,8 +14,8 @@ pub struct RadioParts {}
 ///
 /// # Panics
 ///
-/// If this configuration needs more RAM than `memory.x` leaves the SoftDevice; the log says where
-/// the program's RAM has to start at least.
+/// If this configuration needs more RAM than `memory.x` leaves the SoftDevice (the log says where the program's RAM has to
+/// start at least), or if the SoftDevice refuses the crystal.
 pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'_>) {
     let config = Config {
         clock: Some(raw::nrf_clock_lf_cfg_t {
@@ -43,6 +43,7 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
         ..Config::default()
     };
     let softdevice: &Softdevice = Softdevice::enable(&config);
+    keep_crystal_on();
     match run_softdevice(softdevice) {
         Ok(task) => spawner.spawn(task),
         Err(_) => defmt::panic!("the SoftDevice's task runs already"),
@@ -53,6 +54,20 @@ pub async fn run_radio(spawner: Spawner, _: RadioParts, driver: &SessionDriver<'
         radio::softdevice::run(softdevice, driver, flash).await;
     })
     .await;
+}
+
+/// Keeps the high-frequency crystal on. Between radio events the UART and the dead-man timer would otherwise run on the
+/// chip's own oscillator, which is up to 8 % off (nRF52840 product specification, HFINT).
+#[expect(
+    unsafe_code,
+    reason = "the library has no function of its own for this supervisor call"
+)]
+fn keep_crystal_on() {
+    // SAFETY: the call takes no arguments, and the SoftDevice is enabled: the caller has it from `Softdevice::enable`.
+    let answer = unsafe { raw::sd_clock_hfclk_request() };
+    if answer != raw::NRF_SUCCESS {
+        defmt::panic!("the SoftDevice refused the crystal: {}", answer);
+    }
 }
 
 #[embassy_executor::task]
