@@ -38,8 +38,7 @@ fn the_uart_runs_on_the_crystal() -> anyhow::Result<()> {
             return Ok(());
         };
         let mut board = Board::new(built, image, Setting::default());
-        board.send("IDENTIFY");
-        board.wait_for("$OK,IDENTIFY", 1000)?;
+        board.wait_for("$STATE", 1000)?;
         let softdevice = board.machine.softdevice.as_ref();
         assert!(softdevice.is_some_and(|softdevice| softdevice.keeps_crystal));
     }
