@@ -1,5 +1,6 @@
 //! Why models cannot be evaluated.
 
+use execution::run_folder::RunError;
 use recordings::split::SplitError;
 use shared::model::file::ModelError;
 use shared::stream::smoother::SettingsError;
@@ -65,6 +66,10 @@ pub enum EvaluationError {
         /// People who could be evaluated otherwise.
         people: usize,
     },
+    /// A file of the report could not be written whole, or one of the run could not be read; nothing of an older report
+    /// was touched.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// An unknown name.
     #[error(transparent)]
     Name(#[from] SplitError),

@@ -41,3 +41,27 @@ impl Trial {
         clean(samples.iter().copied(), preprocessing.median).collect()
     }
 }
+
+#[cfg(any(test, feature = "testing"))]
+impl Trial {
+    /// A synthetic recording of a person for tests: 2 s of each class in turn.
+    #[must_use]
+    pub fn made_up(subject: &str, classes: &[usize]) -> Self {
+        let labels = classes
+            .iter()
+            .flat_map(|&class| [Intent::from_class(class); 400]);
+        let truth: Vec<Option<Intent>> = labels.collect();
+        let emg = |label: &Option<Intent>| [if *label == Some(Intent::Relax) { 1 } else { 20 }; 8];
+        Self {
+            data_set: DataSet::Synthetic,
+            subject: subject.to_owned(),
+            name: "r".to_owned(),
+            raw: Vec::new(),
+            emg: truth.iter().map(emg).collect(),
+            normalized: Vec::new(),
+            published: Some(truth.clone()),
+            lag_compensated: truth,
+            other_movement: Vec::new(),
+        }
+    }
+}

@@ -1,30 +1,19 @@
-//! A run or a model file on a page, and the page that one or several of them make.
+//! A run or a model file on a page.
 
 use std::ops::Range;
 
 use shared::intent::{Intent, Vocabulary};
 use shared::units::{LOOK_AHEAD, SAMPLE_RATE_HZ};
 
-use super::cell::{estimate, quantile, rate};
-use super::curves::Panel;
-use super::device::Device;
-use super::overview::{Kind, Row};
-use super::people::People;
-use super::scores::counted;
-use super::timeline::Timeline;
-use super::{Errors, Fact, Headline, ReportData, ReportError};
+use super::Fact;
+use super::pictures::charts::Panel;
+use super::pictures::timeline::Timeline;
 use crate::{
-    ALL, Candidate, ENERGY, EvaluationError, Group, LookAhead, Measure, Score, Trial, confusion,
-    gestures, smooth,
+    ALL, Candidate, ENERGY, EvaluationError, Group, LookAhead, Measure, Score, Trial, smooth,
 };
 
-/// Maximum number of entries on one page, for their colours to differ.
-pub const MOST_ENTRIES: usize = 5;
-
 /// Samples of a recording in a picture: 20 s.
-const SHOWN: usize = 4000;
-/// People who are drawn of a single entry, the lowest first; the best one is added.
-const WORST: usize = 3;
+pub(super) const SHOWN: usize = 4000;
 
 /// A run or a model file, and the data of its pictures.
 pub(super) struct Entry<'a> {
@@ -53,35 +42,83 @@ pub(super) struct Entry<'a> {
 }
 
 impl Entry<'_> {
-    /// Row over all recordings of the people who have all classes; of those with fewer, if nobody has.
-    pub(super) fn over_all(&self) -> Option<&Score> {
-        over_all(&self.scores).next()
-    }
-
     /// Rows over all recordings: of the people who have all classes, of those with fewer.
     pub(super) fn everybody(&self) -> Vec<&Score> {
         over_all(&self.scores).collect()
     }
 
-    /// People by balanced accuracy, the lowest first; those without one are left out.
-    fn people(&self) -> Vec<&str> {
-        let rows = over_all(&self.scores);
-        let mut values: Vec<_> = rows
-            .flat_map(|score| Measure::BalancedAccuracy.values(score))
-            .collect();
-        values.sort_by(|a, b| a.1.total_cmp(&b.1));
-        values.into_iter().map(|(subject, _)| subject).collect()
+    /// Rows of the energy detector over all recordings.
+    pub(super) fn energy(&self) -> impl Iterator<Item = &Score> {
+        over_all(&self.floors).filter(|floor| floor.model.starts_with(ENERGY))
     }
 
-    /// Errors: confusion and latencies.
-    fn errors(&self) -> Result<Errors, EvaluationError> {
-        let (candidate, trials) = (self.candidate, self.trials);
-        let confusion = confusion(candidate, trials, self.vocabulary, self.look_ahead)?;
-        let gestures = gestures(candidate, trials, self.vocabulary, self.look_ahead)?;
-        Ok(Errors {
-            name: self.name.clone(),
-            confusion: Some(confusion),
-            latencies: gestures.into_iter().map(|own| own.latency).collect(),
+    /// The busiest recordings of the `worst` people with the lowest balanced accuracy, the worst first, and of the best
+    /// one; named after the entry where it is not the only one.
+    pub(super) fn drawn(
+        &self,
+        worst: usize,
+        named: bool,
+    ) -> Result<Vec<Timeline<'_>>, EvaluationError> {
+        let measure = Measure::BalancedAccuracy;
+        let mut people: Vec<_> = over_all(&self.scores)
+            .flat_map(|score| measure.values(score))
+            .collect();
+        people.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let drawn = people
+            .iter()
+            .take(worst)
+            .chain(people.iter().skip(worst).last());
+        let busiest =
+            drawn.filter_map(|(subject, _)| self.busiest(|trial| trial.subject == *subject));
+        busiest
+            .map(|(at, part)| {
+                let start = part.start;
+                let mut shown = self.timeline(at, part)?;
+                if start > 0 {
+                    shown.recording += &format!(", from {} s", start / SAMPLE_RATE_HZ as usize);
+                }
+                if named {
+                    shown.recording += &format!(" · {}", self.name);
+                }
+                Ok(shown)
+            })
+            .collect()
+    }
+
+    /// The 20 s with the most gestures among the recordings that are wanted.
+    fn busiest(&self, wanted: impl Fn(&Trial) -> bool) -> Option<(usize, Range<usize>)> {
+        let own = self
+            .trials
+            .iter()
+            .enumerate()
+            .filter(|(_, trial)| wanted(trial));
+        own.map(|(at, trial)| (at, busiest_part(trial)))
+            .max_by_key(|(at, part)| onsets(&self.trials[*at], part))
+    }
+
+    /// A part of a recording with the labels that the model emits for it.
+    pub(super) fn timeline(
+        &self,
+        at: usize,
+        part: Range<usize>,
+    ) -> Result<Timeline<'_>, EvaluationError> {
+        let trial = &self.trials[at];
+        let labels = smooth(
+            &self.candidate.logits[at],
+            trial.emg.len(),
+            self.vocabulary.classes(),
+            self.candidate.settings(self.look_ahead),
+        )?;
+        Ok(Timeline {
+            subject: &trial.subject,
+            recording: trial.name.clone(),
+            emg: within(&trial.emg, &part),
+            truth: within(&trial.lag_compensated, &part),
+            emitted: within(&labels.reference, &part).to_vec(),
+            look_ahead_samples: match self.look_ahead {
+                LookAhead::None => 0,
+                LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
+            },
         })
     }
 }
@@ -94,96 +131,6 @@ pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
         rows.filter(move |score| !several || score.data_set == ALL)
     };
     Group::ALL.into_iter().flat_map(of)
-}
-
-/// Parts of a page that come from its entries: people, pictures, device cost. Title, summary, facts, tables and notes
-/// are the caller's.
-///
-/// # Errors
-/// When labels cannot be compared or the smoother's settings are invalid.
-pub(super) fn pictures(entries: &[Entry<'_>]) -> Result<ReportData, ReportError> {
-    let mut data = ReportData {
-        overview: overview(entries),
-        people: people(entries),
-        panels: entries.iter().flat_map(|own| own.panels.clone()).collect(),
-        device: entries.iter().filter_map(device).collect(),
-        ..ReportData::default()
-    };
-    if let [only] = entries {
-        data.headline = headline(only);
-        data.drawn =
-            "The people with the lowest balanced accuracy, the worst first, then the best one"
-                .to_owned();
-    } else {
-        data.drawn =
-            "The person with the lowest balanced accuracy of each model, then its best one"
-                .to_owned();
-    }
-    for entry in entries {
-        let people = entry.people();
-        let worst = if entries.len() == 1 { WORST } else { 1 };
-        let drawn = people.iter().take(worst);
-        for subject in drawn.chain(people.iter().skip(worst).last()) {
-            data.timelines
-                .extend(drawn_recording(entry, subject, entries.len() > 1)?);
-        }
-        data.errors.push(entry.errors()?);
-    }
-    Ok(data)
-}
-
-/// The part of a person's recordings with the most gestures.
-fn drawn_recording(
-    entry: &Entry<'_>,
-    subject: &str,
-    named: bool,
-) -> Result<Option<Timeline>, EvaluationError> {
-    let own = (0..entry.trials.len()).filter(|&at| entry.trials[at].subject == subject);
-    let busiest = own
-        .map(|at| (at, busiest_part(&entry.trials[at])))
-        .max_by_key(|(at, part)| onsets(&entry.trials[*at], part));
-    let Some((at, part)) = busiest else {
-        return Ok(None);
-    };
-    let classes = entry.vocabulary.classes();
-    let whole = timeline(entry.candidate, entry.trials, at, entry.look_ahead, classes)?;
-    let mut shown = whole.section(part.clone());
-    if part.start > 0 {
-        let second = part.start / SAMPLE_RATE_HZ as usize;
-        shown.recording += &format!(", from {second} s");
-    }
-    if named {
-        shown.recording += &format!(" · {}", entry.name);
-    }
-    Ok(Some(shown))
-}
-
-/// One trial with the labels that a candidate emits for it.
-pub(super) fn timeline(
-    candidate: &Candidate,
-    trials: &[Trial],
-    at: usize,
-    look_ahead: LookAhead,
-    classes: usize,
-) -> Result<Timeline, EvaluationError> {
-    let trial = &trials[at];
-    let labels = smooth(
-        &candidate.logits[at],
-        trial.emg.len(),
-        classes,
-        candidate.settings(look_ahead),
-    )?;
-    Ok(Timeline {
-        subject: trial.subject.clone(),
-        recording: trial.name.clone(),
-        emg: trial.emg.clone(),
-        truth: trial.lag_compensated.clone(),
-        emitted: labels.reference,
-        look_ahead_samples: match look_ahead {
-            LookAhead::None => 0,
-            LookAhead::AllRows | LookAhead::SameInstant => LOOK_AHEAD,
-        },
-    })
 }
 
 /// The 20 s of a recording with the most gestures, the first ones on ties.
@@ -200,101 +147,27 @@ fn busiest_part(trial: &Trial) -> Range<usize> {
 
 /// Gestures that begin in a part of a recording.
 pub(super) fn onsets(trial: &Trial, part: &Range<usize>) -> usize {
-    let labels = &trial.lag_compensated;
-    let end = part.end.min(labels.len());
-    let labels = &labels[part.start.min(end)..end];
     let is_gesture = |label: Option<Intent>| label.is_some_and(|intent| intent != Intent::Relax);
     let begins = |pair: &&[Option<Intent>]| pair[0] != pair[1] && is_gesture(pair[1]);
-    labels.windows(2).filter(begins).count()
+    within(&trial.lag_compensated, part)
+        .windows(2)
+        .filter(begins)
+        .count()
 }
 
-fn overview(entries: &[Entry<'_>]) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
-    for (number, entry) in entries.iter().enumerate() {
-        let own = entry.everybody().into_iter();
-        rows.extend(own.map(|own| Row::of(own, Kind::Entry(number))));
+/// Part of a sequence; what lies outside of it is cut off.
+fn within<'s, T>(of: &'s [T], part: &Range<usize>) -> &'s [T] {
+    let end = part.end.min(of.len());
+    &of[part.start.min(end)..end]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_cut_at_the_end_of_its_sequence() {
+        assert_eq!(within(&[1, 2, 3, 4, 5, 6], &(4..8)), [5, 6]);
+        assert!(within(&[1, 2, 3], &(20..30)).is_empty());
     }
-    let beside = entries.iter().map(|entry| (&entry.beside, Kind::Beside));
-    let floors = entries.iter().map(|entry| (&entry.floors, Kind::Floor));
-    for (scores, kind) in beside.chain(floors) {
-        for score in over_all(scores) {
-            let row = Row::of(score, kind);
-            // Floors of several entries may be the same.
-            if !rows.contains(&row) {
-                rows.push(row);
-            }
-        }
-    }
-    rows
-}
-
-fn people(entries: &[Entry<'_>]) -> Option<People> {
-    let own: Vec<(&str, Vec<&Score>)> = entries
-        .iter()
-        .map(|entry| (&entry.name[..], entry.everybody()))
-        .collect();
-    let floors: Vec<&Score> = entries
-        .iter()
-        .flat_map(|entry| {
-            let floors = over_all(&entry.floors);
-            floors.filter(|own| own.model.starts_with(ENERGY))
-        })
-        .collect();
-    let people = People::of(&own, &floors);
-    (!people.rows.is_empty()).then_some(people)
-}
-
-fn device(entry: &Entry<'_>) -> Option<Device> {
-    Device::of(&entry.name, entry.bytes?)
-}
-
-/// Numbers at the top of a page, each beside the energy detector's: of people who have all classes, if there are any.
-fn headline(entry: &Entry<'_>) -> Vec<Headline> {
-    let Some(own) = entry.over_all() else {
-        return Vec::new();
-    };
-    let energy = over_all(&entry.floors)
-        .find(|floor| floor.model.starts_with(ENERGY) && floor.people == own.people);
-    let share = |name: &str, measure: Measure| {
-        let shown = counted(
-            estimate(measure.mean(own), measure.interval(own)),
-            own,
-            measure,
-        )
-        .shown;
-        let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
-        let floor = energy.and_then(|floor| measure.mean(floor));
-        Headline {
-            name: name.to_owned(),
-            value: value.to_owned(),
-            remark: interval.to_owned(),
-            floor: floor.map(|floor| format!("{:.3}", floor.mean)),
-        }
-    };
-    let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
-    let false_rate = |score: &Score| rate(score.events.false_activations).shown;
-    let first = |text: String| text.split(' ').next().unwrap_or_default().to_owned();
-    vec![
-        Headline {
-            name: "people".to_owned(),
-            value: own.widest().subjects.len().to_string(),
-            remark: own.people.told(own.classes),
-            floor: None,
-        },
-        share("balanced accuracy", Measure::BalancedAccuracy),
-        share("transition accuracy", Measure::TransitionAccuracy),
-        share("gestures recognised", Measure::Recognition),
-        Headline {
-            name: "median latency, ms".to_owned(),
-            value: median(own).unwrap_or_else(|| "-".to_owned()),
-            remark: "from the muscle's onset".to_owned(),
-            floor: energy.and_then(median),
-        },
-        Headline {
-            name: "false activations".to_owned(),
-            value: first(false_rate(own)),
-            remark: "a minute of rest".to_owned(),
-            floor: energy.map(|floor| first(false_rate(floor))),
-        },
-    ]
 }

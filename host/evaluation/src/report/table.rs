@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::canvas::escape;
+use maud::{Markup, Render, html};
 
 /// Letters of a cell above which its line may break on a page.
 const LONG: usize = 32;
@@ -101,45 +101,10 @@ impl Table {
         out
     }
 
-    /// The table as HTML.
-    pub(super) fn html(&self) -> String {
-        let columns = self.columns();
-        let mut out = String::from("<div class=\"wide\"><table>");
-        if !self.caption.is_empty() {
-            let _ = write!(out, "<caption>{}</caption>", escape(&self.caption));
-        }
-        let line = |out: &mut String, tag: &str, cells: &[String]| {
-            out.push_str("<tr>");
-            for (i, column) in columns.iter().enumerate() {
-                let text = cell(cells, i);
-                // Sentences may break, numbers may not.
-                let class = match (column.numeric, width(text) > LONG) {
-                    (true, true) => " class=\"number long\"",
-                    (true, false) => " class=\"number\"",
-                    (false, true) => " class=\"long\"",
-                    (false, false) => "",
-                };
-                let _ = write!(out, "<{tag}{class}>{}</{tag}>", escape(text));
-            }
-            out.push_str("</tr>\n");
-        };
-        // A head that printed pages repeat.
-        let mut part = |name: &str, tag: &str, rows: &[Vec<String>]| {
-            let _ = write!(out, "<{name}>");
-            rows.iter().for_each(|row| line(&mut out, tag, row));
-            let _ = writeln!(out, "</{name}>");
-        };
-        part("thead", "th", std::slice::from_ref(&self.header));
-        part("tbody", "td", &self.rows);
-        out.push_str("</table></div>\n");
-        out
-    }
-
     fn caption_line(&self, end: &str) -> String {
-        if self.caption.is_empty() {
-            String::new()
-        } else {
-            self.caption.clone() + end
+        match &self.caption[..] {
+            "" => String::new(),
+            caption => caption.to_owned() + end,
         }
     }
 
@@ -159,12 +124,44 @@ impl Table {
     }
 }
 
+impl Render for Table {
+    fn render(&self) -> Markup {
+        let columns = self.columns();
+        let in_columns = |row| {
+            columns
+                .iter()
+                .enumerate()
+                .map(move |(i, column)| (column, cell(row, i)))
+        };
+        html! {
+            div.wide { table {
+                @if !self.caption.is_empty() { caption { (self.caption) } }
+                // A head that printed pages repeat.
+                thead { tr { @for (column, text) in in_columns(&self.header) { th class=[column.class(text)] { (text) } } } }
+                tbody { @for row in &self.rows { tr { @for (column, text) in in_columns(row) {
+                    td class=[column.class(text)] { (text) }
+                } } } }
+            } }
+        }
+    }
+}
+
 struct Column {
     width: usize,
     numeric: bool,
 }
 
 impl Column {
+    /// Class of a cell: sentences may break, numbers may not.
+    fn class(&self, text: &str) -> Option<&'static str> {
+        match (self.numeric, width(text) > LONG) {
+            (true, true) => Some("number long"),
+            (true, false) => Some("number"),
+            (false, true) => Some("long"),
+            (false, false) => None,
+        }
+    }
+
     fn pad(&self, text: &str) -> String {
         let blanks = " ".repeat(self.width.saturating_sub(width(text)));
         if self.numeric {
@@ -239,10 +236,10 @@ Held-out subjects
         let mut table = Table::new("", ["a", "b"]);
         table.push(["x"]);
         assert_eq!(table.plain(), "a  b\n-  -\nx\n");
+        let html = table.render().0;
         assert!(
-            table
-                .html()
-                .contains("<td>x</td><td class=\"number\"></td>")
+            html.contains("<td>x</td><td class=\"number\"></td>"),
+            "{html}"
         );
     }
 }

@@ -233,40 +233,20 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
 #[cfg(test)]
 mod tests {
     use evaluation::{CONSTANT, Trial, Truth, constant, score};
-    use recordings::DataSet;
-    use shared::intent::{Intent, Vocabulary};
+    use shared::intent::Vocabulary;
 
     use super::*;
     use crate::cross_validation::{FoldScore, Origin};
-
-    /// Recording of a person: 2 s of each class in turn.
-    fn trial(subject: &str, classes: &[usize]) -> Trial {
-        let labels = classes
-            .iter()
-            .flat_map(|&class| std::iter::repeat_n(Intent::from_class(class), 400));
-        let truth: Vec<Option<Intent>> = labels.collect();
-        Trial {
-            data_set: DataSet::Synthetic,
-            subject: subject.to_owned(),
-            name: "r".to_owned(),
-            raw: Vec::new(),
-            emg: vec![[1; 8]; truth.len()],
-            normalized: Vec::new(),
-            published: None,
-            lag_compensated: truth,
-            other_movement: Vec::new(),
-        }
-    }
 
     /// Scores of always saying relax, of one fold: two people with onsets, one with only holds, one who never opens the
     /// hand.
     fn fold() -> Vec<FoldScore> {
         let mut trials = vec![
-            trial("x/a", &[0, 1, 0, 2, 0]),
-            trial("x/b", &[0, 2, 0, 1, 0]),
-            trial("y/d", &[0, 2, 0, 2, 0]),
+            Trial::made_up("x/a", &[0, 1, 0, 2, 0]),
+            Trial::made_up("x/b", &[0, 2, 0, 1, 0]),
+            Trial::made_up("y/d", &[0, 2, 0, 2, 0]),
         ];
-        trials.extend([0, 1, 2].map(|class| trial("x/c", &[class])));
+        trials.extend([0, 1, 2].map(|class| Trial::made_up("x/c", &[class])));
         let scores = score(
             &constant(&trials),
             &trials,
