@@ -9,7 +9,8 @@ use super::Fact;
 use super::pictures::charts::Panel;
 use super::pictures::timeline::Timeline;
 use crate::{
-    ALL, Candidate, ENERGY, EvaluationError, Group, LookAhead, Measure, Score, Trial, smooth,
+    ALL, Candidate, ENERGY, EvaluatedRecording, EvaluationError, Group, LookAhead, Measure, Score,
+    smooth,
 };
 
 /// Samples of a recording in a picture: 20 s.
@@ -28,7 +29,7 @@ pub(super) struct Entry<'a> {
     /// Rows of the floors, over the same people.
     pub floors: Vec<Score>,
     /// The recordings.
-    pub trials: &'a [Trial],
+    pub recordings: &'a [EvaluatedRecording],
     /// Logits over the recordings.
     pub candidate: &'a Candidate,
     /// Classes of the model.
@@ -68,8 +69,8 @@ impl Entry<'_> {
             .iter()
             .take(worst)
             .chain(people.iter().skip(worst).last());
-        let busiest =
-            drawn.filter_map(|(subject, _)| self.busiest(|trial| trial.subject == *subject));
+        let busiest = drawn
+            .filter_map(|(subject, _)| self.busiest(|recording| recording.subject == *subject));
         busiest
             .map(|(at, part)| {
                 let start = part.start;
@@ -86,14 +87,17 @@ impl Entry<'_> {
     }
 
     /// The 20 s with the most gestures among the recordings that are wanted.
-    fn busiest(&self, wanted: impl Fn(&Trial) -> bool) -> Option<(usize, Range<usize>)> {
+    fn busiest(
+        &self,
+        wanted: impl Fn(&EvaluatedRecording) -> bool,
+    ) -> Option<(usize, Range<usize>)> {
         let own = self
-            .trials
+            .recordings
             .iter()
             .enumerate()
-            .filter(|(_, trial)| wanted(trial));
-        own.map(|(at, trial)| (at, busiest_part(trial)))
-            .max_by_key(|(at, part)| onsets(&self.trials[*at], part))
+            .filter(|(_, recording)| wanted(recording));
+        own.map(|(at, recording)| (at, busiest_part(recording)))
+            .max_by_key(|(at, part)| onsets(&self.recordings[*at], part))
     }
 
     /// A part of a recording with the labels that the model emits for it.
@@ -102,18 +106,18 @@ impl Entry<'_> {
         at: usize,
         part: Range<usize>,
     ) -> Result<Timeline<'_>, EvaluationError> {
-        let trial = &self.trials[at];
+        let recording = &self.recordings[at];
         let labels = smooth(
             &self.candidate.logits[at],
-            trial.emg.len(),
+            recording.emg.len(),
             self.vocabulary.classes(),
             self.candidate.settings(self.look_ahead),
         )?;
         Ok(Timeline {
-            subject: &trial.subject,
-            recording: trial.name.clone(),
-            emg: within(&trial.emg, &part),
-            truth: within(&trial.lag_compensated, &part),
+            subject: &recording.subject,
+            recording: recording.name.clone(),
+            emg: within(&recording.emg, &part),
+            truth: within(&recording.lag_compensated, &part),
             emitted: within(&labels.reference, &part).to_vec(),
             look_ahead_samples: match self.look_ahead {
                 LookAhead::None => 0,
@@ -134,22 +138,22 @@ pub(super) fn over_all(scores: &[Score]) -> impl Iterator<Item = &Score> {
 }
 
 /// The 20 s of a recording with the most gestures, the first ones on ties.
-fn busiest_part(trial: &Trial) -> Range<usize> {
-    let starts = (0..trial.emg.len().max(1)).step_by(SHOWN / 4);
+fn busiest_part(recording: &EvaluatedRecording) -> Range<usize> {
+    let starts = (0..recording.emg.len().max(1)).step_by(SHOWN / 4);
     let parts = starts.map(|start| start..start + SHOWN);
     // A part that the recording's end cuts short only if there is no other.
-    let whole = parts.filter(|part| part.start == 0 || part.end <= trial.emg.len());
+    let whole = parts.filter(|part| part.start == 0 || part.end <= recording.emg.len());
     whole
         .rev()
-        .max_by_key(|part| onsets(trial, part))
+        .max_by_key(|part| onsets(recording, part))
         .unwrap_or(0..SHOWN)
 }
 
 /// Gestures that begin in a part of a recording.
-pub(super) fn onsets(trial: &Trial, part: &Range<usize>) -> usize {
+pub(super) fn onsets(recording: &EvaluatedRecording, part: &Range<usize>) -> usize {
     let is_gesture = |label: Option<Intent>| label.is_some_and(|intent| intent != Intent::Relax);
     let begins = |pair: &&[Option<Intent>]| pair[0] != pair[1] && is_gesture(pair[1]);
-    within(&trial.lag_compensated, part)
+    within(&recording.lag_compensated, part)
         .windows(2)
         .filter(begins)
         .count()

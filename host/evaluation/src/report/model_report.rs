@@ -87,7 +87,7 @@ pub(super) fn entries<'a>(
             scores: with(&|own| own.model == model.name),
             beside: with(&|own| at == 0 && !is_model(own) && !is_floor(own)),
             floors: with(&is_floor),
-            trials: &evaluation.trials,
+            recordings: &evaluation.recordings,
             candidate: &evaluation.candidates[at],
             vocabulary: evaluation.vocabulary,
             look_ahead: model.look_ahead,

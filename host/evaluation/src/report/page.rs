@@ -182,9 +182,9 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
             }
         }
         @for entry in entries {
-            @let (candidate, trials) = (entry.candidate, entry.trials);
-            @let matrix = confusion(candidate, trials, entry.vocabulary, entry.look_ahead)?;
-            @let gestures = gestures(candidate, trials, entry.vocabulary, entry.look_ahead)?;
+            @let (candidate, recordings) = (entry.candidate, entry.recordings);
+            @let matrix = confusion(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
+            @let gestures = gestures(candidate, recordings, entry.vocabulary, entry.look_ahead)?;
             @let latencies: Vec<_> = gestures.iter().map(|own| own.latency).collect();
             @if entries.len() > 1 { h3 { (entry.name) } }
             div.pair {

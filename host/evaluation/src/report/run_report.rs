@@ -11,7 +11,7 @@ use super::pictures::charts::{Curve, Panel};
 use super::pictures::{stand_alone, timeline};
 use super::scores::{is_floor, tables};
 use crate::results::{Evaluation, INTEGER, Results};
-use crate::{Candidate, EvaluationError, LookAhead, Score, Trial, Truth};
+use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Score, Truth};
 use execution::run_folder::{EpochMetrics, RunError, RunFolder, write_whole};
 use presets::config::ResolvedConfig;
 
@@ -36,12 +36,12 @@ pub fn write(
     let Some(candidate) = integer.or(evaluation.candidates.first()) else {
         return Ok(());
     };
-    let trials = &evaluation.trials;
+    let recordings = &evaluation.recordings;
     let bytes = integer.and(evaluation.model.as_deref());
-    let entry = entry(folder, config, results, candidate, trials, bytes)?;
+    let entry = entry(folder, config, results, candidate, recordings, bytes)?;
     contents(config, results, std::slice::from_ref(&entry)).write(page)?;
-    let whole = |at: usize| onsets(&trials[at], &(0..trials[at].emg.len()));
-    if let Some(at) = (0..trials.len()).max_by_key(|&at| whole(at)) {
+    let whole = |at: usize| onsets(&recordings[at], &(0..recordings[at].emg.len()));
+    if let Some(at) = (0..recordings.len()).max_by_key(|&at| whole(at)) {
         let picture = timeline::svg(&entry.timeline(at, 0..SHOWN)?);
         write_whole(
             &page.with_file_name("timeline.svg"),
@@ -85,7 +85,7 @@ pub(super) fn entry<'a>(
     config: &ResolvedConfig,
     results: &Results,
     candidate: &'a Candidate,
-    trials: &'a [Trial],
+    recordings: &'a [EvaluatedRecording],
     bytes: Option<&'a [u8]>,
 ) -> Result<Entry<'a>, EvaluationError> {
     let look_ahead = candidate.condition(results.aggregation);
@@ -115,7 +115,7 @@ pub(super) fn entry<'a>(
             !is_floor(score) && score.model != candidate.name && with_look_ahead(score)
         }),
         floors: rows(&is_floor),
-        trials,
+        recordings,
         candidate,
         vocabulary: config.preset.vocabulary(),
         look_ahead,

@@ -33,7 +33,7 @@ pub struct ReportedRun {
     pub config: ResolvedConfig,
     /// Results that the folder keeps.
     pub results: Results,
-    /// Trials and candidates of the results: one candidate, that of the model file.
+    /// Recordings and candidates of the results: one candidate, that of the model file.
     pub evaluation: Evaluation,
 }
 
@@ -83,7 +83,7 @@ impl Reported {
                     &run.config,
                     &run.results,
                     &evaluation.candidates[0],
-                    &evaluation.trials,
+                    &evaluation.recordings,
                     evaluation.model.as_deref(),
                 )
             }

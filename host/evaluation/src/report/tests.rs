@@ -14,28 +14,29 @@ use super::pictures::timeline::{Timeline, svg};
 use super::scores::{is_floor, summary, tables};
 use crate::results::{INTEGER, Results};
 use crate::{
-    CONSTANT, Candidate, ENERGY, EnergyDetector, LookAhead, Trial, Truth, constant, score_all,
+    CONSTANT, Candidate, ENERGY, EnergyDetector, EvaluatedRecording, LookAhead, Truth, constant,
+    score_all,
 };
 
 /// Recordings, a model that sees each change of their labels after 100 ms, and the results of the model and the floors.
 struct Evaluated {
-    trials: Vec<Trial>,
+    recordings: Vec<EvaluatedRecording>,
     model: Candidate,
     results: Results,
 }
 
 impl Evaluated {
-    fn new(trials: Vec<Trial>) -> Self {
-        let logits = trials.iter().map(|trial| {
+    fn new(recordings: Vec<EvaluatedRecording>) -> Self {
+        let logits = recordings.iter().map(|recording| {
             let rows = |patch: usize| {
                 let mut rows = LookBackLogits::default();
                 for (back, row) in rows.iter_mut().enumerate() {
                     let at = (patch * 10).saturating_sub(back * 10 + 20);
-                    row[trial.lag_compensated[at].map_or(0, Intent::class)] = 1.0;
+                    row[recording.lag_compensated[at].map_or(0, Intent::class)] = 1.0;
                 }
                 rows
             };
-            (0..trial.emg.len() / 10).map(rows).collect()
+            (0..recording.emg.len() / 10).map(rows).collect()
         });
         let model = Candidate {
             name: INTEGER.to_owned(),
@@ -44,10 +45,13 @@ impl Evaluated {
             entry_margins: [0.0; 6],
             other_margin: None,
         };
-        let detector = EnergyDetector::fit(&trials).unwrap().candidate(&trials);
-        let candidates = [model.clone(), constant(&trials), detector];
-        let scores =
-            |truths: &[Truth]| score_all(&candidates, &trials, Vocabulary::Three, truths).unwrap();
+        let detector = EnergyDetector::fit(&recordings)
+            .unwrap()
+            .candidate(&recordings);
+        let candidates = [model.clone(), constant(&recordings), detector];
+        let scores = |truths: &[Truth]| {
+            score_all(&candidates, &recordings, Vocabulary::Three, truths).unwrap()
+        };
         let results = Results {
             held_out: Vec::new(),
             aggregation: LookAhead::SameInstant,
@@ -56,7 +60,7 @@ impl Evaluated {
             spliced: scores(&[Truth::LagCompensated]),
         };
         Self {
-            trials,
+            recordings,
             model,
             results,
         }
@@ -85,7 +89,7 @@ impl Evaluated {
                 .collect(),
             beside: Vec::new(),
             floors,
-            trials: &self.trials,
+            recordings: &self.recordings,
             candidate: &self.model,
             vocabulary: Vocabulary::Three,
             look_ahead,
@@ -103,20 +107,20 @@ impl Evaluated {
 fn two_people() -> Evaluated {
     Evaluated::new(
         ["synthetic/a", "synthetic/b"]
-            .map(|who| Trial::made_up(who, &[0, 2, 0, 2, 0]))
+            .map(|who| EvaluatedRecording::made_up(who, &[0, 2, 0, 2, 0]))
             .to_vec(),
     )
 }
 
 /// Two people of three classes with onsets, one with holds alone, and one who never opens the hand.
 fn four_people() -> Evaluated {
-    let mut trials = vec![
-        Trial::made_up("synthetic/a", &[0, 1, 0, 2, 0]),
-        Trial::made_up("synthetic/b", &[0, 2, 0, 1, 0]),
-        Trial::made_up("synthetic/d", &[0, 2, 0, 2, 0]),
+    let mut recordings = vec![
+        EvaluatedRecording::made_up("synthetic/a", &[0, 1, 0, 2, 0]),
+        EvaluatedRecording::made_up("synthetic/b", &[0, 2, 0, 1, 0]),
+        EvaluatedRecording::made_up("synthetic/d", &[0, 2, 0, 2, 0]),
     ];
-    trials.extend([0, 1, 2].map(|class| Trial::made_up("synthetic/c", &[class])));
-    Evaluated::new(trials)
+    recordings.extend([0, 1, 2].map(|class| EvaluatedRecording::made_up("synthetic/c", &[class])));
+    Evaluated::new(recordings)
 }
 
 /// Page with something in every part.
@@ -233,7 +237,7 @@ fn a_report_needs_nothing_from_elsewhere() -> Result<(), Box<dyn Error>> {
 #[test]
 fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
     let hostile = "<script>alert('&')</script>";
-    let evaluated = Evaluated::new(vec![Trial::made_up(hostile, &[0, 1, 0, 2, 0])]);
+    let evaluated = Evaluated::new(vec![EvaluatedRecording::made_up(hostile, &[0, 1, 0, 2, 0])]);
     let entry = || {
         let mut entry = evaluated.entry();
         entry.name = hostile.into();
@@ -266,7 +270,7 @@ fn an_empty_report_is_a_page_too() -> Result<(), Box<dyn Error>> {
     assert!(!html.contains("<h2>"));
     let nobody = two_people();
     let mut entry = nobody.entry();
-    entry.trials = &[];
+    entry.recordings = &[];
     entry.scores.clear();
     entry.floors.clear();
     entry.panels.clear();

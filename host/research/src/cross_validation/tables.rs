@@ -232,7 +232,7 @@ fn sections<'a>(merged: &[Merged<'a>]) -> Vec<Section<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use evaluation::{CONSTANT, Trial, Truth, constant, score};
+    use evaluation::{CONSTANT, EvaluatedRecording, Truth, constant, score};
     use shared::intent::Vocabulary;
 
     use super::*;
@@ -241,15 +241,15 @@ mod tests {
     /// Scores of always saying relax, of one fold: two people with onsets, one with only holds, one who never opens the
     /// hand.
     fn fold() -> Vec<FoldScore> {
-        let mut trials = vec![
-            Trial::made_up("x/a", &[0, 1, 0, 2, 0]),
-            Trial::made_up("x/b", &[0, 2, 0, 1, 0]),
-            Trial::made_up("y/d", &[0, 2, 0, 2, 0]),
+        let mut recordings = vec![
+            EvaluatedRecording::made_up("x/a", &[0, 1, 0, 2, 0]),
+            EvaluatedRecording::made_up("x/b", &[0, 2, 0, 1, 0]),
+            EvaluatedRecording::made_up("y/d", &[0, 2, 0, 2, 0]),
         ];
-        trials.extend([0, 1, 2].map(|class| Trial::made_up("x/c", &[class])));
+        recordings.extend([0, 1, 2].map(|class| EvaluatedRecording::made_up("x/c", &[class])));
         let scores = score(
-            &constant(&trials),
-            &trials,
+            &constant(&recordings),
+            &recordings,
             Vocabulary::Three,
             LookAhead::None,
             Truth::LagCompensated,

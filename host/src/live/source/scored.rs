@@ -15,7 +15,7 @@ use super::{Context, Request};
 use crate::live::event::Event;
 use crate::live::hub::Hub;
 use crate::live::scores::{Observed, Outputs};
-use evaluation::inference::stream::pipeline;
+use evaluation::inference::pipeline;
 
 /// Pipeline whose encoder is observed.
 pub(super) struct Scored<'r, E: Encode> {
