@@ -65,10 +65,8 @@ impl Entry<'_> {
             .flat_map(|score| measure.values(score))
             .collect();
         people.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let drawn = people
-            .iter()
-            .take(worst)
-            .chain(people.iter().skip(worst).last());
+        let best = people.iter().skip(worst).last();
+        let drawn = people.iter().take(worst).chain(best);
         let busiest = drawn
             .filter_map(|(subject, _)| self.busiest(|recording| recording.subject == *subject));
         busiest

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::entry::{Entry, over_all};
 use super::page::Page;
-use super::people::{COLUMNS, cells, people_of, people_table};
+use super::people::{COLUMNS, people_of, people_table};
 use super::run_report::PEOPLE;
 use super::scores::{differences, is_floor, sort, table};
 use super::{Fact, Table, labels};
@@ -118,10 +118,8 @@ fn tables_of_models(results: &ModelResults) -> Vec<Table> {
     let mut scores: Vec<&Score> = results.scores.iter().collect();
     sort(&mut scores);
     let pairs = of_first(results).flat_map(|own| {
-        let others = results
-            .scores
-            .iter()
-            .filter(|other| other.same_people(own) && other.model != own.model);
+        let others = results.scores.iter().filter(|other| other.same_people(own));
+        let others = others.filter(|other| other.model != own.model);
         others.map(move |other| (own, other))
     });
     let caption = "Differences, paired over subjects; mean [95 % interval] over n subjects";
@@ -133,10 +131,8 @@ fn tables_of_models(results: &ModelResults) -> Vec<Table> {
 /// Rows of the first model.
 fn of_first(results: &ModelResults) -> impl Iterator<Item = &Score> {
     let first = results.models.first().map(|model| model.name.as_str());
-    results
-        .scores
-        .iter()
-        .filter(move |score| Some(score.model.as_str()) == first)
+    let scores = results.scores.iter();
+    scores.filter(move |score| Some(score.model.as_str()) == first)
 }
 
 /// Remarks on a person: who has seen it, and whether it is a test person.
@@ -158,11 +154,11 @@ fn remark(results: &ModelResults, subject: &str) -> String {
 /// Table with a row for each person and model, of all data sets together.
 #[must_use]
 pub fn people_rows(results: &ModelResults) -> Table {
-    let header = ["subject", "model"]
-        .into_iter()
-        .chain(COLUMNS)
-        .chain(["remark"]);
-    let mut table = Table::new("", header);
+    let start = ["subject", "model"].into_iter();
+    let mut table = Table::new(
+        "",
+        start.chain(COLUMNS.map(|(name, _)| name)).chain(["remark"]),
+    );
     let mut models: Vec<&str> = Vec::new();
     for score in &results.scores {
         if !models.contains(&&score.model[..]) {
@@ -170,11 +166,10 @@ pub fn people_rows(results: &ModelResults) -> Table {
         }
     }
     for model in models {
-        let own = over_all(&results.scores).filter(|score| score.model == model);
-        for person in people_of(own) {
-            let start = [person.subject.to_owned(), model.to_owned()];
-            let remark = [remark(results, person.subject)];
-            table.push(start.into_iter().chain(cells(&person)).chain(remark));
+        for person in people_of(over_all(&results.scores).filter(|score| score.model == model)) {
+            let start = [person.subject.to_owned(), model.to_owned()].into_iter();
+            let cells = COLUMNS.map(|(_, cell)| cell(&person));
+            table.push(start.chain(cells).chain([remark(results, person.subject)]));
         }
     }
     table
@@ -192,11 +187,8 @@ fn model_facts(model: &EvaluatedModel, seen: &[&str]) -> Vec<Fact> {
 
 /// Facts that hold for all models of the evaluation.
 pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
-    let evaluated: Vec<&str> = results
-        .subjects
-        .iter()
-        .map(|own| &own.subject[..])
-        .collect();
+    let subjects = results.subjects.iter();
+    let evaluated: Vec<&str> = subjects.map(|own| &own.subject[..]).collect();
     let lost = match results.lost_percent {
         0 => String::new(),
         percent => format!("{percent} %"),

@@ -6,13 +6,13 @@ use execution::run_folder::write_whole;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Fact;
-use super::cell::{estimate, quantile, rate};
-use super::device::{self, Device};
+use super::cell::{quantile, rate};
+use super::device;
 use super::entry::{Entry, over_all};
 use super::pictures::{
     INK, MUTED, STYLE, charts, confusion, entry_colour, overview, people, timeline,
 };
-use super::scores::counted;
+use super::scores::estimated;
 use super::table::Table;
 use crate::{EvaluationError, Measure, Score, confusion, gestures};
 
@@ -46,7 +46,7 @@ pub(super) struct Page<'a> {
 /// Part of the page: its id, its title in the headline and in the contents, its content.
 type Section = (&'static str, &'static str, Markup);
 
-impl Page<'_> {
+impl<'s> Page<'s> {
     /// Writes the page to `path`, under a temporary name first and renamed when whole.
     ///
     /// # Errors
@@ -88,86 +88,59 @@ impl Page<'_> {
     fn sections(&self) -> Result<Vec<Section>, EvaluationError> {
         let entries = self.entries;
         let rows = overview_rows(entries);
-        let scores: Vec<_> = entries
-            .iter()
-            .map(|entry| (&entry.name[..], entry.everybody()))
-            .collect();
+        let named = |entry: &'s Entry<'s>| (&entry.name[..], entry.everybody());
+        let scores: Vec<_> = entries.iter().map(named).collect();
         let floors: Vec<&Score> = entries.iter().flat_map(Entry::energy).collect();
         let panels: Vec<_> = entries.iter().flat_map(|entry| &entry.panels).collect();
-        let devices = entries
-            .iter()
-            .filter_map(|entry| Device::of(&entry.name, entry.bytes?));
-        let devices: Vec<Device> = devices.collect();
-        let all = [
-            (
-                "results",
-                "Results",
-                html! {
-                    @if !rows.is_empty() {
-                        p.remark {
-                            "Means over people who have all classes of the model, and of the others in rows of their own (fewer); \
-                             with 95 % intervals, from six people on. n: people of a number, where the row has more. Grey: floors, \
-                             which need no model."
-                        }
-                        figure { (overview::overview(&rows)) }
-                    }
-                    @for table in &self.tables { (table) }
-                },
-            ),
-            (
-                "people",
-                "People",
-                html! {
-                    @if let Some(bars) = people::bars(&scores, &floors) { figure { (bars) } }
-                    @for table in &self.people_tables { (table) }
-                },
-            ),
+        let file = |entry: &'s Entry<'s>| Some((&entry.name[..], entry.bytes?));
+        let devices = device::table(entries.iter().filter_map(file));
+        let results = html! {
+            @if !rows.is_empty() {
+                p.remark {
+                    "Means over people who have all classes of the model, and of the others in rows of their own (fewer); \
+                     with 95 % intervals, from six people on. n: people of a number, where the row has more. Grey: floors, \
+                     which need no model."
+                }
+                figure { (overview::overview(&rows)) }
+            }
+            @for table in &self.tables { (table) }
+        };
+        let people = html! {
+            @if let Some(bars) = people::bars(&scores, &floors) { figure { (bars) } }
+            @for table in &self.people_tables { (table) }
+        };
+        let training = html! {
+            @if !panels.is_empty() { div.pair { @for panel in panels { figure { (charts::curves(panel)) } } } }
+        };
+        let device = html! {
+            @if !devices.rows.is_empty() { (devices) }
+            @if !device::all_counted(&devices) {
+                p.remark {
+                    "Instructions of a model of another shape: cargo xtask count --model FILE counts them on an emulated core."
+                }
+            }
+        };
+        let more = html! { @for table in &self.more_tables { (table) } };
+        let provenance = html! {
+            @for (name, facts) in self.provenance.iter().filter(|(_, facts)| !facts.is_empty()) {
+                @if !name.is_empty() { h3 { (name) } }
+                dl { @for (name, value) in facts { dt { (name) } dd { (value) } } }
+            }
+        };
+        let limits = html! { @for note in &self.notes { p { (note) } } };
+        let mut sections = vec![
+            ("results", "Results", results),
+            ("people", "People", people),
             ("errors", "Errors", errors(entries)?),
             ("recordings", "Recordings", recordings(entries)?),
-            (
-                "training",
-                "Training",
-                html! {
-                    @if !panels.is_empty() { div.pair { @for panel in panels { figure { (charts::curves(panel)) } } } }
-                },
-            ),
-            (
-                "device",
-                "Cost on a board",
-                html! {
-                    @if !devices.is_empty() { (device::table(&devices)) }
-                    @if !device::all_counted(&devices) {
-                        p.remark {
-                            "Instructions of a model of another shape: cargo xtask count --model FILE counts them on an emulated core."
-                        }
-                    }
-                },
-            ),
-            (
-                "tables",
-                "More tables",
-                html! { @for table in &self.more_tables { (table) } },
-            ),
-            (
-                "provenance",
-                "What was evaluated",
-                html! {
-                    @for (name, facts) in self.provenance.iter().filter(|(_, facts)| !facts.is_empty()) {
-                        @if !name.is_empty() { h3 { (name) } }
-                        dl { @for (name, value) in facts { dt { (name) } dd { (value) } } }
-                    }
-                },
-            ),
-            (
-                "limits",
-                "Limits of these numbers",
-                html! { @for note in &self.notes { p { (note) } } },
-            ),
+            ("training", "Training", training),
+            ("device", "Cost on a board", device),
+            ("tables", "More tables", more),
+            ("provenance", "What was evaluated", provenance),
+            ("limits", "Limits of these numbers", limits),
         ];
-        Ok(all
-            .into_iter()
-            .filter(|(.., content)| !content.0.is_empty())
-            .collect())
+        sections.retain(|(.., content)| !content.0.is_empty());
+        Ok(sections)
     }
 }
 
@@ -225,10 +198,8 @@ fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
 
 /// Rows of the picture at the top, with their colours: entries, other models of their runs, then floors.
 fn overview_rows<'a>(entries: &'a [Entry<'_>]) -> Vec<(&'static str, &'a Score)> {
-    let own = entries
-        .iter()
-        .enumerate()
-        .map(|(at, entry)| (entry_colour(at), &entry.scores));
+    let numbered = entries.iter().enumerate();
+    let own = numbered.map(|(at, entry)| (entry_colour(at), &entry.scores));
     let beside = entries.iter().map(|entry| (INK, &entry.beside));
     let floors = entries.iter().map(|entry| (MUTED, &entry.floors));
     let mut rows = Vec::new();
@@ -250,12 +221,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
     };
     let energy = entry.energy().find(|floor| floor.people == own.people);
     let share = |name, measure: Measure| {
-        let shown = counted(
-            estimate(measure.mean(own), measure.interval(own)),
-            own,
-            measure,
-        )
-        .shown;
+        let shown = estimated(own, measure);
         let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
         let floor = energy.and_then(|floor| measure.mean(floor));
         tile(
@@ -267,7 +233,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
     };
     let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
     let false_rate = |score: &Score| {
-        let shown = rate(score.events.false_activations).shown;
+        let shown = rate(score.events.false_activations);
         shown.split(' ').next().unwrap_or_default().to_owned()
     };
     let people = own.widest().subjects.len().to_string();

@@ -5,6 +5,8 @@ use super::entry::{Entry, over_all};
 use super::scores::COMPARED;
 use super::table::Table;
 use crate::Score;
+use crate::metric::event::activation::Rate;
+use crate::metric::event::latency::{Latency, LatencySummary};
 use crate::metric::event::summary::SubjectEvents;
 use crate::metric::summary::SubjectScore;
 
@@ -20,11 +22,8 @@ pub(super) struct Person<'a> {
 pub(super) fn people_of<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Vec<Person<'a>> {
     let of = |score: &'a Score| {
         let events = |subject: &str| {
-            score
-                .events
-                .subjects
-                .iter()
-                .find(|events| events.subject == subject)
+            let mut all = score.events.subjects.iter();
+            all.find(|events| events.subject == subject)
         };
         score.widest().subjects.iter().map(move |own| Person {
             subject: &own.subject,
@@ -38,43 +37,47 @@ pub(super) fn people_of<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Vec<
     people
 }
 
-/// Columns of a person's scores.
-pub(super) const COLUMNS: [&str; 11] = [
-    "balanced",
-    "TA",
-    "recognised",
-    "gestures",
-    "latency ms",
-    "p90 ms",
-    "false/min",
-    "other/min",
-    "flicker/min",
-    "raw",
-    "classes",
+/// Column of a person's scores: its name, and its cell in the row of a person.
+pub(super) type Column = (&'static str, fn(&Person<'_>) -> String);
+
+/// Columns of a person's scores, and their cells; empty where the person has no value.
+pub(super) const COLUMNS: [Column; 11] = [
+    ("balanced", |own| share(own.score.balanced_accuracy)),
+    ("TA", |own| share(own.score.transition_accuracy)),
+    ("recognised", |own| {
+        share(own.events.and_then(|events| events.recognition))
+    }),
+    ("gestures", |own| {
+        shown(own.events, |events| events.gestures.to_string())
+    }),
+    ("latency ms", |own| latency(own, |of| of.median)),
+    ("p90 ms", |own| latency(own, |of| of.p90)),
+    ("false/min", |own| rate(own, |events| events.rest)),
+    ("other/min", |own| rate(own, |events| events.other_movement)),
+    ("flicker/min", |own| rate(own, |events| events.flicker)),
+    ("raw", |own| share(own.score.raw_accuracy)),
+    ("classes", |own| own.score.classes.to_string()),
 ];
 
-/// Cells of the columns [`COLUMNS`]; empty where the person has no value.
-pub(super) fn cells(person: &Person<'_>) -> [String; COLUMNS.len()] {
-    let events = person.events;
-    let rate = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.1}"));
-    let latency = events.and_then(|events| events.latency);
-    [
-        share(person.score.balanced_accuracy),
-        share(person.score.transition_accuracy),
-        share(events.and_then(|events| events.recognition)),
-        events.map_or_else(String::new, |events| events.gestures.to_string()),
-        latency.map_or_else(String::new, |latency| quantile(latency.median)),
-        latency.map_or_else(String::new, |latency| quantile(latency.p90)),
-        rate(events.and_then(|events| events.rest.per_minute())),
-        rate(events.and_then(|events| events.other_movement.per_minute())),
-        rate(events.and_then(|events| events.flicker.per_minute())),
-        share(person.score.raw_accuracy),
-        person.score.classes.to_string(),
-    ]
+fn latency(person: &Person<'_>, of: fn(LatencySummary) -> Latency) -> String {
+    shown(person.events.and_then(|events| events.latency), |latency| {
+        quantile(of(latency))
+    })
+}
+
+fn rate(person: &Person<'_>, of: fn(&SubjectEvents) -> Rate) -> String {
+    shown(
+        person.events.and_then(|events| of(events).per_minute()),
+        |rate| format!("{rate:.1}"),
+    )
 }
 
 fn share(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| format!("{value:.3}"))
+    shown(value, |value| format!("{value:.3}"))
+}
+
+fn shown<T>(value: Option<T>, show: impl Fn(T) -> String) -> String {
+    value.map_or_else(String::new, show)
 }
 
 /// Table of the people of a model's rows, the lowest balanced accuracy first, each with a remark; none without a row.
@@ -83,16 +86,15 @@ pub(super) fn people_table(scores: &[&Score], remark: &dyn Fn(&str) -> String) -
         "People, the lowest balanced accuracy of {} first",
         scores.first()?.model
     );
-    let header = ["subject"].into_iter().chain(COLUMNS).chain(["remark"]);
-    let mut table = Table::new(caption, header);
+    let names = COLUMNS.map(|(name, _)| name);
+    let mut table = Table::new(
+        caption,
+        ["subject"].into_iter().chain(names).chain(["remark"]),
+    );
     for person in people_of(scores.iter().copied()) {
-        let subject = [person.subject.to_owned()];
-        table.push(
-            subject
-                .into_iter()
-                .chain(cells(&person))
-                .chain([remark(person.subject)]),
-        );
+        let cells = COLUMNS.map(|(_, cell)| cell(&person)).into_iter();
+        let subject = [person.subject.to_owned()].into_iter();
+        table.push(subject.chain(cells).chain([remark(person.subject)]));
     }
     Some(table)
 }
@@ -108,10 +110,8 @@ pub(super) fn side_by_side(entries: &[Entry<'_>]) -> Table {
             .chain(entries.iter().flat_map(names)),
     );
     let rows = entries.iter().flat_map(Entry::everybody);
-    let mut subjects: Vec<&str> = people_of(rows)
-        .iter()
-        .map(|person| person.subject)
-        .collect();
+    let people = people_of(rows).into_iter();
+    let mut subjects: Vec<&str> = people.map(|person| person.subject).collect();
     subjects.sort_unstable();
     subjects.dedup();
     for subject in subjects {

@@ -7,7 +7,7 @@ use super::entry::{Entry, SHOWN, onsets};
 use super::labels;
 use super::page::Page;
 use super::people::people_table;
-use super::pictures::charts::{Curve, Panel};
+use super::pictures::charts::Panel;
 use super::pictures::{stand_alone, timeline};
 use super::scores::{is_floor, tables};
 use crate::results::{Evaluation, INTEGER, Results};
@@ -29,10 +29,8 @@ pub fn write(
     evaluation: &Evaluation,
     page: &Path,
 ) -> Result<(), EvaluationError> {
-    let integer = evaluation
-        .candidates
-        .iter()
-        .find(|candidate| candidate.name == INTEGER);
+    let mut candidates = evaluation.candidates.iter();
+    let integer = candidates.find(|candidate| candidate.name == INTEGER);
     let Some(candidate) = integer.or(evaluation.candidates.first()) else {
         return Ok(());
     };
@@ -43,10 +41,8 @@ pub fn write(
     let whole = |at: usize| onsets(&recordings[at], &(0..recordings[at].emg.len()));
     if let Some(at) = (0..recordings.len()).max_by_key(|&at| whole(at)) {
         let picture = timeline::svg(&entry.timeline(at, 0..SHOWN)?);
-        write_whole(
-            &page.with_file_name("timeline.svg"),
-            stand_alone(&picture).as_bytes(),
-        )?;
+        let file = page.with_file_name("timeline.svg");
+        write_whole(&file, stand_alone(&picture).as_bytes())?;
     }
     Ok(())
 }
@@ -60,9 +56,7 @@ pub(super) fn contents<'a>(
     let mut tables = tables(results);
     // Lag-compensated labels and the differences to the floors; then the rest.
     let more_tables = tables.split_off(tables.len().min(2));
-    let people = entries
-        .iter()
-        .filter_map(|entry| people_table(&entry.everybody(), &|_| String::new()));
+    let people = |entry: &Entry<'_>| people_table(&entry.everybody(), &|_| String::new());
     Page {
         title: format!("Intent detection: preset {}", config.preset.name),
         summary: format!(
@@ -74,7 +68,7 @@ pub(super) fn contents<'a>(
         provenance: vec![(String::new(), provenance(config, results))],
         tables,
         more_tables,
-        people_tables: people.collect(),
+        people_tables: entries.iter().filter_map(people).collect(),
         notes: notes(),
     }
 }
@@ -90,16 +84,12 @@ pub(super) fn entry<'a>(
 ) -> Result<Entry<'a>, EvaluationError> {
     let look_ahead = candidate.condition(results.aggregation);
     let compensated = || {
-        results
-            .published
-            .iter()
-            .filter(|score| score.truth == Truth::LagCompensated)
+        let scores = results.published.iter();
+        scores.filter(|score| score.truth == Truth::LagCompensated)
     };
     let rows = |wanted: &dyn Fn(&Score) -> bool| {
-        compensated()
-            .filter(|score| wanted(score))
-            .cloned()
-            .collect()
+        let rows = compensated().filter(|score| wanted(score));
+        rows.cloned().collect()
     };
     // The same model without look-ahead is in the tables, and would only double the rows of the picture.
     let with_look_ahead = |score: &Score| {
@@ -175,33 +165,25 @@ pub(super) fn notes() -> Vec<String> {
 pub(super) fn panels(run: &RunFolder) -> Result<Vec<Panel>, RunError> {
     let mut panels = Vec::new();
     for name in ["teacher", "student"] {
-        let mut curves: Vec<Curve> = Vec::new();
+        let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
         for line in run.lines::<EpochMetrics>(&format!("{name}.jsonl"))? {
-            let training = line
-                .train
-                .iter()
-                .filter(|(what, _)| what != "emg")
-                .map(|own| ("training", own));
-            let validation = line
-                .validation
-                .iter()
-                .filter(|(what, _)| ["intent", "label"].contains(&&what[..]));
-            for (set, (what, value)) in training.chain(validation.map(|own| ("validation", own))) {
-                let name = format!("{set} {what}");
-                let point = (line.epoch as f64, *value);
-                match curves.iter_mut().find(|curve| curve.name == name) {
-                    Some(curve) => curve.points.push(point),
-                    None => curves.push(Curve {
-                        name,
-                        points: vec![point],
-                    }),
+            let shown = |what: &str| ["intent", "label"].contains(&what);
+            let named =
+                |set| move |(what, value): &(String, f64)| (format!("{set} {what}"), *value);
+            let training = line.train.iter().filter(|(what, _)| what != "emg");
+            let validation = line.validation.iter().filter(|(what, _)| shown(what));
+            let both = training.map(named("training"));
+            for (name, value) in both.chain(validation.map(named("validation"))) {
+                if !curves.iter().any(|(own, _)| *own == name) {
+                    curves.push((name.clone(), Vec::new()));
                 }
+                let own = curves.iter_mut().filter(|(own, _)| *own == name);
+                own.for_each(|(_, points)| points.push((line.epoch as f64, value)));
             }
         }
         if !curves.is_empty() {
             panels.push(Panel {
                 title: format!("Loss of the {name}"),
-                step: "epoch".to_owned(),
                 curves,
             });
         }

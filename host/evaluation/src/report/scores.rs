@@ -1,25 +1,19 @@
 //! Tables of scores and of differences.
 
 use super::cell::{
-    Cell, difference, estimate, latency, narrow_estimate, none, one_ms, quantile, rate, share, text,
+    difference, estimate, latency, narrow_estimate, none, of_people, one_ms, quantile, rate, share,
 };
 use super::table::Table;
 use crate::metric::offset::OffsetSummary;
 use crate::results::{INTEGER, Results};
 use crate::{ALL, CONSTANT, Difference, ENERGY, LookAhead, Measure, Score, Truth};
+use recordings::statistics::MeanSd;
 
 /// Measures whose differences are shown.
 pub(super) const COMPARED: [Measure; 3] = [
     Measure::BalancedAccuracy,
     Measure::TransitionAccuracy,
     Measure::Recognition,
-];
-
-/// Transition accuracy with each buffer, the narrowest first.
-const BY_BUFFER: [Measure; 3] = [
-    Measure::TransitionAccuracyNarrow,
-    Measure::TransitionAccuracyMiddle,
-    Measure::TransitionAccuracy,
 ];
 
 /// Measures of a person before and after tuning, with their decimals.
@@ -33,22 +27,131 @@ const TUNED: [(Measure, usize); 7] = [
     (Measure::Flicker, 1),
 ];
 
-/// Columns that name a row.
-const HEADING: [&str; 4] = ["recordings", "classes", "model", "look-ahead"];
+/// Column of a table of scores: its name, and its cell in the row of a score.
+type Column = (&'static str, fn(&Score) -> String);
+
+const RECORDINGS: Column = ("recordings", |own| own.data_set.clone());
+const CLASSES: Column = ("classes", Score::people_name);
+const MODEL: Column = ("model", |own| own.model.clone());
+const LOOK_AHEAD: Column = ("look-ahead", |own| own.look_ahead.name().to_owned());
+const OTHER: Column = ("other/min", |own| {
+    mean(own, Measure::OtherActivations, rate)
+});
+const RAW: Column = ("raw", |own| mean(own, Measure::RawAccuracy, share));
+const SUBJECTS: Column = ("subjects", |own| people(own).to_string());
+const TRANSITIONS: Column = ("transitions", |own| own.widest().events.to_string());
+
+/// Columns of a table of scores.
+const SCORES: [Column; 15] = [
+    RECORDINGS,
+    CLASSES,
+    MODEL,
+    LOOK_AHEAD,
+    ("balanced", |own| estimated(own, Measure::BalancedAccuracy)),
+    ("TA", |own| estimated(own, Measure::TransitionAccuracy)),
+    ("recognised", |own| estimated(own, Measure::Recognition)),
+    ("latency ms", |own| {
+        counted(latency(own.events.latency), own, Measure::Recognition)
+    }),
+    ("false/min", |own| {
+        mean(own, Measure::FalseActivations, rate)
+    }),
+    OTHER,
+    ("flicker/min", |own| mean(own, Measure::Flicker, rate)),
+    RAW,
+    SUBJECTS,
+    TRANSITIONS,
+    ("gestures", |own| own.events.gestures.to_string()),
+];
+
+/// Columns of the paper's measures.
+const PAPER: [Column; 12] = [
+    RECORDINGS,
+    CLASSES,
+    MODEL,
+    LOOK_AHEAD,
+    ("TA 60", |own| {
+        mean(own, Measure::TransitionAccuracyNarrow, share)
+    }),
+    ("TA 120", |own| {
+        mean(own, Measure::TransitionAccuracyMiddle, share)
+    }),
+    ("TA 200", |own| {
+        mean(own, Measure::TransitionAccuracy, share)
+    }),
+    ("offset ms", |own| offset(own, |offset| offset.signed.mean)),
+    ("median", |own| offset(own, |offset| offset.signed_median)),
+    RAW,
+    SUBJECTS,
+    TRANSITIONS,
+];
+
+/// Columns of a summary, 100 letters together.
+const NARROW: [Column; 8] = [
+    RECORDINGS,
+    CLASSES,
+    ("balanced", |own| narrow(own, Measure::BalancedAccuracy)),
+    ("transition", |own| narrow(own, Measure::TransitionAccuracy)),
+    ("events", |own| {
+        mean(own, Measure::Recognition, narrow_share)
+    }),
+    ("lat. ms", |own| {
+        let median = own.events.latency.map(|latency| quantile(latency.median));
+        counted(median.unwrap_or_else(none), own, Measure::Recognition)
+    }),
+    ("false/min", |own| {
+        mean(own, Measure::FalseActivations, narrow_rate)
+    }),
+    ("n", SUBJECTS.1),
+];
+
+fn people(score: &Score) -> usize {
+    score.widest().subjects.len()
+}
+
+/// A cell with the number of people who have a value of `measure`, where that is not the row's.
+fn counted(cell: String, score: &Score, measure: Measure) -> String {
+    let with_value = measure.mean(score).map_or(0, |mean| mean.n);
+    of_people(cell, with_value, people(score))
+}
+
+fn mean(score: &Score, measure: Measure, show: fn(Option<MeanSd>) -> String) -> String {
+    counted(show(measure.mean(score)), score, measure)
+}
+
+/// Mean and 95 % interval.
+pub(super) fn estimated(score: &Score, measure: Measure) -> String {
+    let cell = estimate(measure.mean(score), measure.interval(score));
+    counted(cell, score, measure)
+}
+
+fn narrow(score: &Score, measure: Measure) -> String {
+    let cell = narrow_estimate(measure.mean(score), measure.interval(score));
+    counted(cell, score, measure)
+}
+
+fn narrow_share(mean: Option<MeanSd>) -> String {
+    narrow_estimate(mean, None)
+}
+
+fn narrow_rate(mean: Option<MeanSd>) -> String {
+    mean.map_or_else(none, |mean| format!("{:.1}", mean.mean))
+}
+
+fn offset(score: &Score, of: fn(OffsetSummary) -> f64) -> String {
+    let widest = score.widest();
+    let subjects = widest.subjects.iter();
+    let followed = subjects.filter(|own| own.offset.is_some()).count();
+    of_people(one_ms(widest.offset.map(of)), followed, people(score))
+}
 
 /// Tables of an evaluation: lag-compensated labels and the differences to the floors; labels as published; spliced
 /// recordings; then the paper's measures.
 #[must_use]
 pub fn tables(results: &Results) -> Vec<Table> {
-    let with = |truth: Truth| {
-        let lines = results.published.iter();
-        shown(
-            lines.filter(move |score| score.truth == truth),
-            results.aggregation,
-        )
-    };
-    let (compensated, published) = (with(Truth::LagCompensated), with(Truth::Published));
-    let spliced = shown(results.spliced.iter(), results.aggregation);
+    let compensated = shown(&results.published, Truth::LagCompensated, results);
+    let published = shown(&results.published, Truth::Published, results);
+    let spliced = shown(&results.spliced, Truth::LagCompensated, results);
     let mut tables = vec![
         table(
             "Lag-compensated labels: moved to the onset of muscle activity",
@@ -63,21 +166,22 @@ pub fn tables(results: &Results) -> Vec<Table> {
             "Spliced recordings of the same subjects, in random order and rhythm; lag-compensated labels",
             &spliced,
         ),
-        paper(
+        of_columns(
             "The paper's measures: buffers, and offsets of the transitions followed; lag-compensated labels",
             &compensated,
+            &PAPER,
         ),
-        paper("The same with labels as published", &published),
+        of_columns("The same with labels as published", &published, &PAPER),
     ];
     tables.retain(|table| !table.rows.is_empty());
     tables
 }
 
 /// Rows without look-ahead, and with that of the model file; people with all classes first, data set by data set.
-fn shown<'a>(scores: impl Iterator<Item = &'a Score>, aggregation: LookAhead) -> Vec<&'a Score> {
-    let mut shown: Vec<&Score> = scores
-        .filter(|score| [LookAhead::None, aggregation].contains(&score.look_ahead))
-        .collect();
+fn shown<'a>(scores: &'a [Score], truth: Truth, results: &Results) -> Vec<&'a Score> {
+    let look_aheads = [LookAhead::None, results.aggregation];
+    let wanted = |score: &&Score| score.truth == truth && look_aheads.contains(&score.look_ahead);
+    let mut shown: Vec<&Score> = scores.iter().filter(wanted).collect();
     sort(&mut shown);
     shown
 }
@@ -94,110 +198,45 @@ pub(super) fn is_floor(score: &Score) -> bool {
 
 /// The scores of one model in 100 columns, a row a data set and group of people, and of the floors over all data sets:
 /// lag-compensated labels, the model file's aggregation mode.
+#[must_use]
 pub fn summary(results: &Results, model: &str) -> Table {
-    let header = [
-        "recordings",
-        "classes",
-        "balanced",
-        "transition",
-        "events",
-        "lat. ms",
-        "false/min",
-        "n",
-    ];
-    let mut table = Table::new("", header);
     let compensated = || {
         results
             .published
             .iter()
             .filter(|score| score.truth == Truth::LagCompensated)
     };
-    let mut own: Vec<&Score> = compensated()
-        .filter(|score| score.model == model && score.look_ahead == results.aggregation)
-        .collect();
+    let own = compensated()
+        .filter(|score| score.model == model && score.look_ahead == results.aggregation);
+    let mut rows: Vec<&Score> = own.collect();
     // The last rows are over all recordings.
-    own.sort_by_key(|score| score.data_set == ALL);
-    for score in &own {
-        table.push(narrow(score.data_set.clone(), score));
-    }
-    let last = own.last().map_or(ALL, |score| score.data_set.as_str());
+    rows.sort_by_key(|score| score.data_set == ALL);
+    let last = rows.last().map_or(ALL, |score| score.data_set.as_str());
+    let mut names: Vec<String> = rows.iter().map(|score| score.data_set.clone()).collect();
     for (floor, name) in [(CONSTANT, "relax"), (ENERGY, "energy")] {
-        let rows = compensated().filter(|score| score.model == floor && score.data_set == last);
-        rows.for_each(|score| table.push(narrow(format!("{last}: {name}"), score)));
+        rows.extend(compensated().filter(|score| score.model == floor && score.data_set == last));
+        names.resize(rows.len(), format!("{last}: {name}"));
+    }
+    let mut table = of_columns("", &rows, &NARROW);
+    for (row, name) in table.rows.iter_mut().zip(names) {
+        row[0] = name;
     }
     table
-}
-
-fn narrow(name: String, score: &Score) -> [String; 8] {
-    let shown =
-        |cell: Option<Cell>, measure| counted(cell.unwrap_or_else(none), score, measure).shown;
-    let accuracy = |measure: Measure, interval| {
-        shown(
-            Some(narrow_estimate(measure.mean(score), interval)),
-            measure,
-        )
-    };
-    let with_interval = |measure: Measure| accuracy(measure, measure.interval(score));
-    let median = score
-        .events
-        .latency
-        .map(|latency| text(quantile(latency.median)));
-    let rate = Measure::FalseActivations.mean(score);
-    [
-        name,
-        score.people_name(),
-        with_interval(Measure::BalancedAccuracy),
-        with_interval(Measure::TransitionAccuracy),
-        accuracy(Measure::Recognition, None),
-        shown(median, Measure::Recognition),
-        shown(
-            rate.map(|mean| text(format!("{:.1}", mean.mean))),
-            Measure::FalseActivations,
-        ),
-        score.widest().subjects.len().to_string(),
-    ]
-}
-
-/// A cell with the number of people who have a value of `measure`, where that is not the row's.
-pub(super) fn counted(cell: Cell, score: &Score, measure: Measure) -> Cell {
-    let people = measure.mean(score).map_or(0, |mean| mean.n);
-    cell.of_people(people, score.widest().subjects.len())
 }
 
 /// Table with a row for each score.
 pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
     // Few data sets mark movements outside the vocabulary.
-    let other = scores.iter().any(|s| s.events.other_activations.is_some());
-    let mut header = HEADING.to_vec();
-    header.extend(["balanced", "TA", "recognised", "latency ms", "false/min"]);
-    header.extend(other.then_some("other/min"));
-    header.extend(["flicker/min", "raw", "subjects", "transitions", "gestures"]);
-    let mut table = Table::new(caption, header);
+    let other = |score: &&Score| score.events.other_activations.is_some();
+    let mut columns = SCORES.to_vec();
+    columns.retain(|(name, _)| *name != OTHER.0 || scores.iter().any(other));
+    of_columns(caption, scores, &columns)
+}
+
+fn of_columns(caption: &str, scores: &[&Score], columns: &[Column]) -> Table {
+    let mut table = Table::new(caption, columns.iter().map(|(name, _)| *name));
     for score in scores {
-        let shown = |cell, measure| counted(cell, score, measure).shown;
-        let of = |measure: Measure| {
-            shown(
-                estimate(measure.mean(score), measure.interval(score)),
-                measure,
-            )
-        };
-        let rate = |measure: Measure| shown(rate(measure.mean(score)), measure);
-        let (widest, events) = (score.widest(), &score.events);
-        let mut cells = heading(score).to_vec();
-        cells.extend(COMPARED.map(of));
-        cells.extend([
-            shown(latency(events.latency), Measure::Recognition),
-            rate(Measure::FalseActivations),
-        ]);
-        cells.extend(other.then(|| rate(Measure::OtherActivations)));
-        cells.extend([
-            rate(Measure::Flicker),
-            shown(share(widest.raw_accuracy), Measure::RawAccuracy),
-            widest.subjects.len().to_string(),
-            widest.events.to_string(),
-            events.gestures.to_string(),
-        ]);
-        table.push(cells);
+        table.push(columns.iter().map(|(_, cell)| cell(score)));
     }
     table
 }
@@ -205,14 +244,12 @@ pub(super) fn table(caption: &str, scores: &[&Score]) -> Table {
 /// Table of the model file against the floors, person by person; of a run without one, every model.
 fn floor_differences(scores: &[&Score]) -> Table {
     let device = scores.iter().any(|score| score.model == INTEGER);
-    let models = scores
-        .iter()
-        .filter(|score| !is_floor(score) && (score.model == INTEGER || !device));
-    let pairs = models.flat_map(|score| {
-        let floors = scores
-            .iter()
-            .filter(|floor| is_floor(floor) && floor.same_people(score));
-        floors.map(|floor| (*score, *floor))
+    let (floors, mut models): (Vec<&Score>, Vec<&Score>) =
+        scores.iter().partition(|own| is_floor(own));
+    models.retain(|score| score.model == INTEGER || !device);
+    let pairs = models.into_iter().flat_map(|score| {
+        let floors = floors.iter().filter(|floor| floor.same_people(score));
+        floors.map(move |floor| (score, *floor))
     });
     let caption =
         "Differences to the floors, paired over subjects; mean [95 % interval] over n subjects";
@@ -232,62 +269,13 @@ pub(super) fn differences<'s>(
         header.into_iter().chain(COMPARED.map(Measure::name)),
     );
     for (own, other) in pairs {
-        let [data_set, classes, model, ahead] = heading(own);
-        let mut cells = vec![data_set, classes, format!("{model} - {}", other.model)];
-        cells.extend(look_ahead.then_some(ahead));
-        cells.extend(COMPARED.map(|measure| difference(Difference::of(measure, own, other)).shown));
+        let pair = format!("{} - {}", own.model, other.model);
+        let mut cells = vec![own.data_set.clone(), own.people_name(), pair];
+        cells.extend(look_ahead.then(|| LOOK_AHEAD.1(own)));
+        cells.extend(COMPARED.map(|measure| difference(Difference::of(measure, own, other))));
         table.push(cells);
     }
     table
-}
-
-fn paper(caption: &str, scores: &[&Score]) -> Table {
-    let measures = [
-        "TA 60",
-        "TA 120",
-        "TA 200",
-        "offset ms",
-        "median",
-        "raw",
-        "subjects",
-        "transitions",
-    ];
-    let mut table = Table::new(caption, HEADING.into_iter().chain(measures));
-    for score in scores {
-        let widest = score.widest();
-        let shown = |cell: Cell, measure| counted(cell, score, measure).shown;
-        let followed = widest
-            .subjects
-            .iter()
-            .filter(|own| own.offset.is_some())
-            .count();
-        let offset = |of: fn(OffsetSummary) -> f64| {
-            let cell = one_ms(widest.offset.map(of));
-            cell.of_people(followed, widest.subjects.len()).shown
-        };
-        let mut cells = heading(score).to_vec();
-        cells.extend(BY_BUFFER.map(|measure| shown(share(measure.mean(score)), measure)));
-        cells.extend([
-            offset(|offset| offset.signed.mean),
-            offset(|offset| offset.signed_median),
-            shown(share(widest.raw_accuracy), Measure::RawAccuracy),
-            widest.subjects.len().to_string(),
-            widest.events.to_string(),
-        ]);
-        table.push(cells);
-    }
-    table
-}
-
-/// Cells of the columns [`HEADING`].
-fn heading(score: &Score) -> [String; 4] {
-    let look_ahead = score.look_ahead.name().to_owned();
-    [
-        score.data_set.clone(),
-        score.people_name(),
-        score.model.clone(),
-        look_ahead,
-    ]
 }
 
 /// Table with a row for each model, before and after tuning on a person: the measures of the part held back.
@@ -299,9 +287,8 @@ pub fn tuned(caption: &str, scores: &[Score]) -> Table {
     let mut table = Table::new(caption, header);
     for score in scores {
         let value = |(measure, decimals): (Measure, usize)| {
-            measure
-                .mean(score)
-                .map_or_else(String::new, |own| format!("{:.decimals$}", own.mean))
+            let mean = measure.mean(score);
+            mean.map_or_else(String::new, |own| format!("{:.decimals$}", own.mean))
         };
         let start = [score.model.clone(), score.events.gestures.to_string()];
         table.push(start.into_iter().chain(TUNED.map(value)));

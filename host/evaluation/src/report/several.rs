@@ -168,10 +168,8 @@ fn name_floors(entries: &mut [Entry<'_>]) {
 fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> Page<'a> {
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
     let counts = entries.iter().map(|entry| {
-        let people: usize = over_all(&entry.scores)
-            .map(|score| score.widest().subjects.len())
-            .sum();
-        format!("{} on {people} subjects", entry.name)
+        let people = over_all(&entry.scores).map(|score| score.widest().subjects.len());
+        format!("{} on {} subjects", entry.name, people.sum::<usize>())
     });
     let mut summary = counts.collect::<Vec<_>>().join(", ");
     let mut notes = Vec::new();
@@ -202,14 +200,12 @@ fn several<'a>(reported: &[Reported], entries: &'a [Entry<'a>], data: &str) -> P
     };
     // The last one is that of the people.
     let people_tables = tables.split_off(tables.len() - 1);
-    let provenance = entries
-        .iter()
-        .map(|entry| (entry.name.clone(), entry.facts.clone()));
+    let provenance = |entry: &Entry<'_>| (entry.name.clone(), entry.facts.clone());
     Page {
         title: format!("Evaluation of {}", names.join(", ")),
         summary: format!("{summary}."),
         entries,
-        provenance: provenance.collect(),
+        provenance: entries.iter().map(provenance).collect(),
         tables,
         people_tables,
         notes,
@@ -231,12 +227,8 @@ fn side_by_side(entries: &[Entry<'_>]) -> Vec<Table> {
     for (at, later) in entries.iter().enumerate() {
         for earlier in &entries[..at] {
             let other = |own: &Score| earlier.scores.iter().find(|other| other.same_people(own));
-            pairs.extend(
-                later
-                    .scores
-                    .iter()
-                    .filter_map(|own| Some((own, other(own)?))),
-            );
+            let own = later.scores.iter();
+            pairs.extend(own.filter_map(|own| Some((own, other(own)?))));
         }
     }
     for entry in entries {

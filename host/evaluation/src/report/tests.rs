@@ -8,7 +8,7 @@ use shared::model::LookBackLogits;
 
 use super::entry::Entry;
 use super::page::Page;
-use super::pictures::charts::{Curve, Panel};
+use super::pictures::charts::Panel;
 use super::pictures::stand_alone;
 use super::pictures::timeline::{Timeline, svg};
 use super::scores::{is_floor, summary, tables};
@@ -76,10 +76,7 @@ impl Evaluated {
                 .map(|at| (f64::from(at), end + (-f64::from(at) / 12.0).exp()))
                 .collect()
         };
-        let curve = |name: &str, end| Curve {
-            name: name.to_owned(),
-            points: points(end),
-        };
+        let curve = |name: &str, end| (name.to_owned(), points(end));
         Entry {
             name: "student".to_owned(),
             facts: Vec::new(),
@@ -95,7 +92,6 @@ impl Evaluated {
             look_ahead,
             panels: vec![Panel {
                 title: "Loss".to_owned(),
-                step: "epoch".to_owned(),
                 curves: vec![curve("training", 0.3), curve("validation", 0.42)],
             }],
             bytes: None,
@@ -243,8 +239,7 @@ fn text_is_escaped_on_the_page_and_in_pictures() -> Result<(), Box<dyn Error>> {
         entry.name = hostile.into();
         entry.scores[0].model = hostile.into();
         entry.panels[0].title = hostile.into();
-        entry.panels[0].step = hostile.into();
-        entry.panels[0].curves[0].name = hostile.into();
+        entry.panels[0].curves[0].0 = hostile.into();
         entry
     };
     let entries = [entry(), entry()];

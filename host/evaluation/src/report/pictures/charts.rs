@@ -9,24 +9,14 @@ use super::{
 use crate::metric::event::latency::{self, Latency};
 use crate::report::cell::quantile;
 
-/// A value over steps.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::report) struct Curve {
-    /// Name at the end of the line.
-    pub name: String,
-    /// Step and value, steps ascending. Values that are not finite are left out.
-    pub points: Vec<(f64, f64)>,
-}
-
 /// Curves that share their axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::report) struct Panel {
     /// Title, with the unit.
     pub title: String,
-    /// Name of the horizontal axis: "epoch", "step".
-    pub step: String,
-    /// Curves, at most five, for the colours to differ.
-    pub curves: Vec<Curve>,
+    /// Curves over epochs, at most five, for the colours to differ: the name at the end of the line, and its epochs and
+    /// values, epochs ascending. Values that are not finite are left out.
+    pub curves: Vec<(String, Vec<Point>)>,
 }
 
 /// Width of a chart.
@@ -94,27 +84,30 @@ fn ticks((low, high): (f64, f64), parts: f64) -> impl Iterator<Item = f64> {
 
 /// Picture of the curves, with their names at their ends.
 pub(in crate::report) fn curves(panel: &Panel) -> Markup {
-    let curves: Vec<Vec<(f64, f64)>> = panel.curves.iter().map(finite).collect();
+    let finite = |&(epoch, value): &Point| epoch.is_finite() && value.is_finite();
+    let mut curves = panel.curves.clone();
+    curves
+        .iter_mut()
+        .for_each(|(_, points)| points.retain(finite));
+    let values = || curves.iter().flat_map(|(_, points)| points);
     let chart = Chart {
         height: 300.0,
         left: 58.0,
         right: WIDTH - NAMES,
-        x: range(curves.iter().flatten().map(|point| point.0), 0.0),
-        y: range(curves.iter().flatten().map(|point| point.1), 0.06),
+        x: range(values().map(|point| point.0), 0.0),
+        y: range(values().map(|point| point.1), 0.06),
     };
-    let named = panel.curves.iter().zip(&curves).enumerate();
-    let ends = named.filter_map(|(at, (curve, points))| Some((at, &curve.name, *points.last()?)));
-    let told: Vec<_> = ends
+    let ends = curves.iter().zip(0..);
+    let ends = ends.filter_map(|((name, points), at)| Some((*points.last()?, at, name)));
+    let told = ends
         .clone()
-        .map(|(_, name, end)| format!("{name} ends at {}", short(end.1)))
-        .collect();
-    let description = if told.is_empty() {
-        "No points.".to_owned()
-    } else {
-        told.join(", ") + "."
+        .map(|(end, _, name)| format!("{name} ends at {}", short(end.1)));
+    let description = match told.collect::<Vec<_>>().join(", ") {
+        told if told.is_empty() => "No points.".to_owned(),
+        told => told + ".",
     };
     let mut names: Vec<_> = ends
-        .map(|(at, name, end)| (chart.at(end), at, name))
+        .map(|(end, at, name)| (chart.at(end), at, name))
         .collect();
     names.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
     let mut free = 0.0;
@@ -125,8 +118,8 @@ pub(in crate::report) fn curves(panel: &Panel) -> Markup {
     }
     let body = html! {
         (text("start", (10.0, 14.0), 13.0, INK, &panel.title))
-        (chart.axes(&panel.step, 6.0, 5.0))
-        @for (at, own) in curves.iter().enumerate() {
+        (chart.axes("epoch", 6.0, 5.0))
+        @for (at, (_, own)) in curves.iter().enumerate() {
             polyline fill="none" stroke=(entry_colour(at)) stroke-width="2"
                 points=(points(own.iter().map(|&point| chart.at(point)))) {}
             @if let &[only] = own.as_slice() { (circle(chart.at(only), 3.0, entry_colour(at))) }
@@ -134,11 +127,6 @@ pub(in crate::report) fn curves(panel: &Panel) -> Markup {
         @for ((x, y), at, name) in names { (text("start", (x + 8.0, y), 12.0, entry_colour(at), name)) }
     };
     picture((WIDTH, chart.height), &panel.title, &description, &body)
-}
-
-fn finite(curve: &Curve) -> Vec<(f64, f64)> {
-    let whole = |&(step, value): &(f64, f64)| step.is_finite() && value.is_finite();
-    curve.points.iter().copied().filter(whole).collect()
 }
 
 /// Lowest and highest value with a margin, never empty.
@@ -265,14 +253,10 @@ mod tests {
     fn empty_flat_and_broken_curves_still_have_axes() {
         assert_eq!(range([].into_iter(), 0.1), (0.0, 1.0));
         assert_eq!(range([2.0].into_iter(), 0.1), (1.5, 2.5));
-        let curve = Curve {
-            name: "loss".into(),
-            points: vec![(0.0, f64::NAN), (1.0, 2.0)],
-        };
+        let loss = vec![(0.0, f64::NAN), (1.0, 2.0)];
         let panel = Panel {
             title: "Loss".into(),
-            step: "epoch".into(),
-            curves: vec![curve, Curve::default()],
+            curves: vec![("loss".into(), loss), Default::default()],
         };
         assert!(curves(&panel).0.contains("loss ends at 2."));
         assert!(curves(&Panel::default()).0.contains("No points."));

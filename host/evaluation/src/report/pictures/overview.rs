@@ -54,7 +54,7 @@ pub(in crate::report) fn overview(rows: &[(&str, &Score)]) -> Markup {
             @for (at, (colour, score)) in rows.iter().enumerate() {
                 @if let Some(mean) = measure.mean(score) {
                     (mean_and_interval(axis, middle(at), colour, mean, measure.interval(score)))
-                    @let told = cell::text(number(mean)).of_people(mean.n, score.widest().subjects.len()).shown;
+                    @let told = cell::of_people(number(mean), mean.n, score.widest().subjects.len());
                     (text("end", (axis.x(1.0) + NUMBER - 4.0, middle(at)), 12.0, INK, told))
                 }
             }
