@@ -32,16 +32,6 @@ pub enum EvaluationError {
     /// The smoother's settings are invalid.
     #[error(transparent)]
     Smoother(#[from] SettingsError),
-    /// Too few people for an alignment template.
-    #[error(
-        "{found} of the people whom the model has seen open the hand in these recordings, {expected} are needed: give the recordings that it was trained on"
-    )]
-    NoTemplate {
-        /// Minimum number of people.
-        expected: usize,
-        /// People found.
-        found: usize,
-    },
     /// There is no model to evaluate.
     #[error("no model to evaluate: give a model file")]
     NoModel,

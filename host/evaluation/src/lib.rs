@@ -18,7 +18,6 @@ pub mod report;
 pub mod results;
 mod score;
 mod smoothing;
-pub mod template;
 
 pub use candidate::{Candidate, integer_candidate};
 pub use condition::{LookAhead, Truth};

@@ -1,7 +1,5 @@
 //! Tables, for the terminal, for Markdown and for HTML.
 
-use std::fmt::Write as _;
-
 use maud::{Markup, Render, html};
 
 /// Letters of a cell above which its line may break on a page.
@@ -40,26 +38,39 @@ impl Table {
     /// Text with aligned columns for a terminal: numbers to the right, the rest to the left.
     #[must_use]
     pub fn plain(&self) -> String {
-        let columns = self.columns();
-        let mut out = self.caption_line("\n");
-        let mut line = |cells: &[String]| {
-            let padded: Vec<_> = columns
-                .iter()
-                .enumerate()
-                .map(|(i, column)| column.pad(cell(cells, i)))
-                .collect();
-            out.push_str(padded.join("  ").trim_end());
-            out.push('\n');
+        let rule = |column: &Column| "-".repeat(column.width);
+        let lines = self.lines("|", rule, |cells| cells.join("  ").trim_end().to_owned());
+        self.caption_line("\n") + &lines
+    }
+
+    /// A table of GitHub's Markdown, aligned in the source too.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let rule = |column: &Column| {
+            let end = if column.numeric { ":" } else { "-" };
+            "-".repeat(column.width.max(2) - 1) + end
         };
-        line(&self.header);
-        line(
-            &columns
-                .iter()
-                .map(|column| "-".repeat(column.width))
-                .collect::<Vec<_>>(),
-        );
-        self.rows.iter().for_each(|row| line(row));
-        out
+        let line = |cells: Vec<String>| format!("| {} |", cells.join(" | "));
+        self.caption_line("\n\n") + &self.lines("\\|", rule, line)
+    }
+
+    /// Header, rule and rows with padded cells, a line each; `bar` is written for `|` in a cell.
+    fn lines(
+        &self,
+        bar: &str,
+        rule: fn(&Column) -> String,
+        line: impl Fn(Vec<String>) -> String,
+    ) -> String {
+        let columns = self.columns();
+        let padded = |row: &Vec<String>| {
+            let columns = columns.iter().enumerate();
+            columns
+                .map(|(i, column)| column.pad(&cell(row, i).replace('|', bar)))
+                .collect()
+        };
+        let head = [padded(&self.header), columns.iter().map(rule).collect()];
+        let lines = head.into_iter().chain(self.rows.iter().map(padded));
+        lines.map(|cells| line(cells) + "\n").collect()
     }
 
     /// Header and rows as CSV.
@@ -76,31 +87,6 @@ impl Table {
             .map_err(csv::IntoInnerError::into_error)?)
     }
 
-    /// A table of GitHub's Markdown, aligned in the source too.
-    #[must_use]
-    pub fn markdown(&self) -> String {
-        let columns = self.columns();
-        let mut out = self.caption_line("\n\n");
-        let mut line = |cells: &[String]| {
-            for (i, column) in columns.iter().enumerate() {
-                let _ = write!(
-                    out,
-                    "| {} ",
-                    column.pad(&cell(cells, i).replace('|', "\\|"))
-                );
-            }
-            out.push_str("|\n");
-        };
-        line(&self.header);
-        let rule = |column: &Column| {
-            let end = if column.numeric { ":" } else { "-" };
-            "-".repeat(column.width.max(2) - 1) + end
-        };
-        line(&columns.iter().map(rule).collect::<Vec<_>>());
-        self.rows.iter().for_each(|row| line(row));
-        out
-    }
-
     fn caption_line(&self, end: &str) -> String {
         match &self.caption[..] {
             "" => String::new(),
@@ -111,12 +97,9 @@ impl Table {
     fn columns(&self) -> Vec<Column> {
         let column = |i: usize| {
             let cells = || self.rows.iter().map(move |row| cell(row, i));
+            let widths = cells().chain([cell(&self.header, i)]).map(width);
             Column {
-                width: cells()
-                    .chain([cell(&self.header, i)])
-                    .map(width)
-                    .max()
-                    .unwrap_or(0),
+                width: widths.max().unwrap_or(0),
                 numeric: !self.rows.is_empty() && cells().all(is_number_or_empty),
             }
         };

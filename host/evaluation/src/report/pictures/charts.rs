@@ -150,26 +150,19 @@ fn short(value: f64) -> String {
 /// all gestures is marked, unless it falls on a missed one.
 pub(in crate::report) fn latencies(latencies: &[Option<i32>]) -> Markup {
     let recognised: Vec<i32> = latencies.iter().copied().flatten().collect();
-    let mut sorted: Vec<f64> = recognised
+    let milliseconds = recognised
         .iter()
-        .map(|&samples| latency::milliseconds(samples))
-        .collect();
+        .map(|&samples| latency::milliseconds(samples));
+    let mut sorted: Vec<f64> = milliseconds.collect();
     sorted.sort_by(f64::total_cmp);
     let quantiles = latency::summary(&recognised, latencies.len());
-    let mut summary = format!(
-        "{} of {} gestures recognised",
-        recognised.len(),
-        latencies.len()
-    );
+    let of = latencies.len();
+    let mut summary = format!("{} of {of} gestures recognised", recognised.len());
     if let Some(of) = quantiles {
         let (median, p90) = (quantile(of.median), quantile(of.p90));
         summary += &format!(", median {median} ms, 90 % {p90} ms").replace("missed ms", "missed");
     }
-    let Bins {
-        start,
-        width,
-        counts,
-    } = bins(&sorted);
+    let (start, width, counts) = bins(&sorted);
     let highest = counts.iter().copied().max().unwrap_or(0).max(1);
     let top = f64::from(highest) * 1.08;
     let chart = Chart {
@@ -192,22 +185,12 @@ pub(in crate::report) fn latencies(latencies: &[Option<i32>]) -> Markup {
         @if let Some(Latency::Ms(middle)) = quantiles.map(|of| of.median) { (upright(middle, LINES[1], 2.5)) }
         (text("start", (50.0, 16.0), 12.0, INK, &summary))
     };
-    picture(
-        (WIDTH, chart.height),
-        "Latency of gestures",
-        &summary,
-        &body,
-    )
+    let size = (WIDTH, chart.height);
+    picture(size, "Latency of gestures", &summary, &body)
 }
 
-struct Bins {
-    start: f64,
-    width: f64,
-    counts: Vec<u32>,
-}
-
-/// Bins of a round width, at most 41, the last value in the last one.
-fn bins(sorted: &[f64]) -> Bins {
+/// Bins of a round width, at most 41, the last value in the last one: start of the first, width, counts.
+fn bins(sorted: &[f64]) -> (f64, f64, Vec<u32>) {
     let low = sorted.first().copied().unwrap_or(0.0);
     let high = sorted.last().copied().unwrap_or(0.0);
     // 10 ms: two samples; narrower bins would show the armband's clock.
@@ -218,11 +201,7 @@ fn bins(sorted: &[f64]) -> Bins {
     for &value in sorted {
         counts[place(value)] += 1;
     }
-    Bins {
-        start,
-        width,
-        counts,
-    }
+    (start, width, counts)
 }
 
 #[cfg(test)]
@@ -264,13 +243,9 @@ mod tests {
 
     #[test]
     fn every_latency_falls_into_one_bin_of_round_width() {
-        let bins = bins(&[-95.0, 0.0, 5.0, 304.0]);
-        assert_eq!((bins.start, bins.width), (-100.0, 10.0));
-        assert_eq!(bins.counts.len(), 41);
-        assert_eq!(
-            (bins.counts[0], bins.counts[10], bins.counts[40]),
-            (1, 2, 1)
-        );
+        let (start, width, counts) = bins(&[-95.0, 0.0, 5.0, 304.0]);
+        assert_eq!((start, width, counts.len()), (-100.0, 10.0, 41));
+        assert_eq!((counts[0], counts[10], counts[40]), (1, 2, 1));
     }
 
     #[test]
