@@ -61,39 +61,30 @@ impl Entry<'_> {
         named: bool,
     ) -> Result<Vec<Timeline<'_>>, EvaluationError> {
         let measure = Measure::BalancedAccuracy;
-        let mut people: Vec<_> = over_all(&self.scores)
-            .flat_map(|score| measure.values(score))
-            .collect();
+        let values = over_all(&self.scores).flat_map(|score| measure.values(score));
+        let mut people: Vec<_> = values.collect();
         people.sort_by(|a, b| a.1.total_cmp(&b.1));
         let best = people.iter().skip(worst).last();
         let drawn = people.iter().take(worst).chain(best);
-        let busiest = drawn
-            .filter_map(|(subject, _)| self.busiest(|recording| recording.subject == *subject));
-        busiest
-            .map(|(at, part)| {
-                let start = part.start;
-                let mut shown = self.timeline(at, part)?;
-                if start > 0 {
-                    shown.recording += &format!(", from {} s", start / SAMPLE_RATE_HZ as usize);
-                }
-                if named {
-                    shown.recording += &format!(" · {}", self.name);
-                }
-                Ok(shown)
-            })
-            .collect()
+        let mut timelines = Vec::new();
+        for (at, part) in drawn.filter_map(|(subject, _)| self.busiest(subject)) {
+            let second = part.start / SAMPLE_RATE_HZ as usize;
+            let mut shown = self.timeline(at, part)?;
+            if second > 0 {
+                shown.recording += &format!(", from {second} s");
+            }
+            if named {
+                shown.recording += &format!(" · {}", self.name);
+            }
+            timelines.push(shown);
+        }
+        Ok(timelines)
     }
 
-    /// The 20 s with the most gestures among the recordings that are wanted.
-    fn busiest(
-        &self,
-        wanted: impl Fn(&EvaluatedRecording) -> bool,
-    ) -> Option<(usize, Range<usize>)> {
-        let own = self
-            .recordings
-            .iter()
-            .enumerate()
-            .filter(|(_, recording)| wanted(recording));
+    /// The 20 s of a person's recordings with the most gestures.
+    fn busiest(&self, subject: &str) -> Option<(usize, Range<usize>)> {
+        let all = self.recordings.iter().enumerate();
+        let own = all.filter(|(_, recording)| recording.subject == subject);
         own.map(|(at, recording)| (at, busiest_part(recording)))
             .max_by_key(|(at, part)| onsets(&self.recordings[*at], part))
     }

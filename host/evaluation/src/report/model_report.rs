@@ -31,11 +31,8 @@ pub fn write(
     };
     let names: Vec<&str> = entries.iter().map(|entry| &entry.name[..]).collect();
     let mut provenance = vec![(String::new(), facts(results))];
-    provenance.extend(
-        entries
-            .iter()
-            .map(|entry| (entry.name.clone(), entry.facts.clone())),
-    );
+    let of_entry = |entry: &Entry<'_>| (entry.name.clone(), entry.facts.clone());
+    provenance.extend(entries.iter().map(of_entry));
     let people = people_table(&first.everybody(), &|subject| remark(results, subject));
     let report = Page {
         title: format!("Evaluation of {}", names.join(", ")),
@@ -137,28 +134,24 @@ fn of_first(results: &ModelResults) -> impl Iterator<Item = &Score> {
 
 /// Remarks on a person: who has seen it, and whether it is a test person.
 fn remark(results: &ModelResults, subject: &str) -> String {
-    let found = results.subjects.iter().find(|own| own.subject == subject);
-    let Some(found) = found else {
-        return String::new();
+    let remark = |own: &EvaluatedSubject| {
+        let test = own.test.then(|| "test person".to_owned());
+        let seen = format!("seen in training by {}", own.seen_by.join(", "));
+        let both = test
+            .into_iter()
+            .chain((!own.seen_by.is_empty()).then_some(seen));
+        both.collect::<Vec<_>>().join("; ")
     };
-    let mut remarks = Vec::new();
-    if found.test {
-        remarks.push("test person".to_owned());
-    }
-    if !found.seen_by.is_empty() {
-        remarks.push(format!("seen in training by {}", found.seen_by.join(", ")));
-    }
-    remarks.join("; ")
+    let found = results.subjects.iter().find(|own| own.subject == subject);
+    found.map_or_else(String::new, remark)
 }
 
 /// Table with a row for each person and model, of all data sets together.
 #[must_use]
 pub fn people_rows(results: &ModelResults) -> Table {
     let start = ["subject", "model"].into_iter();
-    let mut table = Table::new(
-        "",
-        start.chain(COLUMNS.map(|(name, _)| name)).chain(["remark"]),
-    );
+    let names = start.chain(COLUMNS.map(|(name, _)| name));
+    let mut table = Table::new("", names.chain(["remark"]));
     let mut models: Vec<&str> = Vec::new();
     for score in &results.scores {
         if !models.contains(&&score.model[..]) {
@@ -193,18 +186,18 @@ pub(super) fn facts(results: &ModelResults) -> Vec<Fact> {
         0 => String::new(),
         percent => format!("{percent} %"),
     };
+    let [seen, test, openings] = [
+        &results.left_out_seen,
+        &results.left_out_test,
+        &results.left_out_openings,
+    ]
+    .map(|people| people.join(", "));
     let mut facts = stated([
         ("evaluated", evaluated.join(", ")),
-        (
-            "left out: seen in training",
-            results.left_out_seen.join(", "),
-        ),
-        ("left out: test people", results.left_out_test.join(", ")),
+        ("left out: seen in training", seen),
+        ("left out: test people", test),
         ("armband", placement(results.worn)),
-        (
-            "left out: fewer than two openings of the hand",
-            results.left_out_openings.join(", "),
-        ),
+        ("left out: fewer than two openings of the hand", openings),
         ("notifications lost and bridged", lost),
     ]);
     facts.extend(labels(&results.lags, &results.gestures));
@@ -250,16 +243,16 @@ fn alignments(results: &ModelResults) -> Option<Table> {
         "Alignment by two openings of the hand, against the frame of the data set; people";
     let mut table = Table::new(caption, ["model"].into_iter().chain(columns));
     for model in &results.models {
-        let own = || {
-            results
+        let count = |wanted: fn(&&AlignedSubject) -> bool| {
+            let own = results
                 .alignments
                 .iter()
-                .filter(|own| own.model == model.name)
+                .filter(|own| own.model == model.name);
+            own.filter(wanted).count().to_string()
         };
-        let count = |wanted: fn(&&AlignedSubject) -> bool| own().filter(wanted).count().to_string();
         table.push([
             model.name.clone(),
-            own().count().to_string(),
+            count(|_| true),
             count(|own| own.places_off == Some(0)),
             count(|own| own.places_off == Some(1)),
             count(|own| own.places_off.is_some_and(|places| places > 1)),

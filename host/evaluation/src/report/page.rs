@@ -6,7 +6,7 @@ use execution::run_folder::write_whole;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Fact;
-use super::cell::{quantile, rate};
+use super::cell::{none, quantile, rate};
 use super::device;
 use super::entry::{Entry, over_all};
 use super::pictures::{
@@ -170,19 +170,10 @@ fn errors(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
 
 /// Recordings with true and emitted labels.
 fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
-    let (worst, drawn) = match entries {
-        [_] => (
-            WORST,
-            "The people with the lowest balanced accuracy, the worst first, then the best one",
-        ),
-        _ => (
-            1,
-            "The person with the lowest balanced accuracy of each model, then its best one",
-        ),
-    };
+    let several = entries.len() > 1;
     let mut timelines = Vec::new();
     for entry in entries {
-        timelines.extend(entry.drawn(worst, entries.len() > 1)?);
+        timelines.extend(entry.drawn(if several { 1 } else { WORST }, several)?);
     }
     Ok(html! {
         @if !timelines.is_empty() {
@@ -190,7 +181,10 @@ fn recordings(entries: &[Entry<'_>]) -> Result<Markup, EvaluationError> {
                 "Rectified EMG, all channels on one scale. Thin lines mark where the true label changes; the emitted label should \
                  change near them."
             }
-            h3 { (drawn) }
+            h3 {
+                @if several { "The person with the lowest balanced accuracy of each model, then its best one" }
+                @else { "The people with the lowest balanced accuracy, the worst first, then the best one" }
+            }
             @for recording in &timelines { figure { (timeline::svg(recording)) } }
         }
     })
@@ -224,12 +218,8 @@ fn headline(entry: &Entry<'_>) -> Markup {
         let shown = estimated(own, measure);
         let (value, interval) = shown.split_once(' ').unwrap_or((&shown, ""));
         let floor = energy.and_then(|floor| measure.mean(floor));
-        tile(
-            name,
-            value,
-            interval,
-            floor.map(|floor| format!("{:.3}", floor.mean)),
-        )
+        let floor = floor.map(|floor| format!("{:.3}", floor.mean));
+        tile(name, value, interval, floor)
     };
     let median = |score: &Score| score.events.latency.map(|own| quantile(own.median));
     let false_rate = |score: &Score| {
@@ -237,7 +227,7 @@ fn headline(entry: &Entry<'_>) -> Markup {
         shown.split(' ').next().unwrap_or_default().to_owned()
     };
     let people = own.widest().subjects.len().to_string();
-    let latency = median(own).unwrap_or_else(|| "-".to_owned());
+    let latency = median(own).unwrap_or_else(none);
     html! {
         ul.headline {
             (tile("people", &people, &own.people.told(own.classes), None))

@@ -131,12 +131,9 @@ fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
         ("revision", revision.to_owned()),
         ("look-ahead", results.aggregation.name().to_owned()),
     ];
-    let facts = facts
-        .map(|(name, value)| (name.to_owned(), value))
-        .into_iter();
+    let mut facts = facts.map(|(name, value)| (name.to_owned(), value)).to_vec();
+    facts.extend(labels(&config.lags, &results.gestures));
     facts
-        .chain(labels(&config.lags, &results.gestures))
-        .collect()
 }
 
 /// Note on the people of a row, and on columns of fewer people.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use recordings::statistics::{Interval, MeanSd};
 
-use super::{INK, Point, ShareAxis, circle, line, picture, shortened, text};
+use super::{INK, ShareAxis, circle, line, picture, shortened, text};
 use crate::report::cell;
 use crate::{Group, Measure, Score};
 
@@ -29,18 +29,11 @@ const LETTERS: usize = 27;
 /// Picture with a row for each score, in its colour: a point for each mean, and a line over its 95 % interval.
 pub(in crate::report) fn overview(rows: &[(&str, &Score)]) -> Markup {
     let told = rows.iter().map(|(_, score)| {
-        let mean = DRAWN[0].0.mean(score);
-        format!(
-            "{} {}",
-            name(score),
-            mean.map_or_else(|| "-".to_owned(), number)
-        )
+        let mean = DRAWN[0].0.mean(score).map_or_else(cell::none, number);
+        format!("{} {mean}", name(score))
     });
-    let told = told.collect::<Vec<_>>().join(", ");
-    let description = format!(
-        "Means over people with 95 % intervals. {}: {told}.",
-        DRAWN[0].1
-    );
+    let (told, first) = (told.collect::<Vec<_>>().join(", "), DRAWN[0].1);
+    let description = format!("Means over people with 95 % intervals. {first}: {told}.");
     let bottom = HEAD + ROW * rows.len() as f64;
     let middle = |row: usize| HEAD + ROW * (row as f64 + 0.5);
     let body = html! {
@@ -53,33 +46,19 @@ pub(in crate::report) fn overview(rows: &[(&str, &Score)]) -> Markup {
             (axis.grid(HEAD, bottom, bottom + 11.0))
             @for (at, (colour, score)) in rows.iter().enumerate() {
                 @if let Some(mean) = measure.mean(score) {
-                    (mean_and_interval(axis, middle(at), colour, mean, measure.interval(score)))
+                    @let place = |share: f64| (axis.x(share), middle(at));
+                    @if let Some(Interval { low, high }) = measure.interval(score) {
+                        (line(place(low), place(high), colour, 2.5))
+                    }
+                    (circle(place(mean.mean), 5.0, colour))
                     @let told = cell::of_people(number(mean), mean.n, score.widest().subjects.len());
                     (text("end", (axis.x(1.0) + NUMBER - 4.0, middle(at)), 12.0, INK, told))
                 }
             }
         }
     };
-    picture(
-        (WIDTH, bottom + FOOT),
-        "Scores at a glance",
-        &description,
-        &body,
-    )
-}
-
-fn mean_and_interval(
-    axis: ShareAxis,
-    y: f64,
-    colour: &str,
-    mean: MeanSd,
-    interval: Option<Interval>,
-) -> Markup {
-    let at = |share: f64| -> Point { (axis.x(share), y) };
-    html! {
-        @if let Some(Interval { low, high }) = interval { (line(at(low), at(high), colour, 2.5)) }
-        (circle(at(mean.mean), 5.0, colour))
-    }
+    let size = (WIDTH, bottom + FOOT);
+    picture(size, "Scores at a glance", &description, &body)
 }
 
 fn name(score: &Score) -> String {

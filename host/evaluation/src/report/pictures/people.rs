@@ -38,17 +38,14 @@ pub(in crate::report) fn bars(
     floors: &[&Score],
 ) -> Option<Markup> {
     let people = people(entries, floors);
-    let lowest = people.first()?.subject;
-    let columns = columns(people.len());
-    let in_column = people.len().div_ceil(columns);
+    let (lowest, count) = (people.first()?.subject, people.len());
+    let columns = columns(count);
+    let in_column = count.div_ceil(columns);
     let row = BAR * entries.len() as f64 + GAP;
     // One column alone needs no whole page.
     let width = if columns == 1 { 640.0 } else { WIDTH };
     let column = width / columns as f64;
-    let description = format!(
-        "Balanced accuracy of {} people, the lowest {lowest}.",
-        people.len()
-    );
+    let description = format!("Balanced accuracy of {count} people, the lowest {lowest}.");
     let body = html! {
         (legend(entries, floors))
         @for (number, own) in people.chunks(in_column).enumerate() {
@@ -60,12 +57,8 @@ pub(in crate::report) fn bars(
         }
     };
     let size = (width, HEAD + row * in_column as f64 + 6.0);
-    Some(picture(
-        size,
-        "Balanced accuracy, a bar a person",
-        &description,
-        &body,
-    ))
+    let title = "Balanced accuracy, a bar a person";
+    Some(picture(size, title, &description, &body))
 }
 
 /// Number of columns that these people stand in, side by side.

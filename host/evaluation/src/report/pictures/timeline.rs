@@ -46,19 +46,11 @@ const TRACE: &str = "#52606D";
 
 /// Picture of a recording.
 pub(in crate::report) fn svg(timeline: &Timeline<'_>) -> Markup {
-    let Timeline {
-        emg,
-        truth,
-        emitted,
-        ..
-    } = timeline;
-    let title = format!(
-        "EMG and labels: {}, {}",
-        timeline.subject, timeline.recording
-    );
-    let axis = Axis {
-        samples: emg.len().max(truth.len()).max(emitted.len()).max(1),
-    };
+    let (emg, truth, emitted) = (timeline.emg, timeline.truth, &timeline.emitted);
+    let (subject, recording) = (timeline.subject, &timeline.recording);
+    let title = format!("EMG and labels: {subject}, {recording}");
+    let samples = emg.len().max(truth.len()).max(emitted.len()).max(1);
+    let axis = Axis { samples };
     let description = format!(
         "{:.1} s of eight channels; below them {} true and {} emitted runs of one label each.",
         axis.samples as f64 / f64::from(SAMPLE_RATE_HZ),
